@@ -1,0 +1,67 @@
+"""The package as a Python library."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.io.config import as_scene, for_life
+from bearingwear.io.netcdf import dataset
+from bearingwear.model.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def solve(
+    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene, fidelity: str | None = None
+) -> xr.Dataset:
+    """Solve one scene.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+        A scene file, a dict of the same shape, or a `Scene`.
+    fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
+        Overrides `model.fidelity` of the scene.
+
+    Returns
+    -------
+    xarray.Dataset
+        What a case file holds, and the attribute `wall_time_s`. Its `status` is 0 where the
+        numbers may be used.
+
+    Raises
+    ------
+    SceneError, NotAvailable
+        Both are ValueErrors: the scene is wrong, or no model solves it.
+    """
+    checked = as_scene(scene)
+    from bearingwear.model.solve import solve as solved
+
+    return dataset(solved(checked, fidelity))
+
+
+def life(scene: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> xr.Dataset:
+    """Wear life of one scene.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+        With at least one criterion under `wear.end_of_life`.
+
+    Returns
+    -------
+    xarray.Dataset
+        What a life file holds, and the attribute `wall_time_s`.
+
+    Raises
+    ------
+    SceneError, NotAvailable
+        Both are ValueErrors: the scene is wrong, or no model solves it.
+    """
+    checked = for_life(as_scene(scene))
+    from bearingwear.model.life import life as lived
+
+    return dataset(lived(checked))

@@ -1,0 +1,1 @@
+"""The edges: scene files in, result files out."""

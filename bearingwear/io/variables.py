@@ -1,0 +1,262 @@
+"""The one table of everything a result file can hold: names, dimensions, units, meaning.
+
+Inside the program all values are SI and radians; `scale` takes them to the units of the file.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+
+DEGREE = 180.0 / math.pi
+HOUR = 1.0 / 3600.0
+
+RACES = ("inner", "outer")
+AXES = ("axial", "tangential", "radial")
+COUNTS = ("ball", "ball_and_races")
+CRITERIA = (
+    "preload_fraction",
+    "gyroscopic_slip_share",
+    "skid_ratio",
+    "ball_diameter_loss_um",
+    "none",
+)
+BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of a result file.
+
+    Attributes
+    ----------
+    name : str
+    dims : tuple of str
+    units : str
+        In the file; empty for flags, which have none.
+    long_name : str
+    dtype : str
+        `f8` has NaN as `_FillValue`; whole numbers have no fill value.
+    scale : float
+        What takes the program's SI value to the file's units.
+    flags : tuple of str, optional
+        Meanings of 0, 1, ...
+    comment : str, optional
+    always : bool
+        Written also where it was not solved, as `_FillValue`; others are then left out.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+    dtype: str = "f8"
+    scale: float = 1.0
+    flags: tuple[str, ...] | None = None
+    comment: str | None = None
+    always: bool = False
+
+
+def _table(*variables: Variable) -> dict[str, Variable]:
+    return {v.name: v for v in variables}
+
+
+BALL, RACE, BOTH = ("ball",), ("race",), ("ball", "race")
+STRIPS = ("ball", "race", "strip")
+
+COORDINATES = _table(
+    Variable("ball", BALL, "1", "number of the ball", "i4"),
+    Variable("race", RACE, "", "race", "i1", flags=RACES),
+    Variable("axis", ("axis",), "", "axis of the ball's azimuth frame", "i1", flags=AXES),
+    Variable("strip", ("strip",), "1", "number of the strip on the contact ellipse", "i4"),
+    Variable("counts", ("counts",), "", "what wear counts as loss", "i1", flags=COUNTS),
+    Variable("steady_state", ("steady_state",), "1", "number of the steady state", "i4"),
+    Variable("step", ("step",), "1", "number of the step along the life", "i4"),
+)
+
+STRIP_POSITION = Variable(
+    "strip_position",
+    ("strip",),
+    "1",
+    "position of the strip's middle over the semi-major axis",
+    comment="+1 is the end towards the bearing axis' positive direction",
+)
+
+STATUS = Variable(
+    "status",
+    (),
+    "",
+    "whether the numbers may be used",
+    "i1",
+    flags=STATUS_NAMES,
+    comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES),
+)
+
+CASE = _table(
+    STATUS,
+    Variable("contact_load", BOTH, "N", "normal load of the contact", always=True),
+    Variable("contact_angle", BOTH, "degree", "contact angle", scale=DEGREE, always=True),
+    Variable("semi_major_axis", BOTH, "m", "semi-major axis of the contact ellipse", always=True),
+    Variable("semi_minor_axis", BOTH, "m", "semi-minor axis of the contact ellipse", always=True),
+    Variable("maximum_pressure", BOTH, "Pa", "largest contact pressure", always=True),
+    Variable(
+        "qv", BOTH, "W", "integral of load times slip speed over the contact (QV)", always=True
+    ),
+    Variable("friction_heat", BOTH, "W", "friction heat of the contact", always=True),
+    Variable(
+        "gyroscopic_slip",
+        STRIPS,
+        "m s-1",
+        "slip along the major axis, race minus ball",
+        always=True,
+    ),
+    Variable(
+        "rolling_slip",
+        STRIPS,
+        "m s-1",
+        "slip along the rolling direction, race minus ball",
+        comment="positive towards y of the azimuth frame, against the orbit of a positive rate",
+        always=True,
+    ),
+    Variable(
+        "ball_angular_velocity",
+        ("ball", "axis"),
+        "rad s-1",
+        "absolute angular velocity of the ball in its azimuth frame",
+        always=True,
+    ),
+    Variable("orbit_speed", BALL, "rad s-1", "orbit rate of the ball", always=True),
+    Variable("spin_to_roll_ratio", BOTH, "1", "spin over roll of ball against race", always=True),
+    Variable(
+        "residual_preload", (), "N", "axial force of all balls on the inner race", always=True
+    ),
+    Variable(
+        "axial_displacement",
+        (),
+        "m",
+        "axial displacement of the inner race",
+        comment="from the free-contact, unworn position",
+        always=True,
+    ),
+    Variable(
+        "gyroscopic_slip_share",
+        BOTH,
+        "1",
+        "gyroscopic share of the slip, weighted by load",
+        always=True,
+    ),
+    Variable("total_qv", (), "W", "QV of the whole bearing", always=True),
+    Variable(
+        "shaft_torque", (), "N m", "torque of the inner race on the balls, whole bearing",
+        always=True,
+    ),
+    Variable("drag_power", (), "W", "power of the lubricant drag, whole bearing", always=True),
+    Variable("axial_stiffness", (), "N m-1", "axial stiffness at constant speed", always=True),
+    Variable("ball_wear_rate", BALL, "m3 s-1", "wear rate of one ball", always=True),
+    Variable("race_wear_rate", RACE, "m3 s-1", "wear rate of the whole race", always=True),
+    Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets"),
+    Variable("cage_land_wear_rate", (), "m3 s-1", "wear rate of the cage at its guiding land"),
+    Variable("cage_friction_heat", (), "W", "friction heat of the cage"),
+    Variable("cage_speed", (), "rad s-1", "speed of the cage"),
+    Variable("ball_diameter_loss", BALL, "m", "loss of ball diameter by wear"),
+    Variable(
+        "ball_diameter_loss_rate",
+        ("counts",),
+        "m s-1",
+        "rate of the loss of ball diameter, mean over the balls",
+    ),
+    Variable("initial_axial_displacement", (), "m", "axial displacement at rest, unworn"),
+    Variable("gyroscopic_moment", BALL, "N m", "gyroscopic moment on the ball, magnitude"),
+    Variable("centrifugal_force", BALL, "N", "centrifugal force on the ball"),
+    Variable("contact_track_radius", BOTH, "m", "radius of the contact's track about the axis"),
+    Variable(
+        "race_control", BALL, "", "race that controls the ball", "i1", flags=("outer", "inner")
+    ),
+    Variable(
+        "skid_ratio",
+        (),
+        "1",
+        "lag of the orbit behind pure rolling, over the pure-rolling rate",
+    ),
+    Variable("stable", (), "", "stability of the state", "i1", flags=("unstable", "stable")),
+    Variable("fast_time_scale", (), "s", "time in which slip settles"),
+    Variable("slow_time_scale", (), "s", "time in which the spin axis settles"),
+    Variable("steady_state_branch", (), "", "where the ball spins", "i1", flags=BRANCHES),
+    Variable("steady_state_count", (), "1", "number of steady states found", "i4"),
+    Variable("steady_state_orbit_speed", ("steady_state",), "rad s-1", "orbit rate of each state"),
+    Variable("steady_state_total_qv", ("steady_state",), "W", "QV of the bearing in each state"),
+    Variable(
+        "steady_state_stable",
+        ("steady_state",),
+        "",
+        "stability of each state",
+        "i1",
+        flags=("unstable", "stable"),
+    ),
+    Variable(
+        "friction_residual", (), "1", "friction balance after the solve, over friction forces"
+    ),
+    Variable(
+        "equilibrium_residual", (), "1", "normal force balance after the solve, over contact load"
+    ),
+    Variable(
+        "discretisation_residual",
+        (),
+        "1",
+        "friction balance with four times the points, over friction forces",
+    ),
+    Variable(
+        "discretisation_error_qv", (), "1", "change of QV with four times the points, over QV"
+    ),
+    Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
+)  # fmt: skip
+
+STEP, STEP_RACE, STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
+
+LIFE = _table(
+    STATUS,
+    Variable("life", ("counts",), "h", "time to the end of life", scale=HOUR, always=True),
+    Variable(
+        "normalised_life",
+        ("counts",),
+        "s Pa-1",
+        "life times wear coefficient over hardness of the balls",
+        always=True,
+    ),
+    Variable(
+        "life_error_bound",
+        ("counts",),
+        "h",
+        "bound on the integration error of the life",
+        scale=HOUR,
+        always=True,
+    ),
+    Variable(
+        "end_criterion", (), "", "the criterion that was met first", "i1", flags=CRITERIA,
+        always=True,
+    ),
+    Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life", always=True),
+    Variable("history_ball_diameter_loss", STEP, "m", "loss of ball diameter"),
+    Variable("history_time", STEP_COUNTS, "h", "time since the start", scale=HOUR),
+    Variable("history_residual_preload", STEP, "N", "axial force of all balls on the inner race"),
+    Variable("history_total_qv", STEP, "W", "QV of the whole bearing"),
+    Variable("history_qv", STEP_RACE, "W", "QV of one ball"),
+    Variable("history_contact_angle", STEP_RACE, "degree", "contact angle", scale=DEGREE),
+    Variable("history_contact_load", STEP_RACE, "N", "normal load of the contact"),
+    Variable(
+        "history_gyroscopic_slip_share",
+        STEP_RACE,
+        "1",
+        "gyroscopic share of the slip, weighted by load",
+    ),
+    Variable("history_skid_ratio", STEP, "1", "lag of the orbit behind pure rolling"),
+    Variable(
+        "history_ball_diameter_loss_rate", STEP_COUNTS, "m s-1", "rate of the loss of ball diameter"
+    ),
+    Variable("history_ball_wear_rate", STEP, "m3 s-1", "wear rate of one ball"),
+    Variable("history_race_wear_rate", STEP_RACE, "m3 s-1", "wear rate of the whole race"),
+)  # fmt: skip
+
+TABLE = CASE | LIFE

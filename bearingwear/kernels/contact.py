@@ -1,0 +1,225 @@
+"""Slip, traction and heat of one ball/race contact (theory.md section 3).
+
+A point at x along the major axis lies h(x) from the ball's centre. There the slip (race minus ball)
+is linear in four numbers c of the contact, which are linear in the ball's motion
+u = (w_x, w_y, w_z, Omega):
+
+    v1 = c_1 h,    v2 = c_0 + c_h h + c_x x,    c = L u + const
+
+and the traction is minus the gradient of the convex Phi = sum mu dQ sqrt(|v|^2 + v_r^2). The loops
+below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries them to
+the ball.
+"""
+
+import math
+
+import numpy as np
+
+from bearingwear.kernels.compile import REORDER_SUMS, jit
+
+
+@jit
+def slip_coefficients(contact, u, r):
+    """Slip along the two contact axes as (c_1, c_0, c_h, c_x) (theory.md Eqs. 9-10).
+
+    Parameters
+    ----------
+    contact : Contact
+    u : ndarray (4,)
+        Ball angular velocity (axial, tangential, radial) and orbit rate [rad/s].
+    r : float
+        Orbit radius [m].
+    """
+    w_rel = u[0] - contact.omega
+    return (
+        -contact.sigma * u[1],
+        (u[3] - contact.omega) * r,
+        contact.sigma * (w_rel * contact.cos_a - u[2] * contact.sin_a),
+        -(w_rel * contact.sin_a + u[2] * contact.cos_a),
+    )
+
+
+@jit
+def surface_height(contact, R, t, h):
+    """Distance h of the contact's points from the ball centre along its normal (Eq. 8) [m].
+
+    Parameters
+    ----------
+    R : float
+        Ball radius [m].
+    t : ndarray (n,)
+        Positions x/a.
+    h : ndarray (n,)
+        Filled.
+    """
+    R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
+    a = contact.a
+    base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
+    for k in range(t.size):
+        x = a * t[k]
+        h[k] = math.sqrt(R_d * R_d - x * x) + base
+
+
+@jit(fastmath=REORDER_SUMS)
+def traction(contact, c, mu, v_r, t, weight, h, gradient):
+    """Gradient of Phi by c: generalised friction of one contact.
+
+    Parameters
+    ----------
+    c : tuple of 4 floats
+        `slip_coefficients`.
+    t, weight, h : ndarray (n,)
+        Positions x/a, shares of the load, heights.
+    gradient : ndarray (4,)
+        Filled: sums of h F1, F2, h F2, x F2, F the force of the race on the ball [N m; F2 in N].
+    """
+    c_1, c_0, c_h, c_x = c
+    a, v_r2 = contact.a, v_r * v_r
+    g_1 = g_0 = g_h = g_x = 0.0
+    for k in range(t.size):
+        hk, x = h[k], a * t[k]
+        v1 = c_1 * hk
+        v2 = c_0 + c_h * hk + c_x * x
+        f = weight[k] / math.sqrt(v1 * v1 + v2 * v2 + v_r2)
+        g_1 += f * v1 * hk
+        f2 = f * v2
+        g_0 += f2
+        g_h += f2 * hk
+        g_x += f2 * x
+    scale = mu * contact.Q
+    gradient[0] = scale * g_1
+    gradient[1] = scale * g_0
+    gradient[2] = scale * g_h
+    gradient[3] = scale * g_x
+
+
+@jit(fastmath=REORDER_SUMS)
+def traction_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
+    """Gradient (4,) and second derivatives (4, 4) of Phi by c, as `traction`."""
+    c_1, c_0, c_h, c_x = c
+    a, v_r2 = contact.a, v_r * v_r
+    g_1 = g_0 = g_h = g_x = 0.0
+    p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
+    s_0 = s_h = s_x = s_1 = 0.0
+    for k in range(t.size):
+        hk, x = h[k], a * t[k]
+        v1 = c_1 * hk
+        v2 = c_0 + c_h * hk + c_x * x
+        e1 = v1 * v1 + v_r2
+        w2 = e1 + v2 * v2
+        f = weight[k] / math.sqrt(w2)
+        g_1 += f * v1 * hk
+        f2 = f * v2
+        g_0 += f2
+        g_h += f2 * hk
+        g_x += f2 * x
+        f3 = f / w2
+        p = f3 * e1  # second derivative by v2
+        p_00 += p
+        ph = p * hk
+        p_0h += ph
+        p_hh += ph * hk
+        p_hx += ph * x
+        px = p * x
+        p_0x += px
+        p_xx += px * x
+        s = -f3 * v1 * v2 * hk  # by v1 and v2
+        s_0 += s
+        s_h += s * hk
+        s_x += s * x
+        s_1 += f3 * (v2 * v2 + v_r2) * hk * hk  # by v1
+    scale = mu * contact.Q
+    gradient[0] = scale * g_1
+    gradient[1] = scale * g_0
+    gradient[2] = scale * g_h
+    gradient[3] = scale * g_x
+    hessian[0, 0] = scale * s_1
+    hessian[0, 1] = hessian[1, 0] = scale * s_0
+    hessian[0, 2] = hessian[2, 0] = scale * s_h
+    hessian[0, 3] = hessian[3, 0] = scale * s_x
+    hessian[1, 1] = scale * p_00
+    hessian[1, 2] = hessian[2, 1] = scale * p_0h
+    hessian[1, 3] = hessian[3, 1] = scale * p_0x
+    hessian[2, 2] = scale * p_hh
+    hessian[2, 3] = hessian[3, 2] = scale * p_hx
+    hessian[3, 3] = scale * p_xx
+
+
+@jit
+def slip_map(contact, r, L):
+    """Fill L = dc/du (4, 4), rows (c_1, c_0, c_h, c_x), columns (w_x, w_y, w_z, Omega)."""
+    L[:, :] = 0.0
+    L[0, 1] = -contact.sigma
+    L[1, 3] = r
+    L[2, 0] = contact.sigma * contact.cos_a
+    L[2, 2] = -contact.sigma * contact.sin_a
+    L[3, 0] = -contact.sin_a
+    L[3, 2] = -contact.cos_a
+
+
+@jit
+def slip(contact, c, t, h, v1, v2):
+    """Slip velocity at the points t, along the major axis (v1) and the rolling direction (v2)."""
+    c_1, c_0, c_h, c_x = c
+    for k in range(t.size):
+        v1[k] = c_1 * h[k]
+        v2[k] = c_0 + c_h * h[k] + c_x * contact.a * t[k]
+
+
+@jit
+def dissipation(contact, c, mu, v_r, r, t, weight, h):
+    """What the slip costs, and the power through the contact.
+
+    Returns
+    -------
+    qv : float
+        Integral of |v| dQ [W].
+    heat : float
+        Integral of dF.v [W].
+    gyro_share : float
+        Integral of |v1| dQ over that of |v| dQ [1].
+    torque : float
+        Torque of the race on the ball about the bearing axis, with each strip's own lever [N m].
+    """
+    c_1, c_0, c_h, c_x = c
+    qv = heat = gyro = torque = 0.0
+    for k in range(t.size):
+        x = contact.a * t[k]
+        v1 = c_1 * h[k]
+        v2 = c_0 + c_h * h[k] + c_x * x
+        v = math.sqrt(v1 * v1 + v2 * v2)
+        dQ = weight[k] * contact.Q
+        F = mu * dQ / math.sqrt(v * v + v_r * v_r)
+        qv += v * dQ
+        gyro += abs(v1) * dQ
+        heat += F * v * v
+        # Distance of the point from the bearing axis; a force along +y turns about -X.
+        torque -= F * v2 * (r + contact.sigma * h[k] * contact.cos_a - x * contact.sin_a)
+    return qv, heat, (gyro / qv if qv > 0.0 else 0.0), torque
+
+
+def equal_strips(n):
+    """Positions and load shares of n equal strips (the paper's way).
+
+    The share is the strip's own part of the semi-ellipsoidal pressure, exact for constant slip.
+
+    Returns
+    -------
+    t, weight : ndarray (n,)
+    """
+    edges = np.linspace(-1.0, 1.0, n + 1)
+    t = 0.5 * (edges[1:] + edges[:-1])
+    cumulative = 0.75 * (edges - edges**3 / 3.0)
+    return t, np.diff(cumulative)
+
+
+def gauss_halves(n):
+    """Positions and load shares of Gauss-Legendre points on each half of the major axis.
+
+    n points in all (one more if n is odd).
+    """
+    x, w = np.polynomial.legendre.leggauss((n + 1) // 2)
+    half = 0.5 * (x + 1.0)
+    t = np.concatenate([-half[::-1], half])
+    w = 0.5 * np.concatenate([w[::-1], w])
+    return t, 0.75 * (1.0 - t * t) * w

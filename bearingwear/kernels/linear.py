@@ -1,0 +1,41 @@
+"""Solution of the small dense linear systems of the solvers, without allocation."""
+
+from bearingwear.kernels.compile import jit
+
+
+@jit
+def solve_in_place(A, b, n):
+    """Solve A x = b by Gaussian elimination with row pivoting; x replaces b, A is destroyed.
+
+    Parameters
+    ----------
+    A : ndarray (>= n, >= n)
+    b : ndarray (>= n,)
+    n : int
+
+    Returns
+    -------
+    bool
+        False where A is singular.
+    """
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(A[i, k]) > abs(A[pivot, k]):
+                pivot = i
+        if not abs(A[pivot, k]) > 0.0:
+            return False
+        if pivot != k:
+            for j in range(k, n):
+                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+            b[k], b[pivot] = b[pivot], b[k]
+        for i in range(k + 1, n):
+            factor = A[i, k] / A[k, k]
+            for j in range(k + 1, n):
+                A[i, j] -= factor * A[k, j]
+            b[i] -= factor * b[k]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= A[k, j] * b[j]
+        b[k] /= A[k, k]
+    return True

@@ -1,0 +1,35 @@
+"""Status codes of a solve: what the kernels return, files store and people read."""
+
+OK = 0
+NOT_CONVERGED = 1
+CONTACT_LOST = 2
+NO_STEADY_STATE = 3
+PRELOAD_GONE = 4
+UNDETERMINED = 5
+OUTSIDE_HERTZ_RANGE = 6
+UNVERIFIED = 7
+CRITERION_NOT_REACHED = 8
+
+STATUS_NAMES = (
+    "ok",
+    "not_converged",
+    "contact_lost",
+    "no_steady_state",
+    "preload_gone",
+    "undetermined",
+    "outside_hertz_range",
+    "unverified",
+    "criterion_not_reached",
+)
+
+STATUS_SENTENCES = {
+    "ok": "solved and verified",
+    "not_converged": "the iteration did not converge; no number of this case may be used",
+    "contact_lost": "centrifugal force lifts a ball off the inner race",
+    "no_steady_state": "no stable steady state was found: the balls do not settle",
+    "preload_gone": "wear or load has taken the preload: a ball carries no load at all",
+    "undetermined": "without friction the ball's rotation is undetermined",
+    "outside_hertz_range": "a contact ellipse is too large for its ball for Hertz' small contacts",
+    "unverified": "the answer failed the check made after the solve",
+    "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
+}

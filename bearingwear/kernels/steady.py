@@ -1,0 +1,389 @@
+"""The friction-balanced steady state of a thrust-loaded bearing (theory.md section 4).
+
+One ball stands for all. Unknown are its angular velocity and orbit rate, u = (w_x, w_y, w_z,
+Omega); zero are the three moments and the orbital force on it. Coulomb friction is saturated almost
+everywhere, so a Newton start from afar sees a flat residual; the solver therefore follows the state
+from a nearly viscous friction law (large v_r), where the problem is nearly linear, to the wanted
+v_r. Each level is solved by Newton; where Newton does not get on, implicit Euler steps on the
+ball's true equations of motion carry it, and these end only in a stable state.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.contact import (
+    slip_coefficients,
+    slip_map,
+    surface_height,
+    traction,
+    traction_slope,
+)
+from bearingwear.kernels.equilibrium import (
+    ball_mass,
+    cold_start,
+    thrust_equilibrium,
+)
+from bearingwear.kernels.kinematics import ORBIT
+from bearingwear.kernels.linear import solve_in_place
+from bearingwear.kernels.params import BallLoad, BallState, Contact
+from bearingwear.kernels.status import (
+    CONTACT_LOST,
+    NO_STEADY_STATE,
+    NOT_CONVERGED,
+    OK,
+    OUTSIDE_HERTZ_RANGE,
+)
+
+# Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.
+LARGEST_AXIS = 0.7  # a / R
+
+
+class Preload(NamedTuple):
+    """How the inner race is held."""
+
+    constant_force: bool
+    F_x: float  # preload, used if constant_force [N]
+    delta_a: float  # axial displacement, used if not constant_force [m]
+
+
+class Workspace(NamedTuple):
+    """Buffers of one solve for n points a contact."""
+
+    h: np.ndarray  # (2, n), row 0 inner, 1 outer
+    gradient: np.ndarray  # (4,)
+    hessian: np.ndarray  # (4, 4)
+    L: np.ndarray  # (4, 4)
+    residual: np.ndarray  # (4,)
+    shifted: np.ndarray  # (4,)
+    jacobian: np.ndarray  # (4, 4)
+    matrix: np.ndarray  # (4, 4)
+    step: np.ndarray  # (4,)
+    trial: np.ndarray  # (4,)
+
+
+@jit
+def workspace(n):
+    """Buffers for n points a contact."""
+    return Workspace(
+        np.empty((2, n)), np.empty(4), np.empty((4, 4)), np.empty((4, 4)), np.empty(4),
+        np.empty(4), np.empty((4, 4)), np.empty((4, 4)), np.empty(4), np.empty(4),
+    )  # fmt: skip
+
+
+@jit
+def race_contacts(g, motion, state):
+    """The two loaded contacts (inner, outer) of a ball in equilibrium."""
+    return (
+        Contact(
+            -1.0, state.Q_i, state.hertz_i.c_a * state.Q_i ** (1.0 / 3.0),
+            math.sin(state.alpha_i), math.cos(state.alpha_i), g.r_i, motion.omega_i,
+        ),
+        Contact(
+            1.0, state.Q_o, state.hertz_o.c_a * state.Q_o ** (1.0 / 3.0),
+            math.sin(state.alpha_o), math.cos(state.alpha_o), g.r_o, motion.omega_o,
+        ),
+    )  # fmt: skip
+
+
+@jit
+def drag_force(g, D, drag, Omega):
+    """Lubricant drag along +y on a ball that orbits, and its slope (theory.md Eq. 17)."""
+    c = math.pi / 8.0 * drag * D * D * (0.5 * g.dm) ** 2
+    return c * Omega * abs(Omega), 2.0 * c * abs(Omega)
+
+
+@jit
+def friction_balance(g, D, motion, v_r, state, u, t, weight, work, out, slope):
+    """Moments and orbital moment on the ball: its equations of motion's right-hand side.
+
+    Parameters
+    ----------
+    u : ndarray (4,)
+        (w_x, w_y, w_z, Omega) [rad/s].
+    out : ndarray (4,)
+        Filled: I dw_x/dt, I dw_y/dt, I dw_z/dt, m r^2 dOmega/dt [N m].
+    slope : bool
+        Whether to fill `work.jacobian` too: d out/du with the loads held.
+
+    Returns
+    -------
+    int
+        OUTSIDE_HERTZ_RANGE where an ellipse is as large as its ball, else OK.
+    """
+    r = g.R_o + state.X2
+    R = 0.5 * D
+    J = work.jacobian
+    out[:] = 0.0
+    if slope:
+        J[:, :] = 0.0
+    contacts = race_contacts(g, motion, state)
+    for k in range(2):
+        contact = contacts[k]
+        if contact.a >= LARGEST_AXIS * R:
+            return OUTSIDE_HERTZ_RANGE
+        h = work.h[k]
+        surface_height(contact, R, t, h)
+        c = slip_coefficients(contact, u, r)
+        slip_map(contact, r, work.L)
+        L = work.L
+        G = work.gradient
+        if slope:
+            H = work.hessian
+            traction_slope(contact, c, motion.mu, v_r, t, weight, h, G, H)
+            for i in range(4):
+                for p in range(4):
+                    if L[p, i] != 0.0:
+                        out[i] -= L[p, i] * G[p]
+                        for j in range(4):
+                            s = 0.0
+                            for q in range(4):
+                                s += H[p, q] * L[q, j]
+                            J[i, j] -= L[p, i] * s
+        else:
+            traction(contact, c, motion.mu, v_r, t, weight, h, G)
+            for i in range(4):
+                for p in range(4):
+                    out[i] -= L[p, i] * G[p]
+    inertia = 0.1 * ball_mass(g, D) * D * D
+    out[1] += inertia * u[3] * u[2]
+    out[2] -= inertia * u[3] * u[1]
+    F_v, dF_v = drag_force(g, D, motion.drag, u[3])
+    out[3] -= r * F_v
+    if slope:
+        J[1, 2] += inertia * u[3]
+        J[1, 3] += inertia * u[2]
+        J[2, 1] -= inertia * u[3]
+        J[2, 3] -= inertia * u[1]
+        J[3, 3] -= r * dF_v
+    return OK
+
+
+@jit
+def balance_size(g, D, mu, state, out):
+    """Largest unbalanced moment or orbital force, as a share of the friction forces [1]."""
+    capacity = mu * (state.Q_i + state.Q_o)
+    moment = max(abs(out[0]), abs(out[1]), abs(out[2])) / (0.5 * D)
+    return max(moment, abs(out[3]) / (g.R_o + state.X2)) / capacity
+
+
+@jit
+def orbit_equilibrium(g, D, Omega, preload, delta_a, start):
+    """Ball and race equilibrium at the orbit rate Omega."""
+    load = BallLoad(ORBIT, Omega, 0.0, 0.0)
+    if not preload.constant_force:
+        delta_a = preload.delta_a
+    return thrust_equilibrium(g, D, load, preload.F_x, delta_a, preload.constant_force, start)
+
+
+@jit
+def full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work):
+    """Residual and Jacobian, the loads following the orbit rate.
+
+    That the centrifugal force follows the orbit rate enters as a difference quotient; its step
+    moves the slip by far less than v_r.
+    """
+    status = friction_balance(g, D, motion, v_r, state, u, t, weight, work, work.residual, True)
+    if status != OK:
+        return status
+    scale = max(abs(u[3]), abs(motion.omega_i), abs(motion.omega_o))
+    if scale > 0.0:
+        speed = scale * g.dm
+        dOmega = scale * min(1e-6, max(1e-9, 1e-2 * v_r / speed))
+        delta, moved = orbit_equilibrium(g, D, u[3] + dOmega, preload, delta_a, state)
+        if moved.status == OK:
+            status = friction_balance(
+                g, D, motion, v_r, moved, u, t, weight, work, work.shifted, False
+            )
+            if status == OK:
+                for i in range(4):
+                    work.jacobian[i, 3] += (work.shifted[i] - work.residual[i]) / dOmega
+    return OK
+
+
+@jit
+def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, tolerance, most):
+    """Damped Newton at one v_r; u is improved in place.
+
+    Returns
+    -------
+    status, delta_a, state, iterations, size
+    """
+    trial = work.trial
+    size = 1e300
+    for iteration in range(most):
+        status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work)
+        if status != OK:
+            return status, delta_a, state, iteration, size
+        size = balance_size(g, D, motion.mu, state, work.residual)
+        if size <= tolerance:
+            return OK, delta_a, state, iteration, size
+        work.matrix[:, :] = work.jacobian
+        for i in range(4):
+            work.step[i] = -work.residual[i]
+        if not solve_in_place(work.matrix, work.step, 4):
+            return NOT_CONVERGED, delta_a, state, iteration, size
+        damping = 1.0
+        found = False
+        for _ in range(12):
+            for i in range(4):
+                trial[i] = u[i] + damping * work.step[i]
+            delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
+            if moved.status == OK:
+                status = friction_balance(
+                    g, D, motion, v_r, moved, trial, t, weight, work, work.shifted, False
+                )
+                if status == OK:
+                    new = balance_size(g, D, motion.mu, moved, work.shifted)
+                    if new < (1.0 - 1e-4 * damping) * size or new <= tolerance:
+                        found = True
+                        break
+            damping *= 0.5
+        if not found:
+            if size <= 1e-11:  # rounding
+                return OK, delta_a, state, iteration, size
+            return NOT_CONVERGED, delta_a, state, iteration, size
+        u[:] = trial
+        delta_a, state = delta, moved
+    return NOT_CONVERGED, delta_a, state, most, size
+
+
+@jit
+def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, tolerance, most):
+    """Implicit Euler steps on the ball's equations of motion, ever longer, to a stable state.
+
+    Slow but sure where Newton fails. Each step solves its linearised equation once and is taken if
+    that left no more than half of the residual unexplained; the steps grow as long as they are
+    taken, until they are Newton's. u is improved in place.
+
+    Returns
+    -------
+    status, delta_a, state, iterations, size
+    """
+    trial = work.trial
+    m = ball_mass(g, D)
+    r = g.R_o + state.X2
+    inertia = (0.1 * m * D * D, 0.1 * m * D * D, 0.1 * m * D * D, m * r * r)
+    speed = max(abs(motion.omega_i), abs(motion.omega_o))
+    dt = 1e-3 / speed if speed > 0.0 else 1e-6
+    size = 1e300
+    for iteration in range(most):
+        status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work)
+        if status != OK:
+            return status, delta_a, state, iteration, size
+        size = balance_size(g, D, motion.mu, state, work.residual)
+        if size <= tolerance:
+            return OK, delta_a, state, iteration, size
+        found = False
+        for _ in range(30):
+            for i in range(4):
+                work.step[i] = work.residual[i]
+                for j in range(4):
+                    work.matrix[i, j] = -work.jacobian[i, j]
+                work.matrix[i, i] += inertia[i] / dt
+            if solve_in_place(work.matrix, work.step, 4):
+                for i in range(4):
+                    trial[i] = u[i] + work.step[i]
+                delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
+                if moved.status == OK:
+                    status = friction_balance(
+                        g, D, motion, v_r, moved, trial, t, weight, work, work.shifted, False
+                    )
+                    for i in range(4):
+                        work.shifted[i] -= inertia[i] / dt * work.step[i]
+                    unexplained = balance_size(g, D, motion.mu, moved, work.shifted)
+                    if status == OK and unexplained <= 0.5 * size:
+                        found = True
+                        break
+            dt *= 0.25
+        if not found:
+            return NOT_CONVERGED, delta_a, state, iteration, size
+        u[:] = trial
+        delta_a, state = delta, moved
+        dt *= 2.0 if unexplained > 0.1 * size else 4.0
+    return NO_STEADY_STATE, delta_a, state, most, size
+
+
+class Solution(NamedTuple):
+    """Outcome of `steady_state`; the state itself is in the vector u."""
+
+    status: int
+    delta_a: float
+    state: BallState
+    iterations: int
+    size: float  # residual, as a share of the friction forces [1]
+
+
+@jit
+def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
+    """Steady state at `motion.v_r`, followed down from the regularisation `v_start`.
+
+    Parameters
+    ----------
+    u : ndarray (4,)
+        Start; the answer replaces it.
+    v_start : float
+        Regularisation of the first solve [m/s]. With the wanted one, u must be near; where that
+        fails the solver goes up by itself and comes down again.
+    tolerance : float
+        On the residual, as a share of the friction forces [1].
+
+    Returns
+    -------
+    Solution
+    """
+    delta_a, state = orbit_equilibrium(g, D, u[3], preload, preload.delta_a, cold_start())
+    lost = state.status
+    for _ in range(60):
+        # A ball off the inner race is driven no more: it slows down until it is back on.
+        if state.status != CONTACT_LOST:
+            break
+        u *= 0.9
+        delta_a, state = orbit_equilibrium(g, D, u[3], preload, preload.delta_a, cold_start())
+    if state.status != OK:
+        return Solution(state.status, delta_a, state, 0, 1e300)
+    target = motion.v_r
+    surface = 0.5 * g.dm * abs(motion.omega_i - motion.omega_o)
+    top = max(target, surface)  # slip can hardly exceed it: friction is viscous here
+    v = min(max(v_start, target), top)
+    reached = math.inf
+    factor = 0.15
+    total = 0
+    kept = u.copy()
+    kept_delta, kept_state = delta_a, state
+    for _ in range(60):
+        goal = tolerance if v <= target else 1e-6
+        status, delta_a, state, n, size = newton(
+            g, D, motion, v, preload, delta_a, state, u, t, weight, work, goal, 30
+        )
+        total += n
+        if status == OUTSIDE_HERTZ_RANGE:
+            return Solution(status, delta_a, state, total, size)
+        if status != OK and v < top and (math.isinf(reached) or factor < 0.7):
+            u[:] = kept
+            delta_a, state = kept_delta, kept_state
+            if math.isinf(reached):
+                v = min(30.0 * v, top)
+            else:
+                factor = math.sqrt(factor)
+                v = max(reached * factor, target)
+            continue
+        if status != OK:
+            u[:] = kept
+            status, delta_a, state, n, size = settle(
+                g, D, motion, v, preload, kept_delta, kept_state, u, t, weight, work, goal, 400
+            )
+            total += n
+            if status != OK:
+                return Solution(status if lost == OK else lost, delta_a, state, total, size)
+        if v <= target:
+            return Solution(OK, delta_a, state, total, size)
+        reached = v
+        kept[:] = u
+        kept_delta, kept_state = delta_a, state
+        v = max(target, v * factor)
+        if v < 1.5 * target:
+            v = target
+    return Solution(NOT_CONVERGED, delta_a, state, total, size)

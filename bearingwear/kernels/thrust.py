@@ -1,0 +1,142 @@
+"""One thrust-loaded case: solve the steady state, sum it up, check it."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.equilibrium import groove_distance
+from bearingwear.kernels.kinematics import rolling_orbit
+from bearingwear.kernels.status import OK, UNVERIFIED
+from bearingwear.kernels.steady import full_jacobian, steady_state, workspace
+from bearingwear.kernels.summary import COLUMNS, SPIN, contact_summary
+from bearingwear.kernels.verification import friction_check, polygon_residual
+
+LARGEST_RESIDUAL = 1e-9  # of the friction forces, of the contact load and of the shaft power
+
+OUTER_SPIN, INNER_SPIN, SHARED_SPIN, SKIDDING = range(4)
+BRANCH_NAMES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
+
+
+class Check(NamedTuple):
+    """What the checks after the solve found, all as shares [1]."""
+
+    equilibrium: float  # of the contact load
+    friction: float  # of the friction forces, same points
+    discretisation: float  # of the friction forces, four times the points
+    discretisation_qv: float  # of QV, four times the points
+    power: float  # of the shaft power
+
+
+class ThrustCase(NamedTuple):
+    """A steady state, its summary and its checks."""
+
+    status: int
+    delta_a: float  # axial displacement [m]
+    u: np.ndarray  # (4,) ball angular velocity and orbit rate [rad/s]
+    r: float  # orbit radius [m]
+    P_r: float  # centrifugal force [N]
+    S_xx: float  # axial stiffness of one ball's inner force [N/m]
+    skid: float  # lag of the orbit behind pure rolling [1]
+    branch: int
+    iterations: int
+    contacts: np.ndarray  # (2, COLUMNS), see summary.py
+    jacobian: np.ndarray  # (4, 4) of the equations of motion times the inertias [N m s]
+    check: Check
+
+
+@jit
+def skid_ratio(motion, state_alpha_i, state_alpha_o, R, r, u):
+    """Lag of the orbit behind rolling without slip at both contact centres (Eq. 19) [1].
+
+    The ball's own spin axis is taken; positive where the ball lags behind the turning race.
+    """
+    beta = math.atan2(u[2], u[3] - u[0])
+    Omega, w_R = rolling_orbit(
+        motion.omega_i,
+        motion.omega_o,
+        r / R - math.cos(state_alpha_i),
+        r / R + math.cos(state_alpha_o),
+        beta - state_alpha_i,
+        beta - state_alpha_o,
+    )
+    span = abs(Omega - motion.omega_o)
+    return (Omega - u[3]) / span if span > 0.0 else 0.0
+
+
+@jit
+def branch_of(contacts, skid):
+    """Name the state by where the ball spins."""
+    if abs(skid) > 0.1:
+        return SKIDDING
+    inner, outer = abs(contacts[0, SPIN]), abs(contacts[1, SPIN])
+    if outer > 2.0 * inner:
+        return OUTER_SPIN
+    if inner > 2.0 * outer:
+        return INNER_SPIN
+    return SHARED_SPIN
+
+
+@jit
+def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, tolerance):
+    """Solve, sum up and check the steady state under thrust.
+
+    Parameters
+    ----------
+    g : Geometry
+    D : float
+        Worn ball diameter [m].
+    motion : Motion
+    preload : Preload
+    rule, fine_rule : tuple of 2 ndarrays
+        Positions x/a and load shares on the ellipse; the fine one has four times the points.
+    start : ndarray (4,)
+        Start of (w_x, w_y, w_z, Omega).
+    v_start : float
+        Regularisation of the first level, see `steady_state` [m/s].
+    tolerance : float
+
+    Returns
+    -------
+    ThrustCase
+    """
+    t, weight = rule
+    u = start.copy()
+    work = workspace(t.size)
+    contacts = np.full((2, COLUMNS), np.nan)
+    s = steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance)
+    state = s.state
+    r = g.R_o + state.X2
+    status = s.status
+    if status != OK:
+        work.jacobian[:, :] = np.nan
+        nothing = Check(math.nan, math.nan, math.nan, math.nan, math.nan)
+        return ThrustCase(
+            status, s.delta_a, u, r, state.P_r, math.nan, math.nan, SKIDDING, s.iterations,
+            contacts, work.jacobian, nothing,
+        )  # fmt: skip
+    full_jacobian(g, D, motion, motion.v_r, preload, s.delta_a, state, u, t, weight, work)
+    contact_summary(g, D, motion, state, u, r, t, weight, work.h[0], contacts)
+    skid = skid_ratio(motion, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
+    A1, A2 = groove_distance(g, 0.0, s.delta_a, 0.0, 0.0, 0.0)
+    residual, power, qv = friction_check(g, D, motion, state, u, t, weight)
+    fine_residual, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule[0], fine_rule[1])
+    check = Check(
+        polygon_residual(g, D, state, A1, A2),
+        residual,
+        fine_residual,
+        abs(qv / fine_qv - 1.0) if fine_qv > 0.0 else 0.0,
+        power,
+    )
+    # Written so that NaN fails too.
+    if not (
+        check.equilibrium <= LARGEST_RESIDUAL
+        and check.friction <= LARGEST_RESIDUAL
+        and check.power <= LARGEST_RESIDUAL
+    ):
+        status = UNVERIFIED
+    return ThrustCase(
+        status, s.delta_a, u, r, state.P_r, state.S_xx, skid, branch_of(contacts, skid),
+        s.iterations, contacts, work.jacobian, check,
+    )  # fmt: skip

@@ -1,0 +1,116 @@
+"""Checks of a finished solve, by formulas the solvers do not use.
+
+The solvers sum the gradient of a potential in four coefficients of a contact; here every point of
+the contact gets its position, both surface velocities, friction force and moment as plain vectors.
+The solvers follow a ball centre; here loads and angles must close the polygon of groove
+centres.
+"""
+
+import math
+
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.equilibrium import ball_mass
+from bearingwear.kernels.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.steady import drag_force
+
+
+@jit
+def polygon_residual(g, D, state, A1, A2):
+    """What loads and angles leave open: force balance and groove-centre polygon.
+
+    Returns
+    -------
+    float
+        Unbalanced force as a share of the largest contact load [1]; an open polygon counts as the
+        force that closing it would take.
+    """
+    K_i = race_contact(g, INNER, D, math.cos(state.alpha_i), math.nan).K
+    K_o = race_contact(g, OUTER, D, math.cos(state.alpha_o), math.nan).K
+    d_i, d_o = (state.Q_i / K_i) ** (2.0 / 3.0), (state.Q_o / K_o) ** (2.0 / 3.0)
+    l_i, l_o = g.r_i - 0.5 * D + d_i, g.r_o - 0.5 * D + d_o
+    s_i, c_i = math.sin(state.alpha_i), math.cos(state.alpha_i)
+    s_o, c_o = math.sin(state.alpha_o), math.cos(state.alpha_o)
+    force_1 = state.Q_i * s_i - state.Q_o * s_o + state.P_x
+    force_2 = state.Q_i * c_i - state.Q_o * c_o + state.P_r
+    largest = max(state.Q_i, state.Q_o)
+    if not largest > 0.0:
+        return 0.0
+    residual = max(abs(force_1), abs(force_2))
+    if state.Q_i > 0.0 and state.Q_o > 0.0:
+        k = 1.5 / (d_i / state.Q_i + d_o / state.Q_o)
+        gap = max(abs(l_i * s_i + l_o * s_o - A1), abs(l_i * c_i + l_o * c_o - A2))
+        residual = max(residual, k * gap)
+    return residual / largest
+
+
+@jit
+def friction_check(g, D, motion, state, u, t, weight):
+    """Balance of moments, of the orbital force and of power on a thrust-loaded ball.
+
+    Parameters
+    ----------
+    u : ndarray (4,)
+        (w_x, w_y, w_z, Omega) [rad/s].
+    t, weight : ndarray (n,)
+        Any rule for the ellipse.
+
+    Returns
+    -------
+    residual : float
+        Largest unbalanced moment (over R) or force, as a share of the friction forces [1].
+    power_error : float
+        Shaft power less friction heat and drag, as a share of the power put in (where the races
+        turn together nothing is, and the share is that of the friction forces at the speed of the
+        contacts) [1].
+    qv : float
+        Both contacts [W].
+    """
+    R = 0.5 * D
+    r = g.R_o + state.X2
+    m_x = m_y = m_z = f_y = 0.0
+    heat = power = power_in = qv = 0.0
+    for side in (-1.0, 1.0):
+        if side < 0.0:
+            Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, motion.omega_i
+            c_a = state.hertz_i.c_a
+        else:
+            Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, motion.omega_o
+            c_a = state.hertz_o.c_a
+        a = c_a * Q ** (1.0 / 3.0)
+        n_x, n_z = side * math.sin(alpha), side * math.cos(alpha)
+        e_x, e_z = math.cos(alpha), -math.sin(alpha)
+        R_d = 2.0 * r_g * R / (r_g + R)
+        race_power = 0.0
+        for k in range(t.size):
+            x = a * t[k]
+            h = math.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
+            p_x, p_z = h * n_x + x * e_x, h * n_z + x * e_z
+            # Ball surface: velocity of the centre, plus w x p. Race surface: omega_race x position.
+            ball_x = u[1] * p_z
+            ball_y = -u[3] * r + u[2] * p_x - u[0] * p_z
+            ball_z = -u[1] * p_x
+            race_y = -omega * (r + p_z)
+            v_1 = -(ball_x * e_x + ball_z * e_z)
+            v_2 = race_y - ball_y
+            v = math.hypot(v_1, v_2)
+            F = motion.mu * Q * weight[k] / math.hypot(v, motion.v_r)
+            F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
+            m_x -= p_z * F_y
+            m_y += p_z * F_x - p_x * F_z
+            m_z += p_x * F_y
+            f_y += F_y
+            heat += F * v * v
+            qv += v * Q * weight[k]
+            race_power += F_y * race_y
+        power += race_power
+        power_in += abs(race_power)
+    inertia = 0.1 * ball_mass(g, D) * D * D
+    F_v = drag_force(g, D, motion.drag, u[3])[0]
+    m_y += inertia * u[3] * u[2]
+    m_z -= inertia * u[3] * u[1]
+    capacity = motion.mu * (state.Q_i + state.Q_o)
+    residual = max(abs(m_x), abs(m_y), abs(m_z), abs(f_y + F_v) * R) / (capacity * R)
+    floor = capacity * motion.v_r
+    if motion.omega_i == motion.omega_o:
+        floor = max(floor, capacity * abs(motion.omega_i) * r)
+    return residual, abs(power - heat - F_v * r * u[3]) / max(power_in, floor), qv

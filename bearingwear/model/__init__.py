@@ -1,0 +1,1 @@
+"""From a scene to the numbers: what a scene requires, and its solution."""

@@ -1,0 +1,195 @@
+"""Jones-Harris race control for any load: equilibrium of balls and race, slip as an estimate."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import (
+    cold_start,
+    groove_distance,
+    static_displacement,
+    thrust_equilibrium,
+)
+from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
+from bearingwear.kernels.params import BallLoad, BallState, Geometry, Motion
+from bearingwear.kernels.race import ROW, axial_stiffness, race_equilibrium, stored_state
+from bearingwear.kernels.summary import COLUMNS, HEAT, contact_summary
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL
+from bearingwear.kernels.verification import polygon_residual
+from bearingwear.model import parameters
+from bearingwear.model.fidelity import asymmetries
+from bearingwear.model.scene import Scene
+from bearingwear.model.values import contact_values
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Balls and inner race in equilibrium."""
+
+    status: int
+    delta: np.ndarray  # (3,) displacement (axial, Y, Z) of the inner race [m]
+    states: list[BallState]  # one, standing for all, where the scene is symmetric
+    stiffness: float  # axial [N/m]
+    race_residual: float  # force left unbalanced on the inner race, recomputed [N]
+
+
+@dataclass(frozen=True)
+class RaceControlProblem:
+    """A scene as the race-control kernels see it."""
+
+    g: Geometry
+    motion: Motion
+    constant_force: bool
+    F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
+    delta_a: float  # static displacement under the initial preload alone [m]
+    tilt: float  # [rad]
+    D: np.ndarray  # (n,) worn diameters; one entry where the scene is symmetric [m]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "RaceControlProblem":
+        g, operation = parameters.geometry(scene), scene.operation
+        F_y, F_z = operation.radial_load_N
+        F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
+        D = parameters.ball_diameters(scene)
+        return cls(
+            g,
+            parameters.motion(scene),
+            operation.preload_method == "constant_force",
+            F,
+            static_displacement(g, F[0]),
+            operation.tilt_mrad * 1e-3,
+            D if asymmetries(scene) else D[:1],
+        )
+
+    @property
+    def psi(self) -> np.ndarray:
+        """Azimuth of the balls solved; the first stands at +Z [rad]."""
+        return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
+
+    def balance(self, laws: np.ndarray) -> Balance:
+        """Equilibrium with the given controlling race of each ball (n,)."""
+        m = self.motion
+        if len(self.D) == 1:
+            load = BallLoad(int(laws[0]), 0.0, m.omega_i, m.omega_o)
+            delta_a, state = thrust_equilibrium(
+                self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
+            )
+            n = self.g.n_balls
+            left = n * state.F_ix - self.F[0] if self.constant_force else 0.0
+            delta = np.array([delta_a, 0.0, 0.0])
+            return Balance(state.status, delta, [state], n * state.S_xx, abs(left))
+        loads = np.column_stack(
+            [
+                laws,
+                np.zeros(len(laws)),
+                np.full(len(laws), m.omega_i),
+                np.full(len(laws), m.omega_o),
+            ]
+        ).astype(float)
+        rows = np.empty((len(self.D), ROW))
+        delta = np.array([self.delta_a, 0.0, 0.0])
+        first = 0 if self.constant_force else 1
+        status, _, stiffness = race_equilibrium(
+            self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, rows
+        )
+        states = [stored_state(row) for row in rows]
+        return Balance(status, delta, states, axial_stiffness(stiffness), self.unbalanced(states))
+
+    def unbalanced(self, states: list[BallState]) -> float:
+        """Force left on the inner race, summed anew from the balls' forces [N]."""
+        axial = np.array([s.F_ix for s in states])
+        radial = np.array([s.F_ir for s in states])
+        sums = np.array(
+            [axial.sum(), -(radial * np.sin(self.psi)).sum(), (radial * np.cos(self.psi)).sum()]
+        )
+        return float(np.abs(sums - self.F)[0 if self.constant_force else 1 :].max())
+
+
+def outer_controls(state: BallState) -> bool:
+    """Whether the spin moment of the outer contact holds the ball (theory.md Eq. 23)."""
+    a_i = state.hertz_i.c_a * state.Q_i ** (1.0 / 3.0)
+    a_o = state.hertz_o.c_a * state.Q_o ** (1.0 / 3.0)
+    outer = state.Q_o * a_o * state.hertz_o.E * math.cos(state.alpha_i - state.alpha_o)
+    return outer > state.Q_i * a_i * state.hertz_i.E
+
+
+def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
+    """Equilibrium with the controlling race of each ball chosen by the spin-moment check.
+
+    All balls start under outer control; those that fail the check go over to inner control, and
+    stay there.
+
+    Returns
+    -------
+    Balance
+    laws : ndarray (n,)
+        OUTER_CONTROL or INNER_CONTROL of each ball.
+    """
+    laws = np.full(len(problem.D), OUTER_CONTROL)
+    while True:
+        balance = problem.balance(laws)
+        failed = [
+            j
+            for j, state in enumerate(balance.states)
+            if laws[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
+        ]
+        if not failed or balance.status == code.NOT_CONVERGED:
+            return balance, laws
+        laws[failed] = INNER_CONTROL
+
+
+def solve_race_control(scene: Scene) -> tuple[dict, dict]:
+    """Values and attributes of the race-control solution."""
+    problem = RaceControlProblem.of(scene)
+    g, m, D = problem.g, problem.motion, problem.D
+    values: dict = {
+        "status": code.OK,
+        "ball_diameter_loss": g.D0 - D,
+        "initial_axial_displacement": problem.delta_a,
+    }
+    if problem.constant_force and not problem.F.any():
+        return values | {"status": code.PRELOAD_GONE}, {"residual": "not solved"}
+    balance, laws = controlled_balance(problem)
+    values["status"] = balance.status
+    if balance.status == code.NOT_CONVERGED:
+        return values, {"residual": "not solved"}
+
+    n = len(D)
+    u, rows = np.empty((n, 4)), np.empty((n, 2, COLUMNS))
+    r = np.full(n, 0.5 * g.dm)
+    (t, weight), _ = parameters.quadrature(scene)
+    h = np.empty(t.size)
+    residual = 0.0
+    for j, state in enumerate(balance.states):
+        k = race_control(
+            int(laws[j]), m.omega_i, m.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
+        )
+        u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
+        contact_summary(g, D[j], m, state, u[j], r[j], t, weight, h, rows[j])
+        A1, A2 = groove_distance(g, problem.psi[j], *balance.delta, problem.tilt)
+        residual = max(residual, polygon_residual(g, D[j], state, A1, A2))
+    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
+    if largest > 0.0:
+        residual = max(residual, balance.race_residual / (g.n_balls * largest))
+    if values["status"] == code.OK and not residual <= LARGEST_RESIDUAL:
+        values["status"] = code.UNVERIFIED
+    mass = g.rho * math.pi / 6.0 * D**3
+    slip_speed = abs(m.omega_i - m.omega_o)
+    heat = g.n_balls * rows[..., HEAT].sum() / n
+    values |= contact_values(scene, g, m, D, u, r, rows)
+    values |= {
+        "axial_displacement": balance.delta[0],
+        "axial_stiffness": balance.stiffness,
+        # No balance of power here: the torque that the estimated heat would take.
+        "shaft_torque": heat / slip_speed if slip_speed > 0.0 else 0.0,
+        "drag_power": 0.0,
+        "centrifugal_force": mass * 0.5 * g.dm * u[:, 3] ** 2,
+        "race_control": laws - OUTER_CONTROL,
+        "equilibrium_residual": residual,
+    }
+    return values, {
+        "residual": f"normal balance {residual:.1e} of the contact load; "
+        f"allowed {LARGEST_RESIDUAL:.0e}"
+    }

@@ -1,0 +1,330 @@
+"""The scene: one bearing, how it runs, and how worn it is.
+
+Plain frozen data. The field names are the keys of a scene file, so the unit is in the name and
+nothing is converted here (`bearingwear.model.parameters` does that). The range of each single value
+is in `bearingwear/io/schema/scene.schema.json`; what several values must fulfil together is checked
+here, whoever builds the scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+LARGEST_LOSS = 0.1
+"""Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
+
+
+class SceneError(ValueError):
+    """A scene that cannot be solved; its text is one line.
+
+    Parameters
+    ----------
+    key : str
+        Path of the key at fault, `bearing.ball_count`; empty for the file as a whole.
+    problem : str
+        What was given and what is allowed.
+    involved : tuple of str
+        Further keys that take part in the contradiction.
+    source : str
+        Where the scene came from: a file, or `scene` for one built in Python.
+    """
+
+    def __init__(
+        self, key: str, problem: str, involved: tuple[str, ...] = (), source: str = "scene"
+    ) -> None:
+        self.key = key
+        self.problem = problem
+        self.involved = involved
+        self.source = source
+        text = ": ".join(part for part in (source, key, problem) if part)
+        super().__init__("".join(c if c.isprintable() else "?" for c in text))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SceneError, (self.key, self.problem, self.involved, self.source)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing:
+    """Nominal, unworn geometry."""
+
+    ball_count: int
+    ball_diameter_mm: float
+    pitch_diameter_mm: float
+    contact_angle_deg: float
+    inner_groove_factor: float
+    outer_groove_factor: float
+    ball_material: str
+    race_material: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Elastic, inertial and wear properties of one material."""
+
+    youngs_modulus_GPa: float
+    poisson_ratio: float
+    density_kg_m3: float
+    brinell_hardness_GPa: float
+    wear_coefficient: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cage:
+    """A cage with cylindrical radial pockets."""
+
+    material: str
+    guiding_race: str = "outer"
+    restitution: float = 0.5
+    inner_diameter_mm: float
+    outer_diameter_mm: float
+    width_mm: float
+    pocket_clearance_mm: float
+    guide_clearance_mm: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Operation:
+    """Speeds, preload and loads."""
+
+    shaft_speed_rpm: float
+    outer_speed_rpm: float = 0.0
+    preload_method: str
+    preload_N: float
+    radial_load_N: tuple[float, float] = (0.0, 0.0)
+    rotating_load_N: float = 0.0
+    tilt_mrad: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction:
+    """Coulomb friction, regularised at small slip."""
+
+    ball_race: float
+    cage: float = 0.05
+    slip_regularisation_m_s: float = 1.0e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lubricant:
+    """Drag on the orbiting balls."""
+
+    drag_density_kg_m3: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndOfLife:
+    """Criteria of which the first that is met ends the life; None where one does not apply."""
+
+    preload_fraction: float | None = None
+    gyroscopic_slip_share: float | None = None
+    skid_ratio: float | None = None
+    ball_diameter_loss_um: float | None = None
+
+    @property
+    def criteria(self) -> dict[str, float]:
+        """The criteria that apply."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wear:
+    """State of wear, way of counting, end of life.
+
+    `ball_diameter_loss_um` has one value for all balls, or one for each ball (where they differ).
+    """
+
+    ball_diameter_loss_um: tuple[float, ...] = (0.0,)
+    counts: str = "ball_and_races"
+    end_of_life: EndOfLife | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """What overrides the program's own choice of model and accuracy."""
+
+    fidelity: str = "auto"
+    cage_results: bool = False
+    strips: int = 50
+    quadrature: str = "gauss"
+    simulated_turns: float = 20.0
+    tolerance: float = 1.0e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """One bearing, how it runs, and how worn it is.
+
+    Raises
+    ------
+    SceneError
+        Where the values contradict each other: balls that do not fit the pitch circle, a material
+        that is not there, ...
+    """
+
+    name: str
+    description: str = ""
+    bearing: Bearing
+    materials: Mapping[str, Material]
+    cage: Cage | None = None
+    operation: Operation
+    friction: Friction
+    lubricant: Lubricant = field(default_factory=Lubricant)
+    wear: Wear = field(default_factory=Wear)
+    model: Model = field(default_factory=Model)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
+        _check_materials(self)
+        _check_balls(self)
+        _check_wear(self)
+        if self.cage is not None:
+            _check_cage(self, self.cage)
+        _check_model(self)
+
+    def __hash__(self) -> int:
+        values = (getattr(self, f.name) for f in fields(self) if f.name != "materials")
+        return hash((tuple(self.materials.items()), *values))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy can be neither pickled nor copied
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return _rebuilt, (values | {"materials": dict(self.materials)},)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as plain nested data, in the order of a scene file, all defaults filled in.
+
+        What a scene does without (cage, end of life or one of its criteria) is left out.
+        """
+        plain = _plain(self)
+        loss = self.wear.ball_diameter_loss_um
+        if len(loss) == 1:
+            plain["wear"]["ball_diameter_loss_um"] = loss[0]
+        return plain
+
+
+def _rebuilt(values: dict[str, Any]) -> Scene:
+    return Scene(**values)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        parts = ((f.name, getattr(value, f.name)) for f in fields(value))
+        return {name: _plain(part) for name, part in parts if part is not None}
+    if isinstance(value, Mapping):
+        return {key: _plain(part) for key, part in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _check_materials(scene: Scene) -> None:
+    used = {
+        "bearing.ball_material": scene.bearing.ball_material,
+        "bearing.race_material": scene.bearing.race_material,
+    }
+    if scene.cage is not None:
+        used["cage.material"] = scene.cage.material
+    for key, name in used.items():
+        if name not in scene.materials:
+            names = ", ".join(scene.materials)
+            raise SceneError(
+                key, f"given {name!r}, not under materials; allowed {names}", ("materials",)
+            )
+
+
+def most_balls(diameter: float, pitch_diameter: float) -> int:
+    """Most balls (or pockets) of a diameter that fit side by side on the pitch circle."""
+    if diameter >= pitch_diameter:
+        return 0
+    # the tolerance is for balls that touch exactly
+    return math.floor(math.pi / math.asin(diameter / pitch_diameter) + 1e-9)
+
+
+def _check_balls(scene: Scene) -> None:
+    b = scene.bearing
+    keys = ("bearing.ball_count", "bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+    if b.ball_diameter_mm >= b.pitch_diameter_mm:
+        raise SceneError(
+            "bearing.pitch_diameter_mm",
+            f"given {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm; "
+            f"allowed a number > {b.ball_diameter_mm:g}",
+            keys,
+        )
+    most = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
+    if b.ball_count > most:
+        raise SceneError(
+            "bearing.ball_count",
+            f"given {b.ball_count} balls of {b.ball_diameter_mm:g} mm on a pitch circle of "
+            f"{b.pitch_diameter_mm:g} mm, where they do not fit; allowed at most {most}",
+            keys,
+        )
+
+
+def _check_wear(scene: Scene) -> None:
+    loss = scene.wear.ball_diameter_loss_um
+    count = scene.bearing.ball_count
+    key = "wear.ball_diameter_loss_um"
+    if len(loss) not in (1, count):
+        raise SceneError(
+            key,
+            f"given {len(loss)} values; allowed one number, or a list of one number for each of "
+            f"the {count} balls",
+            ("bearing.ball_count",),
+        )
+    if len(set(loss)) == 1:
+        object.__setattr__(scene, "wear", replace(scene.wear, ball_diameter_loss_um=loss[:1]))
+    largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm
+    limits = {key: max(loss)}
+    if scene.wear.end_of_life is not None:
+        limits["wear.end_of_life.ball_diameter_loss_um"] = (
+            scene.wear.end_of_life.ball_diameter_loss_um or 0.0
+        )
+    for where, value in limits.items():
+        if value >= largest:
+            raise SceneError(
+                where,
+                f"given {value:g}; allowed a number < {largest:g} "
+                f"({100 * LARGEST_LOSS:g} % of the ball diameter)",
+                ("bearing.ball_diameter_mm",),
+            )
+
+
+def _check_cage(scene: Scene, cage: Cage) -> None:
+    b = scene.bearing
+    rim = ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
+    circle = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+    if cage.inner_diameter_mm >= cage.outer_diameter_mm:
+        raise SceneError(
+            rim[0],
+            f"given {cage.inner_diameter_mm:g}; allowed a number < {cage.outer_diameter_mm:g}, "
+            f"the cage's outer diameter",
+            rim,
+        )
+    inside, outside = (
+        b.pitch_diameter_mm - b.ball_diameter_mm,
+        b.pitch_diameter_mm + b.ball_diameter_mm,
+    )
+    if cage.inner_diameter_mm >= outside or cage.outer_diameter_mm <= inside:
+        raise SceneError(
+            rim[0],
+            f"given a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
+            f"misses the balls; allowed diameters that overlap {inside:g} to {outside:g} mm",
+            rim + circle,
+        )
+    pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
+    if b.ball_count > most_balls(pocket, b.pitch_diameter_mm):
+        widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm
+        raise SceneError(
+            "cage.pocket_clearance_mm",
+            f"given {cage.pocket_clearance_mm:g}, which makes the pockets overlap; allowed a "
+            f"number <= {widest:.4g}",
+            ("bearing.ball_count", *circle),
+        )
+
+
+def _check_model(scene: Scene) -> None:
+    if scene.model.cage_results and scene.cage is None:
+        raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))

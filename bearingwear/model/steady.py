@@ -1,0 +1,179 @@
+"""The friction-balanced steady state of a thrust-loaded scene."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import cold_start, static_displacement
+from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
+from bearingwear.kernels.params import Geometry, Motion
+from bearingwear.kernels.steady import Preload, drag_force, orbit_equilibrium, settle, workspace
+from bearingwear.kernels.summary import QV, TORQUE
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
+from bearingwear.model import parameters
+from bearingwear.model.scene import Scene
+from bearingwear.model.values import contact_values
+
+FRICTION_TOLERANCE = 1e-12  # of the friction forces: rounding stops Newton a little above
+VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
+SAME_STATE = 1e-4  # relative difference below which two steady states are one
+
+
+@dataclass(frozen=True)
+class ThrustProblem:
+    """A thrust-loaded scene as kernels see it; built once and solved for many wear states."""
+
+    g: Geometry
+    motion: Motion
+    preload: Preload
+    rule: tuple[np.ndarray, np.ndarray]
+    fine_rule: tuple[np.ndarray, np.ndarray]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "ThrustProblem":
+        g = parameters.geometry(scene)
+        F_x = float(scene.operation.preload_N)
+        rule, fine_rule = parameters.quadrature(scene)
+        constant_force = scene.operation.preload_method == "constant_force"
+        preload = Preload(constant_force, F_x, static_displacement(g, F_x))
+        return cls(g, parameters.motion(scene), preload, rule, fine_rule)
+
+    def kinematic_start(self, law: int) -> np.ndarray:
+        """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
+        g, m = self.g, self.motion
+        k = race_control(law, m.omega_i, m.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
+        return np.array(
+            [k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega]
+        )
+
+    def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
+        """Steady state with balls of diameter D [m], from a state nearby or from nothing."""
+        m = self.motion
+        if start is not None:
+            u, v_start = start, m.v_r
+        else:
+            u = self.kinematic_start(OUTER_CONTROL)
+            v_start = VISCOUS_START * 0.5 * self.g.dm * abs(m.omega_i - m.omega_o)
+        return thrust_case(
+            self.g, D, m, self.preload, self.rule, self.fine_rule, u, v_start, FRICTION_TOLERANCE
+        )
+
+    def undetermined(self) -> int:
+        """Status that is plain before any solve, or OK."""
+        if self.motion.mu == 0.0:
+            return code.UNDETERMINED
+        if self.preload.constant_force and self.preload.F_x == 0.0:
+            return code.PRELOAD_GONE
+        return code.OK
+
+    def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
+        """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
+        m = self.g.rho * math.pi / 6.0 * D**3
+        inertia = np.array([0.1 * m * D * D] * 3 + [m * case.r**2])
+        return np.linalg.eigvals(case.jacobian / inertia[:, None])
+
+    def other_states(self, D: float, case: ThrustCase) -> list[ThrustCase]:
+        """Steady states other than `case` that the ball settles in from unlike starts.
+
+        The starts: spinning on either race, lagging behind, and turning about the tangent.
+        """
+        tumbling = self.kinematic_start(OUTER_CONTROL)
+        tumbling[1:3] = -tumbling[2], 0.0
+        starts = (
+            self.kinematic_start(OUTER_CONTROL),
+            self.kinematic_start(INNER_CONTROL),
+            0.3 * self.kinematic_start(OUTER_CONTROL),
+            tumbling,
+        )
+        found = [case]
+        work = workspace(self.rule[0].size)
+        for u in starts:
+            delta_a, state = orbit_equilibrium(
+                self.g, D, u[3], self.preload, case.delta_a, cold_start()
+            )
+            if state.status != code.OK:
+                continue
+            status, *_ = settle(
+                self.g, D, self.motion, self.motion.v_r, self.preload, delta_a, state, u,
+                *self.rule, work, 1e-9, 300,
+            )  # fmt: skip
+            scale = np.abs(u).max()
+            if status == code.OK and all(
+                np.abs(u - other.u).max() > SAME_STATE * scale for other in found
+            ):
+                other = self.solve(D, start=u)
+                if other.status == code.OK:
+                    found.append(other)
+        return found[1:]
+
+
+def solve_steady(scene: Scene) -> tuple[dict, dict]:
+    """Values and attributes of the friction-balanced steady state."""
+    problem = ThrustProblem.of(scene)
+    D = float(parameters.ball_diameters(scene)[0])
+    values: dict = {
+        "status": problem.undetermined(),
+        "ball_diameter_loss": np.array([problem.g.D0 - D]),
+        "initial_axial_displacement": problem.preload.delta_a,
+    }
+    if values["status"] != code.OK:
+        return values, {"residual": "not solved"}
+    case = problem.solve(D)
+    values["status"] = case.status
+    attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
+    if case.status in (code.OK, code.UNVERIFIED):
+        attrs["residual"] = residual_sentence(case)
+        values |= steady_values(scene, problem, D, case)
+        eigenvalues = problem.time_scales(D, case)
+        others = problem.other_states(D, case)
+        every = [case, *others]
+        values |= {
+            "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
+            "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
+            "stable": int(eigenvalues.real.max() < 0.0),
+            "steady_state_count": len(every),
+            "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
+            "steady_state_total_qv": np.array(
+                [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
+            ),
+            "steady_state_stable": np.array(
+                [int(problem.time_scales(D, c).real.max() < 0.0) for c in every]
+            ),
+        }
+        if not values["stable"] and values["status"] == code.OK:
+            values["status"] = code.NO_STEADY_STATE
+    return values, attrs
+
+
+def residual_sentence(case: ThrustCase) -> str:
+    """The checks after the solve, in words."""
+    check = case.check
+    return (
+        f"friction balance {check.friction:.1e} of the friction forces, "
+        f"normal balance {check.equilibrium:.1e} of the contact load, "
+        f"power balance {check.power:.1e} of the shaft power; allowed {LARGEST_RESIDUAL:.0e}"
+    )
+
+
+def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
+    """Case variables of a solved steady state."""
+    g, m, n = problem.g, problem.motion, problem.g.n_balls
+    F_v, _ = drag_force(g, D, m.drag, case.u[3])
+    return contact_values(
+        scene, g, m, np.array([D]), case.u[None], np.array([case.r]), case.contacts[None]
+    ) | {
+        "axial_displacement": case.delta_a,
+        "shaft_torque": n * case.contacts[0, TORQUE],
+        "drag_power": n * F_v * case.r * case.u[3],
+        "axial_stiffness": n * case.S_xx,
+        "centrifugal_force": np.array([case.P_r]),
+        "skid_ratio": case.skid,
+        "steady_state_branch": case.branch,
+        "equilibrium_residual": case.check.equilibrium,
+        "friction_residual": case.check.friction,
+        "discretisation_residual": case.check.discretisation,
+        "discretisation_error_qv": case.check.discretisation_qv,
+        "power_balance_error": case.check.power,
+    }

@@ -1,0 +1,130 @@
+"""Result variables that all models fill in the same way."""
+
+import math
+
+import numpy as np
+
+from bearingwear.kernels.contact import slip, slip_coefficients, surface_height
+from bearingwear.kernels.params import Contact, Geometry, Motion
+from bearingwear.kernels.summary import (
+    ANGLE,
+    HEAT,
+    LOAD,
+    MAJOR,
+    MINOR,
+    PRESSURE,
+    QV,
+    ROLL,
+    SHARE,
+    SPIN,
+    TRACK,
+)
+from bearingwear.kernels.wear import archard_rate, diameter_loss_rate
+from bearingwear.model import parameters
+from bearingwear.model.scene import Scene
+
+
+def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows) -> dict:
+    """Variables of the contacts and their wear.
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn diameters of the n balls solved [m].
+    u : ndarray (n, 4)
+        (w_x, w_y, w_z, Omega) [rad/s].
+    r : ndarray (n,)
+        Orbit radii [m].
+    rows : ndarray (n, 2, COLUMNS)
+        `bearingwear.kernels.summary` rows.
+
+    Returns
+    -------
+    dict
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
+    v1, v2 = slip_profiles(scene, g, m, D, u, r, rows)
+    mass = g.rho * math.pi / 6.0 * D**3
+    values = {
+        "contact_load": rows[..., LOAD],
+        "contact_angle": rows[..., ANGLE],
+        "semi_major_axis": rows[..., MAJOR],
+        "semi_minor_axis": rows[..., MINOR],
+        "maximum_pressure": rows[..., PRESSURE],
+        "qv": rows[..., QV],
+        "friction_heat": rows[..., HEAT],
+        "gyroscopic_slip_share": rows[..., SHARE],
+        "spin_to_roll_ratio": np.where(np.isfinite(spin_to_roll), spin_to_roll, 0.0),
+        "contact_track_radius": rows[..., TRACK],
+        "gyroscopic_slip": v1,
+        "rolling_slip": v2,
+        "ball_angular_velocity": u[:, :3],
+        "orbit_speed": u[:, 3],
+        "gyroscopic_moment": np.abs(0.1 * mass * D * D * u[:, 3] * u[:, 2]),
+        "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
+        "residual_preload": g.n_balls
+        * (rows[:, 0, LOAD] * np.sin(rows[:, 0, ANGLE])).sum()
+        / len(D),
+    }
+    return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
+
+
+def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
+    """Archard wear rates and the loss of ball diameter.
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn ball diameters of the n balls solved [m].
+    qv, a, track : ndarray (n, 2)
+        QV [W], semi-major axis [m] and track radius [m] of each contact.
+
+    Returns
+    -------
+    dict
+        ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s]: mean
+        over the balls, counting the balls alone, and balls and races.
+    """
+    b = scene.bearing
+    ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
+    H_ball, H_race = (m.brinell_hardness_GPa * parameters.GPA for m in (ball, race))
+    ball_rate = archard_rate(ball.wear_coefficient, H_ball, qv)
+    race_rate = archard_rate(race.wear_coefficient, H_race, qv)
+    losses = [
+        diameter_loss_rate(
+            b.ball_count, D[j], ball_rate[j, 0], ball_rate[j, 1],
+            tuple(a[j]), tuple(track[j]), tuple(race_rate[j]),
+        )
+        for j in range(len(D))
+        if a[j].min() > 0.0
+    ]  # fmt: skip
+    return {
+        "ball_wear_rate": ball_rate.sum(axis=1),
+        "race_wear_rate": b.ball_count * race_rate.mean(axis=0),
+        "ball_diameter_loss_rate": np.sum(losses, axis=0) / len(D) if losses else np.zeros(2),
+    }
+
+
+def strip_centres(scene: Scene) -> np.ndarray:
+    """Positions x/a of the middles of equal strips (strips,)."""
+    n = scene.model.strips
+    return (2.0 * np.arange(n) + 1.0) / n - 1.0
+
+
+def slip_profiles(scene: Scene, g: Geometry, m: Motion, D, u, r, rows):
+    """Slip (race minus ball) along both axes at the strip centres, two (n, 2, strips) [m/s]."""
+    t = strip_centres(scene)
+    h = np.empty(t.size)
+    v1, v2 = np.zeros((2, len(D), 2, t.size))
+    races = ((-1.0, g.r_i, m.omega_i), (1.0, g.r_o, m.omega_o))
+    for j in range(len(D)):
+        for k, (sigma, r_g, omega) in enumerate(races):
+            row = rows[j, k]
+            if row[LOAD] > 0.0:
+                sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
+                contact = Contact(sigma, row[LOAD], row[MAJOR], sine, cosine, r_g, omega)
+                surface_height(contact, 0.5 * D[j], t, h)
+                c = slip_coefficients(contact, u[j], r[j])
+                slip(contact, c, t, h, v1[j, k], v2[j, k])
+    return v1, v2

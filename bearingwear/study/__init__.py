@@ -1,0 +1,6 @@
+"""The parameter study: its grid, its plan, and what is made of its cases."""
+
+from pathlib import Path
+
+# The Snakefile makes these inputs of the rules that run them.
+SOURCES = [Path(__file__).with_name(name) for name in ("gather.py", "life.py")]

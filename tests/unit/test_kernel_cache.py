@@ -1,0 +1,45 @@
+"""Compiled code never outlives its sources, and results name the sources they came from."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import bearingwear
+
+PACKAGE = Path(bearingwear.__file__).parent
+PROGRAM = """
+import math
+from bearingwear.kernels.equilibrium import other_forces
+from bearingwear.kernels.params import BallLoad, Geometry
+from bearingwear.provenance import source_hash
+g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
+forces = other_forces(g, 2e-3, BallLoad(1, 0.0, 3000.0, 0.0), 0.0, 0.3, 0.9, 0.2, 0.95)
+print(source_hash(), repr(forces[1]))
+"""
+
+
+def run(folder):
+    environment = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "jit")}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM],
+        capture_output=True, text=True, check=True, cwd=folder, env=environment,
+    )  # fmt: skip
+    return done.stdout.split()
+
+
+def test_edited_callee_gives_new_numbers(tmp_path):
+    """numba itself would not notice: the caller's file is unchanged."""
+    ignore = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(PACKAGE, tmp_path / "bearingwear", ignore=ignore)
+    first = run(tmp_path)
+    assert run(tmp_path) == first
+    callee = tmp_path / "bearingwear" / "kernels" / "kinematics.py"
+    text = callee.read_text()
+    assert "math.cos(alpha_o) + gamma" in text
+    callee.write_text(text.replace("math.cos(alpha_o) + gamma", "math.cos(alpha_o) - gamma"))
+    second = run(tmp_path)
+    assert second[0] != first[0]
+    assert second[1] != first[1]
+    assert len(list((tmp_path / "jit").glob("numba-*"))) == 2
