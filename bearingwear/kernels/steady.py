@@ -39,6 +39,7 @@ from bearingwear.kernels.status import (
 
 # Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.
 LARGEST_AXIS = 0.7  # a / R
+NEAR_ROUNDING = 1e-11  # residual, as a share of the friction forces, that rounding may leave
 
 
 class Preload(NamedTuple):
@@ -227,7 +228,8 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
             return NOT_CONVERGED, delta_a, state, iteration, size
         damping = 1.0
         found = False
-        for _ in range(12):
+        rounding = size <= NEAR_ROUNDING  # only the full step is worth a try
+        for _ in range(1 if rounding else 12):
             for i in range(4):
                 trial[i] = u[i] + damping * work.step[i]
             delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
@@ -242,7 +244,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
                         break
             damping *= 0.5
         if not found:
-            if size <= 1e-11:  # rounding
+            if rounding:
                 return OK, delta_a, state, iteration, size
             return NOT_CONVERGED, delta_a, state, iteration, size
         u[:] = trial

@@ -16,7 +16,7 @@ from bearingwear.model import parameters
 from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values
 
-FRICTION_TOLERANCE = 1e-12  # of the friction forces: rounding stops Newton a little above
+FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
 SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
