@@ -36,15 +36,32 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status."""
     try:
-        return _run(_parsed(sys.argv[1:] if argv is None else argv))
-    except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else BAD_INPUT
+        status = _status(sys.argv[1:] if argv is None else argv)
+        # buffered text that cannot be printed is noticed here, not when Python shuts down
+        print(end="", flush=True)
+        return status
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")
         return INTERRUPTED
     except BrokenPipeError:  # `bearingwear show FILE | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return OK
+    except OSError as error:  # a full disk
+        _drop_output()
+        sys.stderr.write(_line(f"bearingwear: {error.strerror or error}"))
+        return BAD_INPUT
+
+
+def _status(argv: Sequence[str]) -> int:
+    try:
+        return _run(_parsed(argv))
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else BAD_INPUT
+
+
+def _drop_output() -> None:
+    """Send what is still buffered nowhere, since Python would try to print it once more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -77,7 +94,7 @@ def _parser() -> argparse.ArgumentParser:
     for sub in (solve, check):
         sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
     for sub in (solve, life):
-        sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path)
+        sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=_file_name)
         sub.add_argument(
             "--record-timing",
             action="store_true",
@@ -93,6 +110,12 @@ def _parser() -> argparse.ArgumentParser:
     bearingwear.study.commands.add_parser(commands)
     bearingwear.report.commands.add_parser(commands)
     return parser
+
+
+def _file_name(text: str) -> Path:
+    if not os.path.basename(text):
+        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a file name")
+    return Path(text)
 
 
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:
@@ -164,11 +187,16 @@ def _check_output(path: Path, scene: str) -> None:
     """Refuse, before anything is solved, an output that must not be replaced."""
     from bearingwear.io.netcdf import OutputError
 
-    if path.exists():
-        if not path.is_file():
-            raise OutputError(f"{path}: given something that is no file; allowed a file name")
-        if path.samefile(scene):
-            raise OutputError(f"{path}: given the scene itself; allowed another file name")
+    try:
+        if path.exists():
+            if not path.is_file():
+                raise OutputError(f"{path}: given something that is no file; allowed a file name")
+            if path.samefile(scene):
+                raise OutputError(f"{path}: given the scene itself; allowed another file name")
+    except OutputError:
+        raise
+    except OSError as error:  # a name that is too long
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
 
 
 def _finish(result: Result, given: argparse.Namespace) -> int:

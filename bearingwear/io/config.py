@@ -227,14 +227,23 @@ def _validator() -> Any:
 
 
 # a mistyped key is both unknown and missing: name it as what it is
-_ORDER = {"additionalProperties": 0, "propertyNames": 1, "type": 2, "required": 9}
+_ORDER = {"additionalProperties": 1, "type": 2, "required": 9}
+
+
+def _rank(error: Any) -> int:
+    # an impossible name comes first: the path of whatever is wrong below it would hold it
+    return 0 if _is_name(error) else _ORDER.get(error.validator, 5)
+
+
+def _is_name(error: Any) -> bool:
+    return "propertyNames" in error.absolute_schema_path
 
 
 def _check_schema(data: Any) -> None:
     errors = list(_validator().iter_errors(data))
     if not errors:
         return
-    error = min(errors, key=lambda e: (_ORDER.get(e.validator, 5), _place(data, e.absolute_path)))
+    error = min(errors, key=lambda e: (_rank(e), _place(data, e.absolute_path)))
     path = ""
     for part in error.absolute_path:
         path += f"[{part}]" if isinstance(part, int) else f".{part}" if path else part
@@ -268,7 +277,7 @@ def _schema_error(error: Any, path: str) -> SceneError:
     if error.validator == "required":
         missing = next(key for key in error.validator_value if key not in given)
         return SceneError(below(missing), f"given nothing; allowed {allowed(below(missing))}")
-    if error.validator == "propertyNames":
+    if _is_name(error):
         return SceneError(path, f"given the name {_shown(given)}; allowed {allowed(path)}")
     if error.validator in ("minItems", "maxItems"):
         return SceneError(path, f"given a list of {len(given)}; allowed {allowed(path)}")

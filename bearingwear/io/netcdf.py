@@ -86,6 +86,7 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
             path.parent.mkdir(parents=True, exist_ok=True)
             # netCDF4 says only "Permission denied" for all that can go wrong here
             part.open("wb").close()
+            os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
             with netCDF4.Dataset(part, "w", format="NETCDF4") as file:
                 file.setncatts(attrs)
                 _fill(file, entries)
@@ -93,7 +94,7 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
         finally:
             with contextlib.suppress(OSError):
                 part.unlink(missing_ok=True)
-    except (OSError, RuntimeError) as error:
+    except (OSError, RuntimeError, UnicodeError) as error:
         raise OutputError(f"{path}: cannot be written ({_reason(error)})") from None
 
 
@@ -165,7 +166,8 @@ def readable(path: str | os.PathLike[str]) -> None:
     try:
         with open(path, "rb") as file:
             start = file.read(8)
-    except OSError as error:
+        name.encode()
+    except (OSError, UnicodeError) as error:
         raise CaseFileError(
             f"{name}: given a file that cannot be read ({_reason(error)}); allowed a result file"
         ) from None
@@ -183,6 +185,8 @@ def foreign(path: str | os.PathLike[str]) -> CaseFileError:
 
 
 def _reason(error: BaseException) -> str:
+    if isinstance(error, UnicodeError):
+        return "netCDF takes names in UTF-8 only"
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     return " ".join(str(text).split())
 

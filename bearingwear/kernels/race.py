@@ -120,7 +120,6 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
     load = math.sqrt(F[0] ** 2 + F[1] ** 2 + F[2] ** 2)
     status = NOT_CONVERGED
     damping_force = 0.0
-    converging = False
     for _ in range(200):
         if math.isnan(scale):
             break
@@ -132,7 +131,7 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
                 matrix[i, k] = stiffness[first + i, first + k]
             matrix[i, i] += damping_force
         size = math.sqrt(size)
-        if converging or size <= 1e-15 * (scale + load):
+        if size <= 1e-14 * (scale + load):
             status = OK
             break
         if not solve_in_place(matrix, step, n):
@@ -147,7 +146,8 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
             length = max(length, abs(step[i]))
         shrink = min(1.0, g.BD / length) if length > 0.0 else 1.0
         found = False
-        for _ in range(30):
+        rounding = length <= 1e-9 * g.BD  # only the full step is worth a try
+        for _ in range(1 if rounding else 30):
             trial[:] = delta
             for i in range(n):
                 trial[first + i] += shrink * step[i]
@@ -158,7 +158,7 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
             for i in range(n):
                 new += (F[first + i] - trial_force[first + i]) ** 2
             new = math.sqrt(new)
-            if new < size or (shrink == 1.0 and length <= 1e-11 * g.BD):
+            if new < size:
                 found = True
                 break
             shrink *= 0.5
@@ -166,7 +166,6 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
             if size <= 1e-11 * (scale + load):
                 status = OK  # as good as rounding lets it be
             break
-        converging = shrink == 1.0 and length <= 1e-10 * g.BD and damping_force == 0.0
         damping_force = 0.1 * damping_force if damping_force > 1e-9 * g.E_star * g.D0 else 0.0
         delta[:] = trial
         scale = new_scale

@@ -249,6 +249,8 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
             return NOT_CONVERGED, delta_a, state, iteration, size
         u[:] = trial
         delta_a, state = delta, moved
+        if rounding and new > 0.1 * size:  # no longer quadratic
+            return OK, delta_a, state, iteration, new
     return NOT_CONVERGED, delta_a, state, most, size
 
 
@@ -374,6 +376,7 @@ def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
             continue
         if status != OK:
             u[:] = kept
+            goal = max(goal, NEAR_ROUNDING)
             status, delta_a, state, n, size = settle(
                 g, D, motion, v, preload, kept_delta, kept_state, u, t, weight, work, goal, 400
             )

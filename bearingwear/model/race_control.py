@@ -118,8 +118,8 @@ def outer_controls(state: BallState) -> bool:
 def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
     """Equilibrium with the controlling race of each ball chosen by the spin-moment check.
 
-    All balls start under outer control; those that fail the check go over to inner control, and
-    stay there.
+    All balls start under outer control; those that fail the check, or all if that has no
+    equilibrium, go over to inner control and stay there.
 
     Returns
     -------
@@ -128,8 +128,12 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
         OUTER_CONTROL or INNER_CONTROL of each ball.
     """
     laws = np.full(len(problem.D), OUTER_CONTROL)
+    balance = problem.balance(laws)
+    if balance.status == code.NOT_CONVERGED:
+        # Where the outer race cannot carry the gyroscopic moments there is no such equilibrium.
+        laws = np.full(len(problem.D), INNER_CONTROL)
+        return problem.balance(laws), laws
     while True:
-        balance = problem.balance(laws)
         failed = [
             j
             for j, state in enumerate(balance.states)
@@ -138,6 +142,7 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
         if not failed or balance.status == code.NOT_CONVERGED:
             return balance, laws
         laws[failed] = INNER_CONTROL
+        balance = problem.balance(laws)
 
 
 def solve_race_control(scene: Scene) -> tuple[dict, dict]:

@@ -207,7 +207,11 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         + GOOD[GOOD.index("bearing:") :],
         "description", ("control character",)),
     "material name with a path": (
-        GOOD.replace("  phenolic: {", "  ../phenolic: {"), "materials", ("../phenolic",)),
+        GOOD.replace("  phenolic: {", "  ../phenolic: {"),
+        "materials: ", ("the name '../phenolic'",)),
+    "long material name": (
+        GOOD.replace("  phenolic: {", "  " + "p" * 600 + ": {x: 1, "),
+        "materials: ", ("the name", "at most 64")),
     # the file as a whole
     "empty file": ("", "", ("nothing",)),
     "comment only": ("# nothing here\n", "", ("nothing",)),

@@ -167,13 +167,42 @@ def test_show_refuses(tmp_path, capsys):
     assert err.count("\n") == 1 and err.startswith(str(tmp_path / "none.nc"))
 
 
-def test_show_into_a_closed_pipe(tmp_path):
+def process(stdout, *argv, unbuffered=""):
+    """A command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
+    return subprocess.run(
+        [sys.executable, "-m", "bearingwear", *argv],
+        stdout=stdout,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+    )
+
+
+# buffered text is written when Python shuts down, where nobody could catch what goes wrong
+BUFFERING = pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
+
+
+@BUFFERING
+@pytest.mark.parametrize("command", ["show", "check", "help"])
+def test_print_into_a_closed_pipe(command, unbuffered, tmp_path):
     solve(tmp_path / "a.nc")
-    done = subprocess.run(
-        f"{sys.executable} -m bearingwear show {tmp_path / 'a.nc'} | true",
-        shell=True, capture_output=True, text=True,
-    )  # fmt: skip
+    argv = {"show": ["show", str(tmp_path / "a.nc")], "check": ["check", str(SCENE)]}
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        done = process(writer, *argv.get(command, ["--help"]), unbuffered=unbuffered)
+    finally:
+        os.close(writer)
     assert done.returncode == 0 and done.stderr == ""
+
+
+@BUFFERING
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_print_on_a_full_disk(unbuffered):
+    with open("/dev/full", "w") as full:
+        done = process(full, "check", str(SCENE), unbuffered=unbuffered)
+    assert done.returncode == 2
+    assert done.stderr == "bearingwear: No space left on device\n"
 
 
 @pytest.mark.parametrize("argv", [["--help"], ["solve", "--help"], ["--version"]])
@@ -211,6 +240,23 @@ def test_wrong_arguments(argv, capsys):
 def test_output_is_no_folder(tmp_path, capsys):
     assert solve(tmp_path) == 2
     assert "no file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["new/", ""])
+def test_output_is_the_name_of_a_file(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert solve(name) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and f"given {name!r}; allowed a file name" in err
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "x" * 250, "\udcff.nc"])
+def test_output_that_cannot_be_named(name, tmp_path, capsys):
+    assert solve(tmp_path / name) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "cannot be written" in err
+    assert os.listdir(tmp_path) == []
 
 
 def test_output_is_not_the_scene(tmp_path, capsys):

@@ -259,6 +259,14 @@ def test_folder(reader, tmp_path):
         reader(tmp_path)
 
 
+@pytest.mark.parametrize("reader", [load, summary])
+def test_name_that_is_not_utf8(reader, case, tmp_path):
+    write(case, tmp_path / "a.nc")
+    (tmp_path / "a.nc").rename(tmp_path / "\udcff.nc")
+    with pytest.raises(CaseFileError, match="UTF-8"):
+        reader(tmp_path / "\udcff.nc")
+
+
 # writing
 
 

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from support import ROOT
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL
 from bearingwear.kernels.race import ROW, race_equilibrium
 from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, QV, TORQUE
@@ -119,3 +120,26 @@ def test_loaded_bearing(plain, scene, force, tilt, Omega):
     assert status == code.OK
     assert_allclose(rows[:, 5:7], load, rtol=1e-6, atol=1e-9)
     assert_allclose(delta, displacement[:3], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("loss", "radial", "axial"),
+    [
+        (0.0, 2.0, 7.39219144),
+        (0.0, 6.0, 7.74064334),
+        (0.5, 2.0, 3.12696385),
+        (0.5, 6.0, 4.50359182),
+    ],
+)
+def test_fixed_position_under_radial_load(scene, loss, radial, axial):
+    """Axial sum of the contact forces of gyro_s1 orbiting at 1200 rad/s, from another program."""
+    g = parameters.geometry(scene("gyro_s1"))
+    n = g.n_balls
+    loads = np.column_stack([np.zeros(n), np.full(n, 1200.0), np.zeros(n), np.zeros(n)])
+    rows, delta = np.empty((n, ROW)), np.array([static_displacement(g, 7.0), 0.0, 0.0])
+    psi = 2 * np.pi * np.arange(n) / n
+    D = np.full(n, g.D0 - loss * 1e-6)
+    force = np.array([7.0, 0.0, radial])
+    status, _, _ = race_equilibrium(g, D, loads, psi, force, 0.0, 1, delta, rows)
+    assert status == code.OK
+    assert_allclose((rows[:, 5] * np.sin(rows[:, 3])).sum(), axial, rtol=2e-9)

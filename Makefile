@@ -1,0 +1,33 @@
+# `make study` and `make test` set up .venv when it is missing or out of date, then run.
+
+PYTHON ?= python3
+JOBS ?= 2
+BIN := .venv/bin
+STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
+
+.PHONY: study test bench venv clean
+
+study: $(STAMP)
+	$(BIN)/snakemake -j$(JOBS)
+
+test: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/mypy
+	$(BIN)/python -m pytest
+
+bench: $(STAMP) # times against the plain SciPy program
+	$(BIN)/python benchmarks/speed.py
+
+venv: $(STAMP)
+
+$(STAMP): # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[test]'
+	rm -f .venv/installed-*
+	touch $@
+
+clean: # results and logs go, .venv stays
+	rm -rf .snakemake logs build ./*.egg-info
+	find results -mindepth 1 ! -name README.md -delete

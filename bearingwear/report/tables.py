@@ -1,0 +1,138 @@
+"""The numbers of a study as a CSV table, and the few that matter as Markdown."""
+
+import csv
+import itertools
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.report.drawing import in_words, methods, scene_of
+
+AXES = ("preload_method", "friction", "ball_diameter_loss")
+
+
+def write_cases(study: xr.Dataset, path: str | Path) -> None:
+    """Write a row for each case and a column for each number, with its unit in the header.
+
+    A variable over race, axis or counts has a column for each of them; over balls, the mean.
+    """
+    columns = dict(_columns(study))
+    axes = {
+        "preload_method": _meanings(study["preload_method"]),
+        "friction": [f"{mu:g}" for mu in study["friction"].values],
+        "ball_diameter_loss (um)": [f"{loss:g}" for loss in study["ball_diameter_loss"].values],
+    }
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow([*axes, *columns])
+        for point, index in zip(
+            itertools.product(*axes.values()),
+            np.ndindex(*(study.sizes[axis] for axis in AXES)),
+            strict=True,
+        ):
+            table.writerow([*point, *(values[index] for values in columns.values())])
+
+
+def _columns(study: xr.Dataset) -> Iterator[tuple[str, np.ndarray]]:
+    """Header and texts, over the axes, of each column."""
+    for name, variable in study.data_vars.items():
+        values = variable.transpose(*AXES, ...)
+        is_flag = "flag_meanings" in variable.attrs
+        if "ball" in values.dims:
+            values = values.isel(ball=0) if is_flag else values.mean("ball")
+        inner = values.dims[len(AXES) :]
+        unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
+        labels = [_meanings(study[dim]) for dim in inner]
+        for index in np.ndindex(*values.shape[len(AXES) :]):
+            words = [label[k] for label, k in zip(labels, index, strict=True)]
+            header = ".".join([str(name), *words]) + unit
+            numbers = values.values[(..., *index)]
+            names = variable.attrs["flag_meanings"].split() if is_flag else None
+            yield header, np.vectorize(lambda x, n=names: _text(x, n), otypes=[object])(numbers)
+
+
+def _text(number: float, flags: list[str] | None) -> str:
+    """A number with nine digits, a flag by its name, nothing where it is missing."""
+    if not np.isfinite(number):
+        return ""
+    return flags[int(number)] if flags else f"{number:.9g}"
+
+
+def _meanings(coordinate: xr.DataArray) -> list[str]:
+    names = coordinate.attrs["flag_meanings"].split()
+    return [names[int(flag)] for flag in coordinate.values]
+
+
+def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> None:
+    """Write what wear does to QV and preload, the wear life, and what could not be solved."""
+    scene = scene_of(study)
+    losses = study["ball_diameter_loss"].values
+    first, last = f"{losses[0]:g} µm", f"{losses[-1]:g} µm"
+    wear = [
+        [
+            in_words(name),
+            f"{mu:g}",
+            *(f"{1e3 * state['total_qv'].sel(friction=mu)[k]:.1f}" for k in (0, -1)),
+            *(f"{state['residual_preload'].sel(friction=mu)[k]:.3f}" for k in (0, -1)),
+        ]
+        for name, state in methods(study)
+        for mu in study["friction"].values
+    ]
+    ends = lives["end_criterion"].attrs["flag_meanings"].split()
+    life = []
+    for name, of_method in methods(lives):
+        for mu in lives["friction"].values:
+            one = of_method.sel(friction=mu)
+            life.append(
+                [
+                    in_words(name),
+                    f"{mu:g}",
+                    *(f"{hours:.4g}" for hours in one["life"].values),
+                    in_words(ends[int(one["end_criterion"])]),
+                    f"{1e6 * one['loss_at_end']:.4f}",
+                    f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
+                ]
+            )
+    parts = [
+        f"# {scene['name']}",
+        scene.get("description", ""),
+        "## What wear does",
+        _table(
+            "preload method | friction | QV (mW) at " + first + " | at " + last
+            + " | residual preload (N) at " + first + " | at " + last,
+            wear,
+        ),
+        "QV is that of the whole bearing.",
+        "## Wear life",
+        _table(
+            "preload method | friction | life (h), ball alone | balls and races | ended by "
+            "| at loss (µm) | interpolated against solved",
+            life,
+        ),
+        "## Not solved",
+        "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
+    ]  # fmt: skip
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
+
+
+def _table(header: str, rows: Iterable[list[str]]) -> str:
+    count = header.count("|") + 1
+    lines = [f"| {header} |", "|" + " --- |" * count]
+    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]).replace("nan", "–")
+
+
+def _unsolved(study: xr.Dataset) -> Iterator[str]:
+    for name, state in methods(study):
+        for index in np.argwhere(state["status"].values != OK):
+            one = state["status"][tuple(index)]
+            yield (
+                f"- {in_words(name)}, friction {float(one['friction']):g}, "
+                f"loss {float(one['ball_diameter_loss']):g} µm: {STATUS_NAMES[int(one)]}"
+            )

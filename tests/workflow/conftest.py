@@ -1,0 +1,139 @@
+"""A small study in a copy of the project, solved once and handed to each test as a copy of its own.
+
+Kernels run interpreted here: the copies have sources of their own, and compiling them would take
+longer than all their cases.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+import yaml
+from support import ROOT
+
+CONFIG = {
+    "studies": [
+        {
+            "scenes": ["gyro_s1"],
+            "preload_method": ["constant_force", "fixed_position"],
+            "friction": [0.02, 0.08],
+            "ball_diameter_loss_um": [0, 0.5],
+        },
+        {
+            "scenes": ["gyro_s1_drag"],
+            "preload_method": ["fixed_position"],
+            "friction": [0.02],
+            "ball_diameter_loss_um": [0, 0.5],
+        },
+    ],
+    "figures": {
+        "worn_loss_um": 0.5,
+        "friction": [0.02, 0.08],
+        "wear_columns": [
+            {"scene": "gyro_s1_drag", "friction": 0.02},
+            {"scene": "gyro_s1", "friction": 0.08},
+        ],
+        "spreads": {"drag": {"scenes": ["gyro_s1", "gyro_s1_drag"], "friction": 0.02}},
+    },
+}
+
+
+@dataclass(frozen=True)
+class Project:
+    """A copy of the project."""
+
+    root: Path
+
+    @property
+    def environment(self) -> dict[str, str]:
+        kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+        return kept | {"NUMBA_DISABLE_JIT": "1"}
+
+    def command(self, *arguments: str) -> list[str]:
+        return [sys.executable, "-m", "snakemake", "-j2", "--nocolor", *arguments]
+
+    def run(self, *arguments: str) -> "Run":
+        """Run Snakemake in the copy."""
+        done = subprocess.run(
+            self.command(*arguments), cwd=self.root, env=self.environment,
+            capture_output=True, text=True, timeout=300,
+        )  # fmt: skip
+        return Run(done.returncode, done.stdout + done.stderr)
+
+    def edit(self, path: str, old: str, new: str) -> None:
+        """Replace a text that must be there."""
+        file = self.root / path
+        text = file.read_text(encoding="utf-8")
+        assert old in text, f"{path} has no {old!r}"
+        file.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    def configure(self, config: dict) -> None:
+        (self.root / "config/config.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
+
+    @property
+    def config(self) -> dict:
+        return yaml.safe_load((self.root / "config/config.yaml").read_text(encoding="utf-8"))
+
+    def case(self, case_id: str, scene: str = "gyro_s1") -> Path:
+        return self.root / f"results/{scene}/cases/{case_id}.nc"
+
+    def results(self) -> dict[str, bytes]:
+        folder = self.root / "results"
+        files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+        return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+@dataclass(frozen=True)
+class Run:
+    """What Snakemake said."""
+
+    status: int
+    text: str
+
+    @property
+    def jobs(self) -> dict[str, int]:
+        """How many jobs of each rule were planned."""
+        table = re.search(r"^Job stats:\njob +count\n[- ]+\n((?:\w+ +\d+\n)+)", self.text, re.M)
+        if not table:
+            return {}
+        rows = (line.split() for line in table.group(1).splitlines())
+        return {rule: int(count) for rule, count in rows if rule not in ("all", "total")}
+
+
+@pytest.fixture(scope="session")
+def new_project(tmp_path_factory):
+    """Function () -> Project with nothing solved yet."""
+
+    def make() -> Project:
+        root = tmp_path_factory.mktemp("project")
+        no_caches = shutil.ignore_patterns("__pycache__")
+        for name in ("bearingwear", "config", "workflow"):
+            shutil.copytree(ROOT / name, root / name, ignore=no_caches)
+        shutil.copy2(ROOT / "Snakefile", root)
+        project = Project(root)
+        project.configure(CONFIG)
+        return project
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def first_run(new_project):
+    """The small study and what Snakemake said when it was solved."""
+    project = new_project()
+    run = project.run()
+    assert run.status == 0, run.text
+    return project, run
+
+
+@pytest.fixture
+def solved(first_run, tmp_path) -> Project:
+    """A copy of the solved study, to be changed."""
+    root = tmp_path / "moved project"  # a space in the path
+    shutil.copytree(first_run[0].root, root)
+    return Project(root)

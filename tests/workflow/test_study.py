@@ -1,0 +1,221 @@
+"""The study as its user runs it: what a run makes, and what a change makes anew."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import netCDF4
+import pytest
+from support import ROOT
+
+WORN = "fixed_position-mu0.080-loss0.50"
+FIGURES_OF_THE_SMALL_STUDY = {
+    "gyro_s1/figures": {"fig07_fresh", "fig08_worn", "fig09_slip", "fig10_wear", "wear_life"},
+    "gyro_s1_drag/figures": {"fig09_slip", "fig10_wear", "wear_life"},
+    "figures": {"fig10_wear", "spread_drag"},
+}
+
+
+def number(path, name):
+    with netCDF4.Dataset(path) as case:
+        return float(case[name][...].item())
+
+
+def test_the_whole_study_is_planned():
+    done = subprocess.run(
+        [sys.executable, "-m", "snakemake", "-n", "--quiet", "rules", "--forceall"],
+        cwd=ROOT, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    jobs = dict(re.findall(r"^(\w+) +(\d+)$", done.stdout + done.stderr, re.M))
+    assert int(jobs["solve"]) == 3 * 64 + 3 * 16
+    assert int(jobs["wear_life"]) == 6
+
+
+def test_lint():
+    done = subprocess.run(
+        [sys.executable, "-m", "snakemake", "--lint"], cwd=ROOT, capture_output=True, text=True
+    )
+    findings = re.findall(r"^    \* (.*)$", done.stderr, re.M)
+    # the study is one package in one environment: no rule needs one of its own
+    allowed = "Specify a conda environment or container for each rule.:"
+    assert findings and set(findings) == {allowed}, done.stderr
+
+
+def test_a_run_makes_everything_and_then_nothing(first_run):
+    project, run = first_run
+    assert run.jobs["solve"] == 8 + 2
+    assert "gyro_s1: fixed position, mu 0.080, loss 0.50 um" in run.text
+    results = project.results()
+    for scene in ("gyro_s1", "gyro_s1_drag"):
+        made = {f"{scene}/{name}" for name in ("study.nc", "wear_life.nc")}
+        made |= {f"{scene}/tables/{name}" for name in ("cases.csv", "summary.md")}
+        assert made <= set(results)
+    for folder, names in FIGURES_OF_THE_SMALL_STUDY.items():
+        for suffix in ("svg", "png"):
+            there = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}
+            assert there == {f"{name}.{suffix}" for name in names}
+    assert results["verdict.txt"] == b"all 15 solved and verified\n"  # 10 cases, 5 lives
+    again = project.run()
+    assert again.status == 0 and "Nothing to be done" in again.text
+
+
+def test_the_same_bytes_twice(first_run, solved):
+    before = first_run[0].results()
+    run = solved.run("--forceall")
+    assert run.status == 0 and run.jobs["solve"] == 10
+    assert solved.results() == before
+
+
+def test_one_point_again(solved):
+    target = solved.case(WORN)
+    before, others = target.stat(), solved.case("fixed_position-mu0.080-loss0.00").stat()
+    run = solved.run("-f", str(target.relative_to(solved.root)))
+    assert run.status == 0 and run.jobs == {"solve": 1}
+    assert target.stat().st_mtime_ns > before.st_mtime_ns
+    assert solved.case("fixed_position-mu0.080-loss0.00").stat() == others
+
+
+def test_a_touch_makes_nothing_anew(solved):
+    for file in ("bearingwear/kernels/contact.py", "config/scenes/gyro_s1.yaml", "Snakefile"):
+        os.utime(solved.root / file)
+    run = solved.run()
+    assert run.status == 0 and "Nothing to be done" in run.text, run.text
+
+
+@pytest.mark.parametrize(
+    ("path", "rule"),
+    [
+        (f"results/gyro_s1/cases/{WORN}.nc", "solve"),
+        ("results/gyro_s1/study.nc", "gather"),
+        ("results/gyro_s1/tables/cases.csv", "tables"),
+        ("results/gyro_s1_drag/figures/fig10_wear.png", "figure_wear"),
+    ],
+)
+def test_what_is_deleted_is_made_again(solved, path, rule):
+    (solved.root / path).unlink()
+    assert solved.run("-n").jobs[rule] == 1
+
+
+def test_an_edited_solver_source_solves_anew(solved):
+    before = number(solved.case(WORN), "ball_wear_rate")
+    solved.edit("bearingwear/kernels/wear.py", "return K_s * qv / H", "return 2.0 * K_s * qv / H")
+    planned = solved.run("-n")
+    assert planned.jobs["solve"] == 10 and planned.jobs["wear_life"] == 2
+    run = solved.run(str(solved.case(WORN).relative_to(solved.root)))
+    assert run.status == 0 and run.jobs == {"solve": 1}
+    assert number(solved.case(WORN), "ball_wear_rate") == 2.0 * before
+
+
+def test_an_edited_style_draws_anew_and_solves_nothing(solved):
+    solved.edit("bearingwear/report/style.mplstyle", "lines.linewidth: 1.4", "lines.linewidth: 2")
+    planned = solved.run("-n")
+    assert planned.jobs["figure_wear"] == 2
+    assert not {"solve", "gather", "wear_life"} & set(planned.jobs)
+
+
+def test_one_value_of_friction_edited(solved):
+    config = solved.config
+    config["studies"][0]["friction"] = [0.02, 0.081]
+    config["figures"].update(friction=[0.02, 0.081], wear_columns=[])
+    solved.configure(config)
+    planned = solved.run("-n")
+    assert planned.jobs["solve"] == 4 and planned.jobs["gather"] == 1
+    assert "gyro_s1: fixed position, mu 0.081, loss 0.50 um" in planned.text
+
+
+def test_order_and_way_of_writing_do_not_matter(solved):
+    config = solved.config
+    config["studies"][0].update(friction=[0.08, 0.020], ball_diameter_loss_um=[0.5, 0.0])
+    solved.configure(config)
+    planned = solved.run("-n")
+    assert "Nothing to be done" in planned.text, planned.text
+
+
+def test_one_scene_edited(solved):
+    solved.edit(
+        "config/scenes/gyro_s1_drag.yaml", "drag_density_kg_m3: 250", "drag_density_kg_m3: 240"
+    )
+    planned = solved.run("-n")
+    assert planned.jobs["solve"] == 2 and planned.jobs["gather"] == 1
+    assert planned.jobs["figure_wear"] == 1 and planned.jobs["figure_wear_columns"] == 1
+    assert "gyro_s1: " not in planned.text
+
+
+def test_a_broken_scene_stops_with_one_line(new_project):
+    project = new_project()
+    project.edit("config/scenes/gyro_s1_drag.yaml", "preload_N: 7.0", "preload_N: -7.0")
+    run = project.run()
+    assert run.status != 0 and "Traceback" not in run.text
+    lines = [line for line in run.text.splitlines() if "gyro_s1_drag.yaml" in line]
+    assert len(lines) == 1 and "operation.preload_N" in lines[0] and "-7.0" in lines[0]
+    assert not (project.root / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "said"),
+    [
+        (["studies"], [], "studies"),
+        (["studies", 0, "friction"], ["1e-2"], "'1e-2' is not of type 'number'"),
+        (["studies", 0, "friction"], [0.0201], "studies[0].friction: given 0.0201"),
+        (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
+        (["studies", 0, "frictoin"], [0.1], "frictoin"),
+        (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
+    ],
+    ids=["no studies", "text", "too many digits", "no scene", "unknown key", "not studied"],
+)
+def test_a_broken_configuration_stops(new_project, keys, value, said):
+    project = new_project()
+    config = place = project.config
+    for key in keys[:-1]:
+        place = place[key]
+    place[keys[-1]] = value
+    project.configure(config)
+    run = project.run()
+    assert run.status != 0 and said in run.text and "Traceback" not in run.text, run.text
+    assert not (project.root / "results").exists()
+
+
+def test_a_case_that_cannot_be_solved(solved):
+    """Without friction the ball's rotation is undetermined: recorded, marked, said at the end."""
+    config = solved.config
+    config["studies"][0]["friction"] = [0.0, 0.02, 0.08]
+    solved.configure(config)
+    run = solved.run()
+    assert run.status != 0
+    failed = {
+        f"results/gyro_s1/cases/{method}-mu0.000-loss{loss}.nc: undetermined"
+        for method in ("constant_force", "fixed_position")
+        for loss in ("0.00", "0.50")
+    }
+    assert all(line in run.text for line in failed)
+    results = solved.results()
+    for folder, names in FIGURES_OF_THE_SMALL_STUDY.items():
+        assert {f"{folder}/{name}.svg" for name in names} <= set(results)
+    assert "verdict.txt" not in results
+    assert results["gyro_s1/tables/summary.md"].decode().count(": undetermined") == 4
+    again = solved.run()
+    assert again.status != 0 and again.jobs == {"verdict": 1}
+    assert all(line in again.text for line in failed)
+
+
+def test_a_killed_run_goes_on(first_run, new_project):
+    project, target = new_project(), "results/gyro_s1/study.nc"
+    process = subprocess.Popen(
+        project.command(target), cwd=project.root, env=project.environment,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    cases = project.case(WORN).parent
+    deadline = time.monotonic() + 60.0
+    while len(list(cases.glob("[!.]*.nc"))) < 4 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    assert 4 <= len(list(cases.glob("[!.]*.nc"))) < 8
+    assert project.run("--unlock").status == 0
+    run = project.run("--rerun-incomplete", target)
+    assert run.status == 0 and run.jobs["solve"] < 8, run.text
+    assert project.results()["gyro_s1/study.nc"] == first_run[0].results()["gyro_s1/study.nc"]

@@ -1,0 +1,80 @@
+# From the cases to the study, the wear life, the tables and the verdict.
+
+
+localrules:
+    gather,
+    tables,
+    verdict,
+
+
+# All cases of a scene in one file.
+rule gather:
+    input:
+        cases=scene_cases,
+        sources=STUDY,
+    output:
+        "results/{scene}/study.nc",
+    log:
+        "logs/{scene}/study.log",
+    message:
+        "{wildcards.scene}: gather the cases"
+    shell:
+        "bearingwear gather {input.cases} -o {output} > {log} 2>&1"
+
+
+# Wear life by both routes: the solver in the loop, and interpolation of the study.
+rule wear_life:
+    input:
+        scene="config/scenes/{scene}.yaml",
+        study="results/{scene}/study.nc",
+        sources=SOLVER + STUDY,
+    output:
+        "results/{scene}/wear_life.nc",
+    log:
+        "logs/{scene}/wear_life.log",
+    benchmark:
+        "logs/{scene}/wear_life.tsv"
+    message:
+        "{wildcards.scene}: wear life"
+    shell:
+        "bearingwear wear-life {input.scene} {input.study} -o {output} > {log} 2>&1"
+
+
+# The numbers of a scene as CSV, and the few that matter as Markdown.
+rule tables:
+    input:
+        study="results/{scene}/study.nc",
+        life="results/{scene}/wear_life.nc",
+        sources=REPORT,
+    output:
+        cases="results/{scene}/tables/cases.csv",
+        summary=report(
+            "results/{scene}/tables/summary.md",
+            caption="../report/summary.rst",
+            category="{scene}",
+            labels={"result": "summary"},
+        ),
+    log:
+        "logs/{scene}/tables.log",
+    message:
+        "{wildcards.scene}: tables"
+    shell:
+        "bearingwear tables {input.study} {input.life} -o {output.cases} {output.summary} > {log} 2>&1"
+
+
+# Comes last and fails, each time anew, if a case or a life could not be solved.
+rule verdict:
+    input:
+        cases=PLAN.cases(),
+        studies=PLAN.studies(),
+        lives=PLAN.lives(),
+        tables=PLAN.tables(),
+        figures=PLAN.figures(),
+    output:
+        "results/verdict.txt",
+    log:
+        "logs/verdict.log",
+    message:
+        "look for cases that could not be solved"
+    shell:
+        "bearingwear verdict {input.studies} {input.lives} -o {output} 2>&1 | tee {log}"
