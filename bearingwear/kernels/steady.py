@@ -249,9 +249,9 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
             return NOT_CONVERGED, delta_a, state, iteration, size
         u[:] = trial
         delta_a, state = delta, moved
-        if rounding and new > 0.1 * size:  # no longer quadratic
+        if rounding and new > 0.7 * size:
             return OK, delta_a, state, iteration, new
-    return NOT_CONVERGED, delta_a, state, most, size
+    return (OK if size <= NEAR_ROUNDING else NOT_CONVERGED), delta_a, state, most, size
 
 
 @jit

@@ -117,14 +117,8 @@ def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: f
     preload = np.full(steps, np.nan)
     end, criterion = np.nan, "none"
     if usable > 1 and losses[0] == 0.0:
-        names = [
-            "residual_preload",
-            "gyroscopic_slip_share",
-            "skid_ratio",
-            "ball_diameter_loss_rate",
-        ]
         fine = (
-            line[names]
+            line[[name for name in _NEEDED if name in line]]
             .isel(ball_diameter_loss=slice(usable))
             .interp(ball_diameter_loss=loss, method="pchip")
         )
