@@ -43,7 +43,7 @@ def other_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
     """
     m = ball_mass(g, D)
     if load.law == ORBIT:
-        return 0.0, m * (g.R_o + X2) * load.Omega * load.Omega, 0.0
+        return load.P_x, m * (g.R_o + X2) * load.Omega * load.Omega + load.P_r, 0.0
     alpha_i, alpha_o = math.atan2(s_i, c_i), math.atan2(s_o, c_o)
     k = race_control(load.law, load.omega_i, load.omega_o, D / g.dm, alpha_i, alpha_o)
     F_c = m * 0.5 * g.dm * k.Omega * k.Omega
@@ -286,6 +286,6 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
 @jit
 def static_displacement(g, F_x):
     """Axial displacement of the static, unworn bearing under its initial preload alone [m]."""
-    load = BallLoad(ORBIT, 0.0, 0.0, 0.0)
+    load = BallLoad(ORBIT, 0.0, 0.0, 0.0, 0.0, 0.0)
     delta_a, state = thrust_equilibrium(g, g.D0, load, F_x, 0.0, True, cold_start())
     return delta_a

@@ -50,6 +50,8 @@ class BallLoad(NamedTuple):
     Omega: float  # orbit rate (ORBIT only) [rad/s]
     omega_i: float  # inner race speed (race control only) [rad/s]
     omega_o: float  # outer race speed (race control only) [rad/s]
+    P_x: float  # further force on the ball, axial (ORBIT only) [N]
+    P_r: float  # and radially outward [N]
 
 
 class BallState(NamedTuple):

@@ -46,8 +46,8 @@ def race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness):
     ----------
     D : ndarray (n_balls,)
         Worn diameters [m].
-    loads : ndarray (n_balls, 4)
-        Rows (law, Omega, omega_i, omega_o) of BallLoad.
+    loads : ndarray (n_balls, 6)
+        Rows (law, Omega, omega_i, omega_o, P_x, P_r) of BallLoad.
     delta : ndarray (3,)
         Displacement (axial, Y, Z) of the inner race [m].
     rows : ndarray (n_balls, ROW)
@@ -67,7 +67,9 @@ def race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness):
     stiffness[:, :] = 0.0
     scale = 0.0
     for j in range(D.size):
-        load = BallLoad(int(loads[j, 0]), loads[j, 1], loads[j, 2], loads[j, 3])
+        load = BallLoad(
+            int(loads[j, 0]), loads[j, 1], loads[j, 2], loads[j, 3], loads[j, 4], loads[j, 5]
+        )
         A1, A2 = groove_distance(g, psi[j], delta[0], delta[1], delta[2], tilt)
         state = ball_equilibrium(g, D[j], load, A1, A2, stored_state(rows[j]))
         store_state(state, rows[j])

@@ -173,7 +173,7 @@ def balance_size(g, D, mu, state, out):
 @jit
 def orbit_equilibrium(g, D, Omega, preload, delta_a, start):
     """Ball and race equilibrium at the orbit rate Omega."""
-    load = BallLoad(ORBIT, Omega, 0.0, 0.0)
+    load = BallLoad(ORBIT, Omega, 0.0, 0.0, 0.0, 0.0)
     if not preload.constant_force:
         delta_a = preload.delta_a
     return thrust_equilibrium(g, D, load, preload.F_x, delta_a, preload.constant_force, start)

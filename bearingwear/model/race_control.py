@@ -72,7 +72,7 @@ class RaceControlProblem:
         """Equilibrium with the given controlling race of each ball (n,)."""
         m = self.motion
         if len(self.D) == 1:
-            load = BallLoad(int(laws[0]), 0.0, m.omega_i, m.omega_o)
+            load = BallLoad(int(laws[0]), 0.0, m.omega_i, m.omega_o, 0.0, 0.0)
             delta_a, state = thrust_equilibrium(
                 self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
             )
@@ -86,6 +86,7 @@ class RaceControlProblem:
                 np.zeros(len(laws)),
                 np.full(len(laws), m.omega_i),
                 np.full(len(laws), m.omega_o),
+                *np.zeros((2, len(laws))),
             ]
         ).astype(float)
         rows = np.empty((len(self.D), ROW))

@@ -112,7 +112,7 @@ def test_loaded_bearing(plain, scene, force, tilt, Omega):
     # The tilt lever is the locus of the inner groove centres in both.
     displacement, load = plain.loaded_equilibrium(bearing, force, Omega=Omega, tilt=tilt)[:2]
     n = g.n_balls
-    loads = np.column_stack([np.zeros(n), np.full(n, Omega), np.zeros(n), np.zeros(n)])
+    loads = np.column_stack([np.zeros(n), np.full(n, Omega), *np.zeros((4, n))])
     rows, delta = np.empty((n, ROW)), np.zeros(3)
     psi = 2 * np.pi * np.arange(n) / n
     D = np.full(n, g.D0)
@@ -135,7 +135,7 @@ def test_fixed_position_under_radial_load(scene, loss, radial, axial):
     """Axial sum of the contact forces of gyro_s1 orbiting at 1200 rad/s, from another program."""
     g = parameters.geometry(scene("gyro_s1"))
     n = g.n_balls
-    loads = np.column_stack([np.zeros(n), np.full(n, 1200.0), np.zeros(n), np.zeros(n)])
+    loads = np.column_stack([np.zeros(n), np.full(n, 1200.0), *np.zeros((4, n))])
     rows, delta = np.empty((n, ROW)), np.array([static_displacement(g, 7.0), 0.0, 0.0])
     psi = 2 * np.pi * np.arange(n) / n
     D = np.full(n, g.D0 - loss * 1e-6)

@@ -31,7 +31,7 @@ def solved(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
     status, residual, _ = race_equilibrium(
         g,
         np.full(g.n_balls, g.D0),
-        np.zeros((g.n_balls, 4)),
+        np.zeros((g.n_balls, 6)),
         psi,
         np.array([F_a, 0.0, F_r]),
         tilt,

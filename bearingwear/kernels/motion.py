@@ -1,0 +1,279 @@
+"""Right-hand side of the balls' motion (theory.md section 8)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.contact import slip_map, traction_slope
+from bearingwear.kernels.params import Contact, Geometry, Motion
+from bearingwear.kernels.quasistatic import Suspension, settle, suspension
+from bearingwear.kernels.status import OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.steady import LARGEST_AXIS, drag_force
+
+BALL = 5  # states of a ball: w_x, w_y, w_z, Omega, psi
+
+
+class Run(NamedTuple):
+    """What stays the same during a run."""
+
+    g: Geometry
+    motion: Motion
+    D: np.ndarray  # (n,) worn ball diameters [m]
+    mass: np.ndarray  # (n,) [kg]
+    inertia: np.ndarray  # (n,) [kg m2]
+    first: int  # first free translation of the race
+    F_x: float  # preload [N]
+    F_y: float  # load fixed in space [N]
+    F_z: float
+    F_rot: float  # load that turns with the shaft, along +Z at t = 0 [N]
+    tilt: float  # [rad]
+    t: np.ndarray  # points x/a of the ellipse rule
+    weight: np.ndarray  # their shares of the load
+
+
+@jit
+def load_at(run, time, F):
+    """Load on the inner race at an instant, and the rate of its change dotted into `rate`."""
+    theta = run.motion.omega_i * time
+    F[0] = run.F_x
+    F[1] = run.F_y - run.F_rot * math.sin(theta)
+    F[2] = run.F_z + run.F_rot * math.cos(theta)
+
+
+@jit(fastmath=REORDER_SUMS)
+def friction_sums(contact, R, c, mu, v_r, t, weight):
+    """Gradient of the friction potential by c, and QV, in one pass.
+
+    Returns
+    -------
+    g_1, g_0, g_h, g_x, qv
+        As in contact.traction; qv in W.
+    """
+    c_1, c_0, c_h, c_x = c
+    a, v_r2 = contact.a, v_r * v_r
+    R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
+    base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
+    R_d2 = R_d * R_d
+    g_1 = g_0 = g_h = g_x = qv = 0.0
+    for k in range(t.size):
+        x = a * t[k]
+        h = math.sqrt(R_d2 - x * x) + base
+        v1 = c_1 * h
+        v2 = c_0 + c_h * h + c_x * x
+        v_2 = v1 * v1 + v2 * v2
+        f = weight[k] / math.sqrt(v_2 + v_r2)
+        qv += weight[k] * math.sqrt(v_2)
+        g_1 += f * v1 * h
+        f2 = f * v2
+        g_0 += f2
+        g_h += f2 * h
+        g_x += f2 * x
+    s = mu * contact.Q
+    return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
+
+
+class Account(NamedTuple):
+    """Places of the time integrals in the state vector, after the balls' and the cage's states."""
+
+    qv: int  # 2 n: of each ball, inner and outer [J]
+    shaft: int  # work of both races on the balls [J]
+    heat: int  # friction heat of the ball/race contacts [J]
+    drag: int  # work of the drag [J]
+    turning: int  # sum of m r^2 2 Omega dOmega/dt, for the Coriolis term [J]
+    azimuth: int  # sum of Omega dU/dpsi: the circumferential force left out [J]
+    load: int  # delta . dF/dt of the loads that change [J]
+    size: int
+
+
+@jit
+def account(n, start):
+    """Places of the integrals of n balls, the first at `start`."""
+    i = start + 2 * n
+    return Account(start, i, i + 1, i + 2, i + 3, i + 4, i + 5, i + 6)
+
+
+class Buffers(NamedTuple):
+    """Work space of the right-hand side and its Jacobian."""
+
+    s: Suspension
+    F: np.ndarray  # (3,)
+    extra: np.ndarray  # (n, 2)
+    c: np.ndarray  # (n, 2, 4) slip coefficients
+    h: np.ndarray  # (points,)
+    L: np.ndarray  # (4, 4)
+    gradient: np.ndarray  # (4,)
+    hessian: np.ndarray  # (4, 4)
+    blocks: np.ndarray  # (n, 4, 4) Jacobian of a ball's (w, Omega) with the loads held [1/s]
+    slopes: np.ndarray  # (n, 3, 4) derivative of shaft power, heat and turning by (w, Omega)
+
+
+@jit
+def race_contact_of(run, s, j, k):
+    """Contact of ball j with race k (0 inner, 1 outer)."""
+    g, m = run.g, run.motion
+    Q = s.Q[j, k]
+    a = s.factors[j, k, 1] * Q ** (1.0 / 3.0)
+    d = s.direction[j]
+    if k == 0:
+        return Contact(-1.0, Q, a, d[0], d[1], g.r_i, m.omega_i)
+    return Contact(1.0, Q, a, d[2], d[3], g.r_o, m.omega_o)
+
+
+@jit
+def slip_of(contact, w_x, w_y, w_z, Omega, r):
+    """Slip coefficients (c_1, c_0, c_h, c_x) of a contact, as contact.slip_coefficients."""
+    w_rel = w_x - contact.omega
+    return (
+        -contact.sigma * w_y,
+        (Omega - contact.omega) * r,
+        contact.sigma * (w_rel * contact.cos_a - w_z * contact.sin_a),
+        -(w_rel * contact.sin_a + w_z * contact.cos_a),
+    )
+
+
+@jit
+def balls_motion(time, y, run, b, dy, places):
+    """Time derivative of the balls' states and of the integrals.
+
+    Parameters
+    ----------
+    time : float
+        [s]
+    y : ndarray
+        State: BALL numbers a ball, ..., the integrals at `places`.
+    b : Buffers
+        `b.extra` holds the cage's axial and radial forces on the balls.
+    dy : ndarray
+        Filled, but for the cage's states.
+
+    Returns
+    -------
+    int
+        Status of the equilibrium.
+    """
+    g, m, s = run.g, run.motion, b.s
+    n = run.D.size
+    load_at(run, time, b.F)
+    Omega, psi = y[3 : BALL * n : BALL], y[4 : BALL * n : BALL]
+    status = settle(g, run.D, run.mass, Omega, psi, b.extra, b.F, run.tilt, run.first, s)
+    if status != OK:
+        return status
+    p = places
+    shaft = heat = drag = turning = azimuth = 0.0
+    for j in range(n):
+        i = BALL * j
+        R = 0.5 * run.D[j]
+        r = g.R_o + s.X[j, 1]
+        w_x, w_y, w_z, W = y[i], y[i + 1], y[i + 2], y[i + 3]
+        M_x = M_y = M_z = F_y = 0.0
+        for k in range(2):
+            contact = race_contact_of(run, s, j, k)
+            dy[p.qv + 2 * j + k] = 0.0
+            if not contact.Q > 0.0:
+                continue
+            if contact.a >= LARGEST_AXIS * R:
+                return OUTSIDE_HERTZ_RANGE
+            c = slip_of(contact, w_x, w_y, w_z, W, r)
+            g_1, g_0, g_h, g_x, qv = friction_sums(contact, R, c, m.mu, m.v_r, run.t, run.weight)
+            sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
+            M_x -= sigma * cosine * g_h - sine * g_x
+            M_y += sigma * g_1
+            M_z += sigma * sine * g_h + cosine * g_x
+            F_y += g_0
+            dy[p.qv + 2 * j + k] = qv
+            heat += c[0] * g_1 + c[1] * g_0 + c[2] * g_h + c[3] * g_x
+            shaft -= contact.omega * (r * g_0 + sigma * cosine * g_h - sine * g_x)
+        F_v, _ = drag_force(g, run.D[j], m.drag, W)
+        inertia = run.inertia[j]
+        dy[i] = M_x / inertia
+        dy[i + 1] = M_y / inertia + W * w_z
+        dy[i + 2] = M_z / inertia - W * w_y
+        dy[i + 3] = -(F_y + F_v) / (run.mass[j] * r)
+        dy[i + 4] = W
+        drag += F_v * r * W
+        turning += 2.0 * run.mass[j] * r * r * W * dy[i + 3]
+        # dU/dpsi at a fixed race: the inner force times the shift of the groove centres.
+        sp, cp = math.sin(psi[j]), math.cos(psi[j])
+        f_x, f_r = s.Q[j, 0] * s.direction[j, 0], s.Q[j, 0] * s.direction[j, 1]
+        dA1 = -run.tilt * g.R_i * sp
+        dA2 = -s.delta[2] * sp - s.delta[1] * cp
+        azimuth += W * (f_x * dA1 + f_r * dA2)
+    dy[p.shaft] = shaft
+    dy[p.heat] = heat
+    dy[p.drag] = drag
+    dy[p.turning] = turning
+    dy[p.azimuth] = azimuth
+    theta, rate = m.omega_i * time, m.omega_i * run.F_rot
+    dy[p.load] = -rate * (s.delta[1] * math.cos(theta) + s.delta[2] * math.sin(theta))
+    return OK
+
+
+@jit
+def ball_blocks(y, run, b):
+    """Fill `b.blocks`: derivative of each ball's (w, Omega) rates by (w, Omega), loads held.
+
+    And `b.slopes`, that of the powers which the integrals sum: a stage of a stiff step lies off the
+    path, where friction is far from its value on it, and their sum would feel that. For the state
+    of the last call of `balls_motion`.
+    """
+    g, m, s = run.g, run.motion, b.s
+    for j in range(run.D.size):
+        i = BALL * j
+        R = 0.5 * run.D[j]
+        r = g.R_o + s.X[j, 1]
+        w_x, w_y, w_z, W = y[i], y[i + 1], y[i + 2], y[i + 3]
+        J, S = b.blocks[j], b.slopes[j]
+        J[:, :] = 0.0
+        S[:, :] = 0.0
+        F_y = 0.0
+        for k in range(2):
+            contact = race_contact_of(run, s, j, k)
+            if not contact.Q > 0.0:
+                continue
+            a = contact.a
+            R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
+            base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
+            for q in range(run.t.size):
+                x = a * run.t[q]
+                b.h[q] = math.sqrt(R_d * R_d - x * x) + base
+            c = slip_of(contact, w_x, w_y, w_z, W, r)
+            traction_slope(contact, c, m.mu, m.v_r, run.t, run.weight, b.h, b.gradient, b.hessian)
+            slip_map(contact, r, b.L)
+            L, H, G = b.L, b.hessian, b.gradient
+            F_y += G[1]
+            reach, lever = contact.sigma * contact.cos_a, -contact.sin_a
+            for q in range(4):
+                torque = -contact.omega * (r * H[1, q] + reach * H[2, q] + lever * H[3, q])
+                heat = G[q] + c[0] * H[0, q] + c[1] * H[1, q] + c[2] * H[2, q] + c[3] * H[3, q]
+                for v in range(4):
+                    if L[q, v] != 0.0:
+                        S[0, v] += torque * L[q, v]
+                        S[1, v] += heat * L[q, v]
+                        for p in range(4):
+                            for u in range(4):
+                                J[u, v] -= L[p, u] * H[p, q] * L[q, v]
+        inertia = run.inertia[j]
+        orbit = run.mass[j] * r * r
+        F_v, dF_v = drag_force(g, run.D[j], m.drag, W)
+        for v in range(4):
+            for u in range(3):
+                J[u, v] /= inertia
+            J[3, v] /= orbit
+            S[2, v] = 2.0 * orbit * W * J[3, v]
+        S[2, 3] -= 2.0 * r * (F_y + F_v) + 2.0 * r * W * dF_v
+        J[1, 2] += W
+        J[1, 3] += w_z
+        J[2, 1] -= W
+        J[2, 3] -= w_y
+        J[3, 3] -= dF_v / (run.mass[j] * r)
+
+
+@jit
+def buffers(n, points):
+    """Work space for n balls and a rule of so many points."""
+    return Buffers(
+        suspension(n), np.empty(3), np.zeros((n, 2)), np.empty((n, 2, 4)), np.empty(points),
+        np.empty((4, 4)), np.empty(4), np.empty((4, 4)), np.empty((n, 4, 4)), np.empty((n, 3, 4)),
+    )  # fmt: skip

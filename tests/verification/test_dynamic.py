@@ -1,0 +1,232 @@
+"""The balls' motion in time: where it ends, how fast, and what it does with energy."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+
+from bearingwear.kernels.integrators import (
+    ROSENBROCK,
+    RUNGE_KUTTA,
+    rosenbrock_step,
+    runge_kutta_step,
+)
+from bearingwear.kernels.motion import BALL, balls_motion
+from bearingwear.kernels.status import OK
+from bearingwear.kernels.summary import QV
+from bearingwear.model.dynamic import Motion
+from bearingwear.model.steady import ThrustProblem
+
+METHODS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
+
+
+def steady(scene):
+    """Problem and steady state of a scene's thrust."""
+    o = scene.operation
+    thrust = dataclasses.replace(o, radial_load_N=(0.0, 0.0), rotating_load_N=0.0, tilt_mrad=0.0)
+    problem = ThrustProblem.of(dataclasses.replace(scene, operation=thrust))
+    case = problem.solve(problem.g.D0 - scene.wear.ball_diameter_loss_um[0] * 1e-6)
+    assert case.status == OK
+    return problem, case
+
+
+def started(scene):
+    """The motion of a scene from the steady state of its thrust."""
+    return Motion.of(scene, steady(scene)[1].u)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"operation.preload_method": "fixed_position", "friction.ball_race": 0.02},
+        {"lubricant.drag_density_kg_m3": 250.0, "friction.ball_race": 0.02},
+    ],
+)
+def test_returns_to_the_steady_state(scene, changes):
+    """Disturbed by 3 % in spin and 50 rad/s in gyroscopic rotation, without a cage."""
+    s = scene("gyro_s1", changes)
+    problem, case = steady(s)
+    scales = np.sort(-problem.time_scales(problem.g.D0, case).real)
+    u = case.u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
+    motion = Motion.of(s, u)
+    slow = 1.0 / scales[0]
+    distance = []
+    for _ in range(14):
+        assert motion.advance(slow, 1e-5).status == OK
+        distance.append(np.abs(motion.balls[0, :4] - case.u).max())
+    assert_allclose(motion.balls[:, :4], np.tile(case.u, (9, 1)), atol=1e-4 * np.abs(case.u).max())
+    before = motion.qv.copy()
+    motion.advance(motion.turn)
+    qv = (motion.qv - before) / motion.turn
+    assert_allclose(qv, np.tile(case.contacts[:, QV], (9, 1)), rtol=1e-3)
+    # The last of the way is along the slow eigenvector: a factor e in each slow time.
+    late = np.log(distance[5]) - np.log(distance[8])
+    assert_allclose(late, 3.0, rtol=0.02)
+
+
+def test_every_ball_moves_as_one_ball(scene):
+    """Nine balls under thrust against one ball, integrated by SciPy with the thrust kernels."""
+    from bearingwear.kernels.steady import friction_balance, orbit_equilibrium, workspace
+
+    s = scene("gyro_s1")
+    problem, case = steady(s)
+    u = case.u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
+    motion = Motion.of(s, u)
+    motion.advance(0.5e-3, 1e-6)
+    assert_allclose(motion.balls[:, :4], motion.balls[:1, :4].repeat(9, 0), rtol=1e-9, atol=1e-6)
+    work, out = workspace(problem.rule[0].size), np.empty(4)
+    D, g = problem.g.D0, problem.g
+    m = g.rho * math.pi / 6 * D**3
+
+    def one(_, u):
+        delta, state = orbit_equilibrium(g, D, u[3], problem.preload, case.delta_a, start)
+        friction_balance(
+            g, D, problem.motion, problem.motion.v_r, state, u, *problem.rule, work, out, False
+        )
+        r = g.R_o + state.X2
+        return out / np.array([0.1 * m * D * D] * 3 + [m * r * r])
+
+    from bearingwear.kernels.equilibrium import cold_start
+
+    start = orbit_equilibrium(g, D, u[3], problem.preload, case.delta_a, cold_start())[1]
+    path = solve_ivp(one, (0.0, 0.5e-3), u, method="Radau", rtol=1e-9, atol=1e-9)
+    assert_allclose(motion.balls[0, :4], path.y[:, -1], atol=1e-4 * 60.0)
+
+
+@pytest.mark.parametrize(
+    ("step", "counts", "lowest", "highest"),
+    [
+        (rosenbrock_step, (64, 128, 256, 512), 2.7, 3.3),
+        # Fehlberg's fourth-order result has so small a leading error that the fifth order shows.
+        (runge_kutta_step, (32, 64, 128), 3.9, 5.1),
+    ],
+)
+def test_order_of_convergence(scene, step, counts, lowest, highest):
+    """Fixed steps on a smooth stretch (v_r 3e-2 m/s, radial load) against a far finer solution."""
+    s = scene(
+        "gyro_s1",
+        {"friction.slip_regularisation_m_s": 3e-2, "operation.radial_load_N": [0.0, 2.0]},
+    )
+
+    def end(step, count, span=1e-4):
+        motion = started(s)
+        motion.advance(2e-4, 1e-6)  # past the first transient
+        start, h = motion.time, span / count
+        for k in range(count):
+            status = step(
+                start + k * h, h, motion.y, motion.run, motion.buffers, motion.places, motion.stages
+            )
+            assert status == OK
+            motion.y[:] = motion.stages.new
+        return motion.balls[:, :4].copy()
+
+    exact = end(runge_kutta_step, 4096)
+    errors = [np.abs(end(step, count) - exact).max() for count in counts]
+    order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert lowest < order < highest, errors
+
+
+def test_integrators_agree_with_scipy(scene):
+    """Three turns under a radial load, from the same start: QV of every contact to 1e-4."""
+    s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0]})
+    found = {}
+    for name, method in METHODS.items():
+        motion = started(s)
+        assert motion.advance(3 * motion.turn, 1e-4, method).status == OK
+        found[name] = motion.qv.copy()
+    reference = started(s)
+    n = BALL * 9
+
+    def rate(time, y):
+        dy = np.zeros(y.size)
+        balls_motion(time, y, reference.run, reference.buffers, dy, reference.places)
+        return dy
+
+    # The integrals feed back on nothing: integrating them with the states costs little.
+    path = solve_ivp(
+        rate, (0.0, 3 * reference.turn), reference.y, method="LSODA", rtol=1e-9,
+        atol=np.r_[np.full(n, 1e-6), np.full(reference.y.size - n, 1e-13)],
+    )  # fmt: skip
+    assert path.success
+    exact = path.y[reference.places.qv : reference.places.shaft, -1].reshape(-1, 2)
+    for name, qv in found.items():
+        assert_allclose(qv, exact, rtol=1e-4, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"operation.rotating_load_N": 2.0},
+        {"operation.radial_load_N": [1.0, 2.0], "operation.tilt_mrad": 0.2},
+        {
+            "operation.preload_method": "fixed_position",
+            "operation.rotating_load_N": 3.0,
+            "lubricant.drag_density_kg_m3": 250.0,
+        },
+        {"operation.radial_load_N": [0.0, 10.0]},  # balls unload and load again
+    ],
+)
+def test_energy_account(scene, changes):
+    """What shaft and loads supply is found again, to 1e-5 of the heat over twenty turns."""
+    motion = started(scene("gyro_s1", changes))
+    before = motion.energy()
+    assert motion.advance(20 * motion.turn, 3e-5).status == OK
+    change = {name: value - before[name] for name, value in motion.energy().items()}
+    supplied = change.pop("supplied")
+    assert abs(supplied - sum(change.values())) < 1e-5 * change["heat"]
+    # The two terms that the model's simplifications carry are small, but not nothing.
+    assert abs(change["coriolis"]) < 1e-2 * change["heat"]
+    assert abs(change["azimuth"]) < 1e-2 * change["heat"]
+
+
+def test_chatter_is_seen(scene):
+    """Explicit steps that are too coarse lie about QV; the step control does not let them."""
+    s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0]})
+    coarse, fine = started(s), started(s)
+    h = coarse.turn / 2000
+    for k in range(4000):
+        runge_kutta_step(
+            k * h, h, coarse.y, coarse.run, coarse.buffers, coarse.places, coarse.stages
+        )
+        coarse.y[:] = coarse.stages.new
+    assert fine.advance(2 * fine.turn, 1e-5).status == OK
+    wrong = coarse.qv[:, 0].sum() / fine.qv[:, 0].sum() - 1.0
+    assert wrong > 0.01  # no blow-up, no sign of trouble, and a wrong number
+    loose = started(s)
+    assert loose.advance(2 * loose.turn, 1e-2, RUNGE_KUTTA).status == OK
+    assert_allclose(loose.qv.sum(axis=0), fine.qv.sum(axis=0), rtol=1e-2)
+
+
+def test_two_runs_are_one(scene):
+    """Stopped and started again from the state alone."""
+    s = scene("gyro_s1", {"operation.rotating_load_N": 1.0})
+    whole = started(s)
+    whole.advance(whole.turn, 1e-5)
+    whole.advance(whole.turn, 1e-5)
+    first = started(s)
+    first.advance(first.turn, 1e-5)
+    second = Motion.of(s, first.balls[0, :4])
+    second.y[:] = first.y
+    second.time, second.h = first.time, first.h
+    second.advance(second.turn, 1e-5)
+    assert_allclose(second.balls, whole.balls, rtol=1e-9, atol=1e-9)
+    assert_allclose(second.qv, whole.qv, rtol=1e-9)
+
+
+def test_static_load_distribution_as_speed_goes_to_zero(scene):
+    """Ball load against azimuth at 1 r/min against the equilibrium at rest."""
+    from bearingwear.kernels.race import ROW, race_equilibrium
+
+    s = scene("gyro_s1", {"operation.shaft_speed_rpm": 1.0, "operation.radial_load_N": [0.0, 3.0]})
+    motion = started(s)
+    motion.rates()
+    g, n = motion.run.g, 9
+    rows, delta = np.empty((n, ROW)), np.zeros(3)
+    psi = motion.balls[:, 4].copy()
+    force = np.array([7.0, 0.0, 3.0])
+    race_equilibrium(g, motion.run.D, np.zeros((n, 6)), psi, force, 0.0, 0, delta, rows)
+    assert_allclose(motion.buffers.s.Q[:, 0], rows[:, 5], rtol=1e-6)
