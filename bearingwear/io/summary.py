@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.io.netcdf import SOURCE, CaseFileError, foreign, readable
+from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 
 NOT_SOLVED = "not solved"
@@ -138,6 +139,9 @@ def _life(file: Any) -> list[str]:
     criterion = file["end_criterion"]
     met = criterion.flag_meanings.split()[int(criterion[...])]
     loss = _number(float(_values(file, "loss_at_end", 1e6)))
+    counts = json.loads(file.scene)["wear"]["counts"]
+    chosen = _values(file, "life")[COUNTS.index(counts)]
+    lines.append(_row(f"counts: {counts}", "h", _number(chosen)))
     lines += ["", _row("ended by", "", met), _row("loss of ball diameter", "um", loss)]
     if "step" in file.dimensions and file.dimensions["step"].size:
         lines += ["", _row("along the life", "", "start", "end")]

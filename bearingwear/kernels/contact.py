@@ -13,8 +13,6 @@ the ball.
 
 import math
 
-import numpy as np
-
 from bearingwear.kernels.compile import REORDER_SUMS, jit
 
 
@@ -196,30 +194,3 @@ def dissipation(contact, c, mu, v_r, r, t, weight, h):
         # Distance of the point from the bearing axis; a force along +y turns about -X.
         torque -= F * v2 * (r + contact.sigma * h[k] * contact.cos_a - x * contact.sin_a)
     return qv, heat, (gyro / qv if qv > 0.0 else 0.0), torque
-
-
-def equal_strips(n):
-    """Positions and load shares of n equal strips (the paper's way).
-
-    The share is the strip's own part of the semi-ellipsoidal pressure, exact for constant slip.
-
-    Returns
-    -------
-    t, weight : ndarray (n,)
-    """
-    edges = np.linspace(-1.0, 1.0, n + 1)
-    t = 0.5 * (edges[1:] + edges[:-1])
-    cumulative = 0.75 * (edges - edges**3 / 3.0)
-    return t, np.diff(cumulative)
-
-
-def gauss_halves(n):
-    """Positions and load shares of Gauss-Legendre points on each half of the major axis.
-
-    n points in all (one more if n is odd).
-    """
-    x, w = np.polynomial.legendre.leggauss((n + 1) // 2)
-    half = 0.5 * (x + 1.0)
-    t = np.concatenate([-half[::-1], half])
-    w = 0.5 * np.concatenate([w[::-1], w])
-    return t, 0.75 * (1.0 - t * t) * w

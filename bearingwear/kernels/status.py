@@ -9,6 +9,7 @@ UNDETERMINED = 5
 OUTSIDE_HERTZ_RANGE = 6
 UNVERIFIED = 7
 CRITERION_NOT_REACHED = 8
+BEYOND_GROOVE = 9
 
 STATUS_NAMES = (
     "ok",
@@ -20,6 +21,7 @@ STATUS_NAMES = (
     "outside_hertz_range",
     "unverified",
     "criterion_not_reached",
+    "beyond_groove",
 )
 
 STATUS_SENTENCES = {
@@ -32,4 +34,5 @@ STATUS_SENTENCES = {
     "outside_hertz_range": "a contact ellipse is too large for its ball for Hertz' small contacts",
     "unverified": "the answer failed the check made after the solve",
     "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
+    "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
 }

@@ -30,6 +30,7 @@ from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.linear import solve_in_place
 from bearingwear.kernels.params import BallLoad, BallState, Contact
 from bearingwear.kernels.status import (
+    BEYOND_GROOVE,
     CONTACT_LOST,
     NO_STEADY_STATE,
     NOT_CONVERGED,
@@ -40,6 +41,7 @@ from bearingwear.kernels.status import (
 # Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.
 LARGEST_AXIS = 0.7  # a / R
 NEAR_ROUNDING = 1e-11  # residual, as a share of the friction forces, that rounding may leave
+STALLED = 5e-10  # and that noise of lightly loaded contacts may leave; verified after the solve
 
 
 class Preload(NamedTuple):
@@ -171,6 +173,16 @@ def balance_size(g, D, mu, state, out):
 
 
 @jit
+def usable(state):
+    """Status of a ball equilibrium: OK only within the grooves (to kernels these are circles)."""
+    if state.status == OK and not (
+        0.0 < state.alpha_i < 0.5 * math.pi and 0.0 <= state.alpha_o < 0.5 * math.pi
+    ):
+        return BEYOND_GROOVE
+    return state.status
+
+
+@jit
 def orbit_equilibrium(g, D, Omega, preload, delta_a, start):
     """Ball and race equilibrium at the orbit rate Omega."""
     load = BallLoad(ORBIT, Omega, 0.0, 0.0, 0.0, 0.0)
@@ -194,7 +206,7 @@ def full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work
         speed = scale * g.dm
         dOmega = scale * min(1e-6, max(1e-9, 1e-2 * v_r / speed))
         delta, moved = orbit_equilibrium(g, D, u[3] + dOmega, preload, delta_a, state)
-        if moved.status == OK:
+        if usable(moved) == OK:
             status = friction_balance(
                 g, D, motion, v_r, moved, u, t, weight, work, work.shifted, False
             )
@@ -233,7 +245,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
             for i in range(4):
                 trial[i] = u[i] + damping * work.step[i]
             delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
-            if moved.status == OK:
+            if usable(moved) == OK:
                 status = friction_balance(
                     g, D, motion, v_r, moved, trial, t, weight, work, work.shifted, False
                 )
@@ -244,7 +256,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
                         break
             damping *= 0.5
         if not found:
-            if rounding:
+            if size <= STALLED:
                 return OK, delta_a, state, iteration, size
             return NOT_CONVERGED, delta_a, state, iteration, size
         u[:] = trial
@@ -273,6 +285,7 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
     speed = max(abs(motion.omega_i), abs(motion.omega_o))
     dt = 1e-3 / speed if speed > 0.0 else 1e-6
     size = 1e300
+    why = OK  # what the last steps that were refused ran into
     for iteration in range(most):
         status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work)
         if status != OK:
@@ -281,6 +294,7 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
         if size <= tolerance:
             return OK, delta_a, state, iteration, size
         found = False
+        why = OK
         for _ in range(30):
             for i in range(4):
                 work.step[i] = work.residual[i]
@@ -291,7 +305,7 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
                 for i in range(4):
                     trial[i] = u[i] + work.step[i]
                 delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
-                if moved.status == OK:
+                if usable(moved) == OK:
                     status = friction_balance(
                         g, D, motion, v_r, moved, trial, t, weight, work, work.shifted, False
                     )
@@ -301,13 +315,15 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
                     if status == OK and unexplained <= 0.5 * size:
                         found = True
                         break
+                else:
+                    why = usable(moved)
             dt *= 0.25
         if not found:
-            return NOT_CONVERGED, delta_a, state, iteration, size
+            return (NOT_CONVERGED if why == OK else why), delta_a, state, iteration, size
         u[:] = trial
         delta_a, state = delta, moved
         dt *= 2.0 if unexplained > 0.1 * size else 4.0
-    return NO_STEADY_STATE, delta_a, state, most, size
+    return (NO_STEADY_STATE if why == OK else why), delta_a, state, most, size
 
 
 class Solution(NamedTuple):
@@ -346,8 +362,9 @@ def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
             break
         u *= 0.9
         delta_a, state = orbit_equilibrium(g, D, u[3], preload, preload.delta_a, cold_start())
-    if state.status != OK:
-        return Solution(state.status, delta_a, state, 0, 1e300)
+    if usable(state) != OK:
+        return Solution(usable(state), delta_a, state, 0, 1e300)
+    first, first_delta, first_state = u.copy(), delta_a, state
     target = motion.v_r
     surface = 0.5 * g.dm * abs(motion.omega_i - motion.omega_o)
     top = max(target, surface)  # slip can hardly exceed it: friction is viscous here
@@ -381,6 +398,15 @@ def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
                 g, D, motion, v, preload, kept_delta, kept_state, u, t, weight, work, goal, 400
             )
             total += n
+            if status != OK and v > target:
+                # The way down is blocked: follow the ball's own motion at the wanted v_r.
+                u[:] = first
+                v = target
+                status, delta_a, state, n, size = settle(
+                    g, D, motion, v, preload, first_delta, first_state, u, t, weight, work,
+                    NEAR_ROUNDING, 400,
+                )  # fmt: skip
+                total += n
             if status != OK:
                 return Solution(status if lost == OK else lost, delta_a, state, total, size)
         if v <= target:

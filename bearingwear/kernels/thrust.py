@@ -123,7 +123,7 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
     residual, power, qv = friction_check(g, D, motion, state, u, t, weight)
     fine_residual, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule[0], fine_rule[1])
     check = Check(
-        polygon_residual(g, D, state, A1, A2),
+        polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),
         residual,
         fine_residual,
         abs(qv / fine_qv - 1.0) if fine_qv > 0.0 else 0.0,

@@ -15,14 +15,19 @@ from bearingwear.kernels.steady import drag_force
 
 
 @jit
-def polygon_residual(g, D, state, A1, A2):
+def polygon_residual(g, D, state, A1, A2, largest):
     """What loads and angles leave open: force balance and groove-centre polygon.
+
+    Parameters
+    ----------
+    largest : float
+        Largest contact load of the bearing, the scale [N].
 
     Returns
     -------
     float
         Unbalanced force as a share of the largest contact load [1]; an open polygon counts as the
-        force that closing it would take.
+        force that closing it would take, less what rounding of the lengths amounts to.
     """
     K_i = race_contact(g, INNER, D, math.cos(state.alpha_i), math.nan).K
     K_o = race_contact(g, OUTER, D, math.cos(state.alpha_o), math.nan).K
@@ -32,14 +37,13 @@ def polygon_residual(g, D, state, A1, A2):
     s_o, c_o = math.sin(state.alpha_o), math.cos(state.alpha_o)
     force_1 = state.Q_i * s_i - state.Q_o * s_o + state.P_x
     force_2 = state.Q_i * c_i - state.Q_o * c_o + state.P_r
-    largest = max(state.Q_i, state.Q_o)
     if not largest > 0.0:
         return 0.0
     residual = max(abs(force_1), abs(force_2))
     if state.Q_i > 0.0 and state.Q_o > 0.0:
         k = 1.5 / (d_i / state.Q_i + d_o / state.Q_o)
         gap = max(abs(l_i * s_i + l_o * s_o - A1), abs(l_i * c_i + l_o * c_o - A2))
-        residual = max(residual, k * gap)
+        residual = max(residual, k * (gap - 1e-15 * (l_i + l_o)))
     return residual / largest
 
 

@@ -42,7 +42,7 @@ class Motion:
         g, operation = parameters.geometry(scene), scene.operation
         D = parameters.ball_diameters(scene)
         mass = g.rho * math.pi / 6.0 * D**3
-        (t, weight), _ = parameters.quadrature(scene)
+        t, weight = parameters.quadrature(scene)
         F_y, F_z = operation.radial_load_N
         run = Run(
             g=g,

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.contact import equal_strips, gauss_halves
 from bearingwear.kernels.params import Geometry, Motion
+from bearingwear.model.quadrature import equal_strips, gauss_halves
 from bearingwear.model.scene import Material, Scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
@@ -72,10 +72,9 @@ def ellipse_rule(name: str, points: int) -> Rule:
     return {"gauss": gauss_halves, "strips": equal_strips}[name](points)
 
 
-def quadrature(scene: Scene) -> tuple[Rule, Rule]:
-    """The rule of a scene for the contact ellipse, and the one with four times the points."""
-    name, points = scene.model.quadrature, scene.model.strips
-    return ellipse_rule(name, points), ellipse_rule(name, 4 * points)
+def quadrature(scene: Scene, refined: int = 1) -> Rule:
+    """The rule of a scene for the contact ellipse, with so many times its points."""
+    return ellipse_rule(scene.model.quadrature, refined * scene.model.strips)
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from bearingwear.kernels.equilibrium import (
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Motion
 from bearingwear.kernels.race import ROW, axial_stiffness, race_equilibrium, stored_state
+from bearingwear.kernels.steady import LARGEST_AXIS
 from bearingwear.kernels.summary import COLUMNS, HEAT, contact_summary
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.verification import polygon_residual
@@ -92,6 +93,12 @@ class RaceControlProblem:
         rows = np.empty((len(self.D), ROW))
         delta = np.array([self.delta_a, 0.0, 0.0])
         first = 0 if self.constant_force else 1
+        if self.constant_force and self.F[0] > 0.0:
+            # Worn balls: start where the thrust alone would press the race to.
+            load = BallLoad(int(laws[0]), 0.0, m.omega_i, m.omega_o, 0.0, 0.0)
+            delta[0], _ = thrust_equilibrium(
+                self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
+            )
         status, _, stiffness = race_equilibrium(
             self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, rows
         )
@@ -120,7 +127,8 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
     """Equilibrium with the controlling race of each ball chosen by the spin-moment check.
 
     All balls start under outer control; those that fail the check, or all if that has no
-    equilibrium, go over to inner control and stay there.
+    equilibrium, go over to inner control and stay there. Where that has none (a friction force on
+    a ball without load), the equilibrium found before is kept.
 
     Returns
     -------
@@ -140,10 +148,29 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
             for j, state in enumerate(balance.states)
             if laws[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
         ]
-        if not failed or balance.status == code.NOT_CONVERGED:
+        if not failed:
             return balance, laws
-        laws[failed] = INNER_CONTROL
-        balance = problem.balance(laws)
+        changed = laws.copy()
+        changed[failed] = INNER_CONTROL
+        found = problem.balance(changed)
+        if found.status == code.NOT_CONVERGED:
+            return balance, laws
+        balance, laws = found, changed
+
+
+def geometric_status(states: list[BallState], D: np.ndarray) -> int:
+    """OK where every loaded contact lies within its groove and is small against its ball."""
+    for state, diameter in zip(states, D, strict=True):
+        loaded = (
+            (state.Q_i, state.alpha_i, state.hertz_i),
+            (state.Q_o, state.alpha_o, state.hertz_o),
+        )
+        for Q, alpha, hertz in loaded:
+            if Q > 0.0 and not abs(alpha) < 0.5 * math.pi:
+                return code.BEYOND_GROOVE
+            if hertz.c_a * Q ** (1.0 / 3.0) >= LARGEST_AXIS * 0.5 * diameter:
+                return code.OUTSIDE_HERTZ_RANGE
+    return code.OK
 
 
 def solve_race_control(scene: Scene) -> tuple[dict, dict]:
@@ -159,15 +186,18 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
         return values | {"status": code.PRELOAD_GONE}, {"residual": "not solved"}
     balance, laws = controlled_balance(problem)
     values["status"] = balance.status
-    if balance.status == code.NOT_CONVERGED:
+    if balance.status == code.OK:
+        values["status"] = geometric_status(balance.states, D)
+    if values["status"] in (code.NOT_CONVERGED, code.BEYOND_GROOVE, code.OUTSIDE_HERTZ_RANGE):
         return values, {"residual": "not solved"}
 
     n = len(D)
     u, rows = np.empty((n, 4)), np.empty((n, 2, COLUMNS))
     r = np.full(n, 0.5 * g.dm)
-    (t, weight), _ = parameters.quadrature(scene)
+    t, weight = parameters.quadrature(scene)
     h = np.empty(t.size)
     residual = 0.0
+    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
     for j, state in enumerate(balance.states):
         k = race_control(
             int(laws[j]), m.omega_i, m.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
@@ -175,8 +205,7 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
         u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
         contact_summary(g, D[j], m, state, u[j], r[j], t, weight, h, rows[j])
         A1, A2 = groove_distance(g, problem.psi[j], *balance.delta, problem.tilt)
-        residual = max(residual, polygon_residual(g, D[j], state, A1, A2))
-    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
+        residual = max(residual, polygon_residual(g, D[j], state, A1, A2, largest))
     if largest > 0.0:
         residual = max(residual, balance.race_residual / (g.n_balls * largest))
     if values["status"] == code.OK and not residual <= LARGEST_RESIDUAL:
@@ -184,7 +213,8 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     mass = g.rho * math.pi / 6.0 * D**3
     slip_speed = abs(m.omega_i - m.omega_o)
     heat = g.n_balls * rows[..., HEAT].sum() / n
-    values |= contact_values(scene, g, m, D, u, r, rows)
+    axial = np.array([state.F_ix for state in balance.states])
+    values |= contact_values(scene, g, m, D, u, r, rows, axial)
     values |= {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,

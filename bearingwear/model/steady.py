@@ -10,7 +10,7 @@ from bearingwear.kernels.equilibrium import cold_start, static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, Motion
 from bearingwear.kernels.steady import Preload, drag_force, orbit_equilibrium, settle, workspace
-from bearingwear.kernels.summary import QV, TORQUE
+from bearingwear.kernels.summary import ANGLE, LOAD, QV, TORQUE
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
 from bearingwear.model.scene import Scene
@@ -35,7 +35,7 @@ class ThrustProblem:
     def of(cls, scene: Scene) -> "ThrustProblem":
         g = parameters.geometry(scene)
         F_x = float(scene.operation.preload_N)
-        rule, fine_rule = parameters.quadrature(scene)
+        rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
         constant_force = scene.operation.preload_method == "constant_force"
         preload = Preload(constant_force, F_x, static_displacement(g, F_x))
         return cls(g, parameters.motion(scene), preload, rule, fine_rule)
@@ -73,6 +73,10 @@ class ThrustProblem:
         m = self.g.rho * math.pi / 6.0 * D**3
         inertia = np.array([0.1 * m * D * D] * 3 + [m * case.r**2])
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
+
+    def stable(self, D: float, case: ThrustCase) -> bool:
+        """Whether a small disturbance of the state dies out."""
+        return bool(self.time_scales(D, case).real.max() < 0.0)
 
     def other_states(self, D: float, case: ThrustCase) -> list[ThrustCase]:
         """Steady states other than `case` that the ball settles in from unlike starts.
@@ -124,23 +128,22 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
     values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):
+        every = [case, *problem.other_states(D, case)]
+        every.sort(key=lambda c: not problem.stable(D, c))  # the one reached first, if it is stable
+        case = every[0]
         attrs["residual"] = residual_sentence(case)
-        values |= steady_values(scene, problem, D, case)
+        values |= {"status": case.status} | steady_values(scene, problem, D, case)
         eigenvalues = problem.time_scales(D, case)
-        others = problem.other_states(D, case)
-        every = [case, *others]
         values |= {
             "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
             "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
-            "stable": int(eigenvalues.real.max() < 0.0),
+            "stable": int(problem.stable(D, case)),
             "steady_state_count": len(every),
             "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
             "steady_state_total_qv": np.array(
                 [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
             ),
-            "steady_state_stable": np.array(
-                [int(problem.time_scales(D, c).real.max() < 0.0) for c in every]
-            ),
+            "steady_state_stable": np.array([int(problem.stable(D, c)) for c in every]),
         }
         if not values["stable"] and values["status"] == code.OK:
             values["status"] = code.NO_STEADY_STATE
@@ -161,8 +164,16 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
     """Case variables of a solved steady state."""
     g, m, n = problem.g, problem.motion, problem.g.n_balls
     F_v, _ = drag_force(g, D, m.drag, case.u[3])
+    axial = case.contacts[0, LOAD] * math.sin(case.contacts[0, ANGLE])
     return contact_values(
-        scene, g, m, np.array([D]), case.u[None], np.array([case.r]), case.contacts[None]
+        scene,
+        g,
+        m,
+        np.array([D]),
+        case.u[None],
+        np.array([case.r]),
+        case.contacts[None],
+        np.array([axial]),
     ) | {
         "axial_displacement": case.delta_a,
         "shaft_torque": n * case.contacts[0, TORQUE],

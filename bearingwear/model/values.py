@@ -24,7 +24,7 @@ from bearingwear.model import parameters
 from bearingwear.model.scene import Scene
 
 
-def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows) -> dict:
+def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows, axial) -> dict:
     """Variables of the contacts and their wear.
 
     Parameters
@@ -37,6 +37,8 @@ def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows) -> dict:
         Orbit radii [m].
     rows : ndarray (n, 2, COLUMNS)
         `bearingwear.kernels.summary` rows.
+    axial : ndarray (n,)
+        Axial force of the inner race on each ball [N].
 
     Returns
     -------
@@ -63,9 +65,7 @@ def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows) -> dict:
         "orbit_speed": u[:, 3],
         "gyroscopic_moment": np.abs(0.1 * mass * D * D * u[:, 3] * u[:, 2]),
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
-        "residual_preload": g.n_balls
-        * (rows[:, 0, LOAD] * np.sin(rows[:, 0, ANGLE])).sum()
-        / len(D),
+        "residual_preload": g.n_balls * axial.sum() / len(D),
     }
     return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
 

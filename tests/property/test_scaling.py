@@ -132,9 +132,13 @@ def test_load_turned_by_one_ball_pitch():
     loss=st.floats(0.0, 3.0),
     outer=st.floats(-20000.0, 20000.0),
     drag=st.floats(0.0, 400.0),
+    angle=st.floats(10.0, 40.0),
+    groove=st.floats(0.52, 0.6),
     method=methods,
 )
-def test_every_answer_is_verified_or_refused(speed, preload, mu, loss, outer, drag, method):
+def test_every_answer_is_verified_or_refused(
+    speed, preload, mu, loss, outer, drag, angle, groove, method
+):
     """Any scene ends as ok with closed balances, or with a status; never NaN, never unverified."""
     result = solve(
         load_scene(
@@ -147,10 +151,13 @@ def test_every_answer_is_verified_or_refused(speed, preload, mu, loss, outer, dr
                 f"friction.ball_race={mu:.6f}",
                 f"wear.ball_diameter_loss_um={loss:.6f}",
                 f"lubricant.drag_density_kg_m3={drag:.6f}",
+                f"bearing.contact_angle_deg={angle:.6f}",
+                f"bearing.inner_groove_factor={groove:.6f}",
+                "cage=null",
             ],
         )
     )
-    assert result.status in ("ok", "contact_lost", "preload_gone")
+    assert result.status in ("ok", "contact_lost", "preload_gone", "beyond_groove")
     for name, value in result.values.items():
         assert np.all(np.isfinite(value)), name
     if result.status == "ok":

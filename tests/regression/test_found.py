@@ -1,6 +1,8 @@
 """Scenes that once failed; each line says how."""
 
+import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.io.config import load_scene, scene_from_dict
@@ -50,11 +52,68 @@ FOUND = {
 }
 
 
-@pytest.mark.parametrize("name", FOUND)
-def test_is_solved_now(name):
+STEEP = {"bearing.contact_angle_deg": 40.0, "bearing.inner_groove_factor": 0.515}
+
+
+def solved(changes, fidelity=None):
     base = load_scene(scene_file("gyro_s1")).to_dict()
     del base["cage"]  # it would not fit every one of these
-    for key, value in FOUND[name].items():
+    for key, value in changes.items():
         block, _, leaf = key.partition(".")
         base[block][leaf] = value
-    assert solve(scene_from_dict(base)).status == "ok"
+    return solve(scene_from_dict(base), fidelity)
+
+
+@pytest.mark.parametrize("speed", [44000.0, 45000.0, 48000.0])
+def test_ball_stays_in_its_groove(speed):
+    """Grooves are circles to the equations: a verified state beyond 90 degrees is none."""
+    values = solved(STEEP | {"operation.shaft_speed_rpm": speed}).values
+    assert np.degrees(values["contact_angle"]).max() < 65.0
+    assert values["orbit_speed"][0] < 0.6 * speed * np.pi / 30
+
+
+def test_ball_that_leaves_its_groove_is_named():
+    assert solved(STEEP | {"operation.shaft_speed_rpm": 55000.0}).status == "beyond_groove"
+
+
+@pytest.mark.parametrize("preload", [700.0, 3000.0])
+def test_race_control_refuses_large_ellipses_too(preload):
+    changes = {"bearing.inner_groove_factor": 0.505, "operation.preload_N": preload}
+    for fidelity in ("steady", "race_control"):
+        assert solved(changes, fidelity).status == "outside_hertz_range"
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_a_spring_keeps_its_preload(fidelity):
+    """Under inner control part of the axial force is friction; it counts."""
+    values = solved({}, fidelity).values
+    assert_allclose(values["residual_preload"], 7.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"operation.shaft_speed_rpm": 0.0, "operation.radial_load_N": [0.0, 1.0]},
+        {"operation.radial_load_N": [0.0, 0.05]},
+    ],
+)
+def test_worn_balls_under_a_spring_stay_loaded(changes):
+    result = solved(changes | {"wear.ball_diameter_loss_um": 5.0})
+    assert result.status == "ok"
+    assert_allclose(result.values["residual_preload"], 7.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+def test_tilted_race_at_low_speed(method):
+    """Unloaded balls under inner control have no equilibrium; they keep outer control."""
+    changes = {
+        "operation.shaft_speed_rpm": 100.0,
+        "operation.tilt_mrad": 2.0,
+        "operation.preload_method": method,
+    }
+    assert solved(changes).status == "ok"
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_is_solved_now(name):
+    assert solved(FOUND[name]).status == "ok"

@@ -314,3 +314,16 @@ def test_version():
     assert {"solve", "life"} <= set(dir(bearingwear))
     with pytest.raises(AttributeError):
         bearingwear.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("counts", ["ball", "ball_and_races"])
+def test_show_quotes_the_life_that_the_scene_counts(tmp_path, capsys, counts):
+    file = tmp_path / "life.nc"
+    assert main(["life", str(SCENE), "-o", str(file), "--set", f"wear.counts={counts}"]) == 0
+    capsys.readouterr()
+    assert main(["show", str(file)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    lines = [line.strip() for line in lines]
+    both = next(line for line in lines if line.startswith("life ")).split()
+    quoted = next(line for line in lines if line.startswith("counts: ")).split()
+    assert quoted[-1] == both[-2 if counts == "ball" else -1]

@@ -7,9 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import ellipe, ellipkm1
 
-from bearingwear.kernels.contact import equal_strips, gauss_halves, surface_height, traction
+from bearingwear.kernels.contact import surface_height, traction
 from bearingwear.kernels.hertz import elliptic_integrals, point_contact, race_contact
 from bearingwear.kernels.params import Contact
+from bearingwear.model.quadrature import equal_strips, gauss_halves
 from verification.bearings import B218
 
 
