@@ -115,7 +115,7 @@ class Motion:
         return tally
 
     def energy(self) -> dict[str, float]:
-        """Terms of the energy account now (theory.md Eq. 30) [J].
+        """Terms of the energy account now (theory.md Eq. 26) [J].
 
         Over any stretch the change of `supplied` is that of the sum of all others.
         """
