@@ -7,6 +7,7 @@ import numpy as np
 
 from bearingwear.kernels.compile import REORDER_SUMS, jit
 from bearingwear.kernels.contact import slip_map, traction_slope
+from bearingwear.kernels.ellipse import Rule, most_points, place
 from bearingwear.kernels.params import Contact, Geometry, Motion
 from bearingwear.kernels.quasistatic import Suspension, settle, suspension
 from bearingwear.kernels.status import OK, OUTSIDE_HERTZ_RANGE
@@ -29,8 +30,7 @@ class Run(NamedTuple):
     F_z: float
     F_rot: float  # load that turns with the shaft, along +Z at t = 0 [N]
     tilt: float  # [rad]
-    t: np.ndarray  # points x/a of the ellipse rule
-    weight: np.ndarray  # their shares of the load
+    rule: Rule  # for the contact ellipses
 
 
 @jit
@@ -101,6 +101,8 @@ class Buffers(NamedTuple):
     F: np.ndarray  # (3,)
     extra: np.ndarray  # (n, 2)
     c: np.ndarray  # (n, 2, 4) slip coefficients
+    t: np.ndarray  # (points,) of the contact at hand, if they depend on it
+    weight: np.ndarray  # (points,)
     h: np.ndarray  # (points,)
     L: np.ndarray  # (4, 4)
     gradient: np.ndarray  # (4,)
@@ -153,7 +155,7 @@ def balls_motion(time, y, run, b, dy, places):
     int
         Status of the equilibrium.
     """
-    g, m, s = run.g, run.motion, b.s
+    g, m, s, rule = run.g, run.motion, b.s, run.rule
     n = run.D.size
     load_at(run, time, b.F)
     Omega, psi = y[3 : BALL * n : BALL], y[4 : BALL * n : BALL]
@@ -176,7 +178,13 @@ def balls_motion(time, y, run, b, dy, places):
             if contact.a >= LARGEST_AXIS * R:
                 return OUTSIDE_HERTZ_RANGE
             c = slip_of(contact, w_x, w_y, w_z, W, r)
-            g_1, g_0, g_h, g_x, qv = friction_sums(contact, R, c, m.mu, m.v_r, run.t, run.weight)
+            if rule.split:
+                t, weight = place(rule, contact, R, c, m.v_r, b.t, b.weight)
+                g_1, g_0, g_h, g_x, qv = friction_sums(contact, R, c, m.mu, m.v_r, t, weight)
+            else:  # not by `place`: counting references to the arrays takes 2 % of a run
+                g_1, g_0, g_h, g_x, qv = friction_sums(
+                    contact, R, c, m.mu, m.v_r, rule.t, rule.weight
+                )
             sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
             M_x -= sigma * cosine * g_h - sine * g_x
             M_y += sigma * g_1
@@ -235,11 +243,12 @@ def ball_blocks(y, run, b):
             a = contact.a
             R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
             base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
-            for q in range(run.t.size):
-                x = a * run.t[q]
-                b.h[q] = math.sqrt(R_d * R_d - x * x) + base
             c = slip_of(contact, w_x, w_y, w_z, W, r)
-            traction_slope(contact, c, m.mu, m.v_r, run.t, run.weight, b.h, b.gradient, b.hessian)
+            t, weight = place(run.rule, contact, R, c, m.v_r, b.t, b.weight)
+            for q in range(t.size):
+                x = a * t[q]
+                b.h[q] = math.sqrt(R_d * R_d - x * x) + base
+            traction_slope(contact, c, m.mu, m.v_r, t, weight, b.h, b.gradient, b.hessian)
             slip_map(contact, r, b.L)
             L, H, G = b.L, b.hessian, b.gradient
             F_y += G[1]
@@ -271,9 +280,11 @@ def ball_blocks(y, run, b):
 
 
 @jit
-def buffers(n, points):
-    """Work space for n balls and a rule of so many points."""
+def buffers(n, rule):
+    """Work space for n balls and a rule."""
+    points = most_points(rule)
     return Buffers(
-        suspension(n), np.empty(3), np.zeros((n, 2)), np.empty((n, 2, 4)), np.empty(points),
-        np.empty((4, 4)), np.empty(4), np.empty((4, 4)), np.empty((n, 4, 4)), np.empty((n, 3, 4)),
+        suspension(n), np.empty(3), np.zeros((n, 2)), np.empty((n, 2, 4)),
+        np.empty(points), np.empty(points), np.empty(points), np.empty((4, 4)), np.empty(4),
+        np.empty((4, 4)), np.empty((n, 4, 4)), np.empty((n, 3, 4)),
     )  # fmt: skip

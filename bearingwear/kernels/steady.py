@@ -21,6 +21,7 @@ from bearingwear.kernels.contact import (
     traction,
     traction_slope,
 )
+from bearingwear.kernels.ellipse import most_points, place
 from bearingwear.kernels.equilibrium import (
     ball_mass,
     cold_start,
@@ -55,6 +56,8 @@ class Preload(NamedTuple):
 class Workspace(NamedTuple):
     """Buffers of one solve for n points a contact."""
 
+    t: np.ndarray  # (n,) points of the contact at hand, if they depend on it
+    weight: np.ndarray  # (n,)
     h: np.ndarray  # (2, n), row 0 inner, 1 outer
     gradient: np.ndarray  # (4,)
     hessian: np.ndarray  # (4, 4)
@@ -68,11 +71,12 @@ class Workspace(NamedTuple):
 
 
 @jit
-def workspace(n):
-    """Buffers for n points a contact."""
+def workspace(rule):
+    """Buffers for a rule."""
+    n = most_points(rule)
     return Workspace(
-        np.empty((2, n)), np.empty(4), np.empty((4, 4)), np.empty((4, 4)), np.empty(4),
-        np.empty(4), np.empty((4, 4)), np.empty((4, 4)), np.empty(4), np.empty(4),
+        np.empty(n), np.empty(n), np.empty((2, n)), np.empty(4), np.empty((4, 4)), np.empty((4, 4)),
+        np.empty(4), np.empty(4), np.empty((4, 4)), np.empty((4, 4)), np.empty(4), np.empty(4),
     )  # fmt: skip
 
 
@@ -99,7 +103,7 @@ def drag_force(g, D, drag, Omega):
 
 
 @jit
-def friction_balance(g, D, motion, v_r, state, u, t, weight, work, out, slope):
+def friction_balance(g, D, motion, v_r, state, u, rule, work, out, slope):
     """Moments and orbital moment on the ball: its equations of motion's right-hand side.
 
     Parameters
@@ -128,8 +132,9 @@ def friction_balance(g, D, motion, v_r, state, u, t, weight, work, out, slope):
         if contact.a >= LARGEST_AXIS * R:
             return OUTSIDE_HERTZ_RANGE
         h = work.h[k]
-        surface_height(contact, R, t, h)
         c = slip_coefficients(contact, u, r)
+        t, weight = place(rule, contact, R, c, v_r, work.t, work.weight)
+        surface_height(contact, R, t, h)
         slip_map(contact, r, work.L)
         L = work.L
         G = work.gradient
@@ -192,13 +197,13 @@ def orbit_equilibrium(g, D, Omega, preload, delta_a, start):
 
 
 @jit
-def full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work):
+def full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, rule, work):
     """Residual and Jacobian, the loads following the orbit rate.
 
     That the centrifugal force follows the orbit rate enters as a difference quotient; its step
     moves the slip by far less than v_r.
     """
-    status = friction_balance(g, D, motion, v_r, state, u, t, weight, work, work.residual, True)
+    status = friction_balance(g, D, motion, v_r, state, u, rule, work, work.residual, True)
     if status != OK:
         return status
     scale = max(abs(u[3]), abs(motion.omega_i), abs(motion.omega_o))
@@ -207,9 +212,7 @@ def full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work
         dOmega = scale * min(1e-6, max(1e-9, 1e-2 * v_r / speed))
         delta, moved = orbit_equilibrium(g, D, u[3] + dOmega, preload, delta_a, state)
         if usable(moved) == OK:
-            status = friction_balance(
-                g, D, motion, v_r, moved, u, t, weight, work, work.shifted, False
-            )
+            status = friction_balance(g, D, motion, v_r, moved, u, rule, work, work.shifted, False)
             if status == OK:
                 for i in range(4):
                     work.jacobian[i, 3] += (work.shifted[i] - work.residual[i]) / dOmega
@@ -217,7 +220,7 @@ def full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work
 
 
 @jit
-def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, tolerance, most):
+def newton(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance, most):
     """Damped Newton at one v_r; u is improved in place.
 
     Returns
@@ -227,7 +230,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
     trial = work.trial
     size = 1e300
     for iteration in range(most):
-        status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work)
+        status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, rule, work)
         if status != OK:
             return status, delta_a, state, iteration, size
         size = balance_size(g, D, motion.mu, state, work.residual)
@@ -247,7 +250,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
             delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
             if usable(moved) == OK:
                 status = friction_balance(
-                    g, D, motion, v_r, moved, trial, t, weight, work, work.shifted, False
+                    g, D, motion, v_r, moved, trial, rule, work, work.shifted, False
                 )
                 if status == OK:
                     new = balance_size(g, D, motion.mu, moved, work.shifted)
@@ -267,7 +270,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
 
 
 @jit
-def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, tolerance, most):
+def settle(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance, most):
     """Implicit Euler steps on the ball's equations of motion, ever longer, to a stable state.
 
     Slow but sure where Newton fails. Each step solves its linearised equation once and is taken if
@@ -287,7 +290,7 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
     size = 1e300
     why = OK  # what the last steps that were refused ran into
     for iteration in range(most):
-        status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work)
+        status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, rule, work)
         if status != OK:
             return status, delta_a, state, iteration, size
         size = balance_size(g, D, motion.mu, state, work.residual)
@@ -307,7 +310,7 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, t, weight, work, toler
                 delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
                 if usable(moved) == OK:
                     status = friction_balance(
-                        g, D, motion, v_r, moved, trial, t, weight, work, work.shifted, False
+                        g, D, motion, v_r, moved, trial, rule, work, work.shifted, False
                     )
                     for i in range(4):
                         work.shifted[i] -= inertia[i] / dt * work.step[i]
@@ -337,7 +340,7 @@ class Solution(NamedTuple):
 
 
 @jit
-def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
+def steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance):
     """Steady state at `motion.v_r`, followed down from the regularisation `v_start`.
 
     Parameters
@@ -377,7 +380,7 @@ def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
     for _ in range(60):
         goal = tolerance if v <= target else 1e-6
         status, delta_a, state, n, size = newton(
-            g, D, motion, v, preload, delta_a, state, u, t, weight, work, goal, 30
+            g, D, motion, v, preload, delta_a, state, u, rule, work, goal, 30
         )
         total += n
         if status == OUTSIDE_HERTZ_RANGE:
@@ -395,7 +398,7 @@ def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
             u[:] = kept
             goal = max(goal, NEAR_ROUNDING)
             status, delta_a, state, n, size = settle(
-                g, D, motion, v, preload, kept_delta, kept_state, u, t, weight, work, goal, 400
+                g, D, motion, v, preload, kept_delta, kept_state, u, rule, work, goal, 400
             )
             total += n
             if status != OK and v > target:
@@ -403,7 +406,7 @@ def steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance):
                 u[:] = first
                 v = target
                 status, delta_a, state, n, size = settle(
-                    g, D, motion, v, preload, first_delta, first_state, u, t, weight, work,
+                    g, D, motion, v, preload, first_delta, first_state, u, rule, work,
                     NEAR_ROUNDING, 400,
                 )  # fmt: skip
                 total += n

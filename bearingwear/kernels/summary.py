@@ -4,6 +4,7 @@ import math
 
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import dissipation, slip_coefficients, surface_height
+from bearingwear.kernels.ellipse import place
 from bearingwear.kernels.steady import race_contacts
 
 # Columns of a summary row, one row a race.
@@ -12,7 +13,7 @@ COLUMNS = 12
 
 
 @jit
-def contact_summary(g, D, motion, state, u, r, t, weight, h, out):
+def contact_summary(g, D, motion, state, u, r, rule, work, out):
     """Fill one row a race (columns above) for a ball in equilibrium that moves as u.
 
     Parameters
@@ -21,8 +22,9 @@ def contact_summary(g, D, motion, state, u, r, t, weight, h, out):
         (w_x, w_y, w_z, Omega) [rad/s].
     r : float
         Orbit radius [m].
-    h : ndarray (n,)
-        Buffer.
+    rule : Rule
+        For the ellipse.
+    work : Workspace
     out : ndarray (2, COLUMNS)
     """
     R = 0.5 * D
@@ -38,8 +40,10 @@ def contact_summary(g, D, motion, state, u, r, t, weight, h, out):
         row[PRESSURE] = (
             1.5 * contact.Q / (math.pi * row[MAJOR] * row[MINOR]) if contact.Q > 0.0 else 0.0
         )
-        surface_height(contact, R, t, h)
         c = slip_coefficients(contact, u, r)
+        t, weight = place(rule, contact, R, c, motion.v_r, work.t, work.weight)
+        h = work.h[k]
+        surface_height(contact, R, t, h)
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = dissipation(
             contact, c, motion.mu, motion.v_r, r, t, weight, h
         )

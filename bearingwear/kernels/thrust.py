@@ -89,8 +89,8 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
         Worn ball diameter [m].
     motion : Motion
     preload : Preload
-    rule, fine_rule : tuple of 2 ndarrays
-        Positions x/a and load shares on the ellipse; the fine one has four times the points.
+    rule, fine_rule : Rule
+        For the ellipse; the fine one has four times the points.
     start : ndarray (4,)
         Start of (w_x, w_y, w_z, Omega).
     v_start : float
@@ -101,11 +101,10 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
     -------
     ThrustCase
     """
-    t, weight = rule
     u = start.copy()
-    work = workspace(t.size)
+    work = workspace(rule)
     contacts = np.full((2, COLUMNS), np.nan)
-    s = steady_state(g, D, motion, preload, t, weight, work, u, v_start, tolerance)
+    s = steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance)
     state = s.state
     r = g.R_o + state.X2
     status = s.status
@@ -116,12 +115,12 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
             status, s.delta_a, u, r, state.P_r, math.nan, math.nan, SKIDDING, s.iterations,
             contacts, work.jacobian, nothing,
         )  # fmt: skip
-    full_jacobian(g, D, motion, motion.v_r, preload, s.delta_a, state, u, t, weight, work)
-    contact_summary(g, D, motion, state, u, r, t, weight, work.h[0], contacts)
+    full_jacobian(g, D, motion, motion.v_r, preload, s.delta_a, state, u, rule, work)
+    contact_summary(g, D, motion, state, u, r, rule, work, contacts)
     skid = skid_ratio(motion, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
     A1, A2 = groove_distance(g, 0.0, s.delta_a, 0.0, 0.0, 0.0)
-    residual, power, qv = friction_check(g, D, motion, state, u, t, weight)
-    fine_residual, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule[0], fine_rule[1])
+    residual, power, qv = friction_check(g, D, motion, state, u, rule)
+    fine_residual, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule)
     check = Check(
         polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),
         residual,

@@ -3,15 +3,19 @@
 The solvers sum the gradient of a potential in four coefficients of a contact; here every point of
 the contact gets its position, both surface velocities, friction force and moment as plain vectors.
 The solvers follow a ball centre; here loads and angles must close the polygon of groove
-centres.
+centres. Only where the points of a split rule lie is taken from the solvers.
 """
 
 import math
 
+import numpy as np
+
 from bearingwear.kernels.compile import jit
+from bearingwear.kernels.contact import slip_coefficients
+from bearingwear.kernels.ellipse import most_points, place
 from bearingwear.kernels.equilibrium import ball_mass
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
-from bearingwear.kernels.steady import drag_force
+from bearingwear.kernels.steady import drag_force, race_contacts
 
 
 @jit
@@ -48,15 +52,15 @@ def polygon_residual(g, D, state, A1, A2, largest):
 
 
 @jit
-def friction_check(g, D, motion, state, u, t, weight):
+def friction_check(g, D, motion, state, u, rule):
     """Balance of moments, of the orbital force and of power on a thrust-loaded ball.
 
     Parameters
     ----------
     u : ndarray (4,)
         (w_x, w_y, w_z, Omega) [rad/s].
-    t, weight : ndarray (n,)
-        Any rule for the ellipse.
+    rule : Rule
+        Any for the ellipse.
 
     Returns
     -------
@@ -73,6 +77,8 @@ def friction_check(g, D, motion, state, u, t, weight):
     r = g.R_o + state.X2
     m_x = m_y = m_z = f_y = 0.0
     heat = power = power_in = qv = 0.0
+    contacts = race_contacts(g, motion, state)
+    t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
     for side in (-1.0, 1.0):
         if side < 0.0:
             Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, motion.omega_i
@@ -84,6 +90,9 @@ def friction_check(g, D, motion, state, u, t, weight):
         n_x, n_z = side * math.sin(alpha), side * math.cos(alpha)
         e_x, e_z = math.cos(alpha), -math.sin(alpha)
         R_d = 2.0 * r_g * R / (r_g + R)
+        contact = contacts[0] if side < 0.0 else contacts[1]
+        c = slip_coefficients(contact, u, r)
+        t, weight = place(rule, contact, R, c, motion.v_r, t_buffer, weight_buffer)
         race_power = 0.0
         for k in range(t.size):
             x = a * t[k]

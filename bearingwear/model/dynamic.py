@@ -31,7 +31,7 @@ class Motion:
 
     def __post_init__(self) -> None:
         n = len(self.run.D)
-        self.buffers = buffers(n, self.run.t.size)
+        self.buffers = buffers(n, self.run.rule)
         self.stages = stages(self.y.size)
         self.dy = np.zeros(self.y.size)
         self.h = FIRST_STEP * self.turn
@@ -42,7 +42,6 @@ class Motion:
         g, operation = parameters.geometry(scene), scene.operation
         D = parameters.ball_diameters(scene)
         mass = g.rho * math.pi / 6.0 * D**3
-        t, weight = parameters.quadrature(scene)
         F_y, F_z = operation.radial_load_N
         run = Run(
             g=g,
@@ -56,8 +55,7 @@ class Motion:
             F_z=float(F_z),
             F_rot=float(operation.rotating_load_N),
             tilt=operation.tilt_mrad * 1e-3,
-            t=t,
-            weight=weight,
+            rule=parameters.quadrature(scene),
         )
         n = len(D)
         places = account(n, BALL * n)

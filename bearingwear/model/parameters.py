@@ -5,8 +5,9 @@ import math
 
 import numpy as np
 
+from bearingwear.kernels.ellipse import SEGMENTS, Rule
 from bearingwear.kernels.params import Geometry, Motion
-from bearingwear.model.quadrature import equal_strips, gauss_halves
+from bearingwear.model.quadrature import equal_strips, gathered, gauss_halves
 from bearingwear.model.scene import Material, Scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
@@ -63,13 +64,12 @@ def ball_diameters(scene: Scene) -> np.ndarray:
     ).copy()
 
 
-Rule = tuple[np.ndarray, np.ndarray]
-
-
 @functools.cache
 def ellipse_rule(name: str, points: int) -> Rule:
-    """Points x/a and load shares of a rule; shared, so never to be written to."""
-    return {"gauss": gauss_halves, "strips": equal_strips}[name](points)
+    """A rule with so many points (split: at the most); shared, so never to be written to."""
+    if name == "split":
+        return Rule(True, *gathered(-(-points // SEGMENTS)))
+    return Rule(False, *{"gauss": gauss_halves, "strips": equal_strips}[name](points))
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:

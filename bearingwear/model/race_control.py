@@ -15,7 +15,7 @@ from bearingwear.kernels.equilibrium import (
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Motion
 from bearingwear.kernels.race import ROW, axial_stiffness, race_equilibrium, stored_state
-from bearingwear.kernels.steady import LARGEST_AXIS
+from bearingwear.kernels.steady import LARGEST_AXIS, workspace
 from bearingwear.kernels.summary import COLUMNS, HEAT, contact_summary
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.verification import polygon_residual
@@ -194,8 +194,8 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     n = len(D)
     u, rows = np.empty((n, 4)), np.empty((n, 2, COLUMNS))
     r = np.full(n, 0.5 * g.dm)
-    t, weight = parameters.quadrature(scene)
-    h = np.empty(t.size)
+    rule = parameters.quadrature(scene)
+    work = workspace(rule)
     residual = 0.0
     largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
     for j, state in enumerate(balance.states):
@@ -203,7 +203,7 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
             int(laws[j]), m.omega_i, m.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
         )
         u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
-        contact_summary(g, D[j], m, state, u[j], r[j], t, weight, h, rows[j])
+        contact_summary(g, D[j], m, state, u[j], r[j], rule, work, rows[j])
         A1, A2 = groove_distance(g, problem.psi[j], *balance.delta, problem.tilt)
         residual = max(residual, polygon_residual(g, D[j], state, A1, A2, largest))
     if largest > 0.0:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.ellipse import Rule
 from bearingwear.kernels.equilibrium import cold_start, static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, Motion
@@ -28,8 +29,8 @@ class ThrustProblem:
     g: Geometry
     motion: Motion
     preload: Preload
-    rule: tuple[np.ndarray, np.ndarray]
-    fine_rule: tuple[np.ndarray, np.ndarray]
+    rule: Rule
+    fine_rule: Rule
 
     @classmethod
     def of(cls, scene: Scene) -> "ThrustProblem":
@@ -92,7 +93,7 @@ class ThrustProblem:
             tumbling,
         )
         found = [case]
-        work = workspace(self.rule[0].size)
+        work = workspace(self.rule)
         for u in starts:
             delta_a, state = orbit_equilibrium(
                 self.g, D, u[3], self.preload, case.delta_a, cold_start()
@@ -101,7 +102,7 @@ class ThrustProblem:
                 continue
             status, *_ = settle(
                 self.g, D, self.motion, self.motion.v_r, self.preload, delta_a, state, u,
-                *self.rule, work, 1e-9, 300,
+                self.rule, work, 1e-9, 300,
             )  # fmt: skip
             scale = np.abs(u).max()
             if status == code.OK and all(

@@ -78,14 +78,14 @@ def test_every_ball_moves_as_one_ball(scene):
     motion = Motion.of(s, u)
     motion.advance(0.5e-3, 1e-6)
     assert_allclose(motion.balls[:, :4], motion.balls[:1, :4].repeat(9, 0), rtol=1e-9, atol=1e-6)
-    work, out = workspace(problem.rule[0].size), np.empty(4)
+    work, out = workspace(problem.rule), np.empty(4)
     D, g = problem.g.D0, problem.g
     m = g.rho * math.pi / 6 * D**3
 
     def one(_, u):
         delta, state = orbit_equilibrium(g, D, u[3], problem.preload, case.delta_a, start)
         friction_balance(
-            g, D, problem.motion, problem.motion.v_r, state, u, *problem.rule, work, out, False
+            g, D, problem.motion, problem.motion.v_r, state, u, problem.rule, work, out, False
         )
         r = g.R_o + state.X2
         return out / np.array([0.1 * m * D * D] * 3 + [m * r * r])

@@ -137,17 +137,15 @@ def test_time_scales_agree_with_integration(scene):
     inertia = np.array([0.1 * m * D * D] * 3 + [m * case.r**2])
     eigenvalues, vectors = np.linalg.eig(case.jacobian / inertia[:, None])
     slow = np.argmin(np.abs(eigenvalues))
-    t, weight = problem.rule
-    work, out = workspace(t.size), np.empty(4)
+    work, out = workspace(problem.rule), np.empty(4)
     _, state = orbit_equilibrium(
         problem.g, D, case.u[3], problem.preload, case.delta_a, cold_start()
     )
 
     def motion(_, u):
         _, moved = orbit_equilibrium(problem.g, D, u[3], problem.preload, case.delta_a, state)
-        friction_balance(
-            problem.g, D, problem.motion, problem.motion.v_r, moved, u, t, weight, work, out, False
-        )
+        m = problem.motion
+        friction_balance(problem.g, D, m, m.v_r, moved, u, problem.rule, work, out, False)
         return out / inertia
 
     mode = vectors[:, slow].real

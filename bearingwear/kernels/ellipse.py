@@ -1,0 +1,121 @@
+"""Rules for the integrals over a contact ellipse (theory.md section 3).
+
+A rule is either fixed points, the same for every contact, or *split*: its points gather, from both
+sides, at the pure-rolling points v2 = 0 of the contact at hand, where friction turns round within
+so little of the ellipse that fixed points miss it.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.compile import jit
+
+SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each
+FAR = 1.5  # a pure-rolling point at |x/a| above this is left alone
+
+
+class Rule(NamedTuple):
+    """Points x/a and load shares, or what they are made from."""
+
+    split: bool
+    t: np.ndarray  # (n,) points x/a; split: distances from a pure-rolling point, over 0 to 1
+    weight: np.ndarray  # (n,) shares of the load; split: of the length
+
+
+@jit
+def most_points(rule):
+    """Points a contact may get, the length of the buffers for `place`."""
+    return (SEGMENTS if rule.split else 1) * rule.t.size
+
+
+@jit
+def real_sine(n_r, n_i, d_r, d_i):
+    """Real part of q/(1 + q^2), q = n/d, which is n d/(n^2 + d^2)."""
+    top_r, top_i = n_r * d_r - n_i * d_i, n_r * d_i + n_i * d_r
+    below_r = n_r * n_r - n_i * n_i + d_r * d_r - d_i * d_i
+    below_i = 2.0 * (n_r * n_i + d_r * d_i)
+    return (top_r * below_r + top_i * below_i) / (below_r * below_r + below_i * below_i)
+
+
+@jit
+def rolling_points(contact, R, c, v_r):
+    """Where the slip along rolling is least, as real parts of complex x/a.
+
+    With e = sqrt(v1^2 + v_r^2), the integrands are singular where v2 = i e. On the arc of the
+    pressed surface, x = 2 R_d q/(1 + q^2), that is a quadratic equation in q with two roots.
+    Their real parts move smoothly where two pure-rolling points meet and vanish.
+    """
+    c_1, c_0, c_h, c_x = c
+    a = contact.a
+    R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
+    base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
+    e = math.sqrt((c_1 * (R_d + base)) ** 2 + v_r * v_r)
+    q_0 = c_0 + c_h * (base + R_d)  # and -i e, as q_2
+    q_1 = c_x * R_d
+    q_2 = c_0 + c_h * (base - R_d)
+    # The root of q_1^2 - (q_2 - i e)(q_0 - i e) on the side of q_1, so that s cannot cancel.
+    D_r = q_1 * q_1 - q_2 * q_0 + e * e
+    D_i = e * (q_2 + q_0)
+    size = math.sqrt(D_r * D_r + D_i * D_i)
+    s_r = math.copysign(math.sqrt(max(0.5 * (size + D_r), 0.0)), q_1)
+    s_i = math.copysign(math.sqrt(max(0.5 * (size - D_r), 0.0)), D_i * s_r)
+    s_r, s_i = -q_1 - s_r, -s_i
+    scale = 2.0 * R_d / a
+    return (
+        scale * real_sine(s_r, s_i, q_2, -e),
+        scale * real_sine(q_0, -e, s_r, s_i),
+    )
+
+
+@jit
+def gather(rule, start, end, n, t, weight):
+    """Put the points of one segment, close together at its start; returns their new count."""
+    length = end - start
+    share = 0.75 * abs(length)
+    for k in range(rule.t.size):
+        x = start + length * rule.t[k]
+        t[n + k] = x
+        weight[n + k] = share * rule.weight[k] * (1.0 - x * x)
+    return n + rule.t.size
+
+
+@jit
+def place(rule, contact, R, c, v_r, t, weight):
+    """Points x/a and load shares for a contact with the slip c.
+
+    Parameters
+    ----------
+    rule : Rule
+    c : tuple of 4 floats
+        `contact.slip_coefficients`.
+    t, weight : ndarray (most_points(rule),)
+        Buffers; what is returned may lie in them.
+
+    Returns
+    -------
+    t, weight : ndarray (n,)
+    """
+    if not rule.split:
+        return rule.t, rule.weight
+    low, high = rolling_points(contact, R, c, v_r)
+    if low > high:
+        low, high = high, low
+    if not abs(low) < FAR:  # NaN too
+        low = high
+    if not abs(high) < FAR:
+        high = low
+    if not abs(low) < FAR:
+        low = high = 0.0
+    low, high = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
+    n = 0
+    if low > -1.0:
+        n = gather(rule, low, -1.0, n, t, weight)
+    if high > low:
+        middle = 0.5 * (low + high)
+        n = gather(rule, low, middle, n, t, weight)
+        n = gather(rule, high, middle, n, t, weight)
+    if high < 1.0:
+        n = gather(rule, high, 1.0, n, t, weight)
+    return t[:n], weight[:n]
