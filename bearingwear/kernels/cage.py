@@ -244,30 +244,42 @@ def cage_contacts(cage, z, y_balls, stride, D0, D, mass, r, X1, delta, omega_i, 
         c0, c1, c2 = cross(wx, wy, wz, q0, q1, q2)
         vc0, vc1, vc2 = z[3] + c0, z[4] + c1, z[5] + c2
         s0, s1, s2 = vc0 - vb0, vc1 - vb1, vc2 - vb2
+        # A ball has inertia along the orbit alone, elsewhere the races hold it as a spring without
+        # mass: damping acts on its centre along the orbit, and less the further the contact looks
+        # away from it.
+        along_orbit = (
+            r[j] * Omega + (z[4] + wz * d0 - wx * d2) * cp + (z[5] + wx * d1 - wy * d0) * sp
+        )
+        n_y = n1 * cp + n2 * sp
         closing = -(s0 * n0 + s1 * n1 + s2 * n2)
         s0, s1, s2 = s0 + closing * n0, s1 + closing * n1, s2 + closing * n2
         root = math.sqrt(approach)
-        spring = cage.K_pocket * approach * root
+        F = cage.K_pocket * approach * root
         m_eff = mass[j] * cage.mass / (mass[j] + cage.mass)
         part = approach / (approach + cage.ramp_pocket)
         c_n = cage.damping_pocket * math.sqrt(m_eff * cage.K_pocket) * math.sqrt(root) * part
-        F = max(spring + c_n * closing, 0.0)
-        slope, change = 1.5 * cage.K_pocket * root, c_n * (1.25 - part) / approach
-        if F > 0.0:
-            slope = max(slope + change * closing, 0.0)
-        else:
-            c_n = slope = change = 0.0
+        c_n *= n_y * n_y
+        drag = c_n * along_orbit
+        if drag * n_y > F * n_y * n_y:  # nothing pulls
+            drag, c_n = F * n_y, 0.0
+        slope = 1.5 * cage.K_pocket * root
+        K, C = b.K[j], b.C[j]
         g0, g1, g2, slip = contact_law(
-            F, slope, c_n, n0, n1, n2, s0, s1, s2, cage.mu, cage.v_r, b.K[j], b.C[j]
-        )
+            F, slope, 0.0, n0, n1, n2, s0, s1, s2, cage.mu, cage.v_r, K, C
+        )  # fmt: skip
+        C[1, 1] += c_n * cp * cp
+        C[1, 2] += c_n * cp * sp
+        C[2, 1] += c_n * cp * sp
+        C[2, 2] += c_n * sp * sp
         power_slopes(
-            F, slope, c_n, change, closing, n0, n1, n2, s0, s1, s2, cage.mu, cage.v_r, b.heat[j],
+            F, slope, 0.0, 0.0, closing, n0, n1, n2, s0, s1, s2, cage.mu, cage.v_r, b.heat[j],
             b.loss[j],
         )  # fmt: skip
+        b.loss[j, 1], b.loss[j, 2] = 2.0 * c_n * along_orbit * cp, 2.0 * c_n * along_orbit * sp
         # On the ball: pushed back along -n, dragged by the cage's slip.
         h0, h1, h2 = g0 - F * n0, g1 - F * n1, g2 - F * n2
         b.ball_force[j, 0] = h0
-        b.ball_force[j, 1] = h1 * cp + h2 * sp
+        b.ball_force[j, 1] = h1 * cp + h2 * sp + drag
         b.ball_force[j, 2] = -h1 * sp + h2 * cp
         c0, c1, c2 = cross(p0, p1, p2, g0, g1, g2)
         b.ball_moment[j, 0] = c0
@@ -278,13 +290,17 @@ def cage_contacts(cage, z, y_balls, stride, D0, D, mass, r, X1, delta, omega_i, 
         b.arm[j, 0], b.arm[j, 1], b.arm[j, 2] = q0, q1, q2
         b.reach[j, 0], b.reach[j, 1], b.reach[j, 2] = p0, p1, p2
         b.sums[POCKET_HEAT] += g0 * s0 + g1 * s1 + g2 * s2
-        b.sums[POCKET_DAMPING] += (F - spring) * closing
-        b.sums[ELASTIC] += 0.4 * spring * approach
+        b.sums[POCKET_DAMPING] += drag * along_orbit
+        b.sums[ELASTIC] += 0.4 * F * approach
         f0, f1, f2 = f0 - h0, f1 - h1, f2 - h2
         c0, c1, c2 = cross(q0, q1, q2, -h0, -h1, -h2)
         t0, t1, t2 = t0 + c0, t1 + c1, t2 + c2
+        e1, e2 = -drag * cp, -drag * sp
+        f1, f2 = f1 + e1, f2 + e2
+        t0, t1, t2 = t0 + d1 * e2 - d2 * e1, t1 - d0 * e2, t2 + d0 * e1
         # Torque about the bearing axis, for the account of who tows whom.
         b.sums[POCKET_TORQUE] -= (z[1] + q1) * h2 - (z[2] + q2) * h1
+        b.sums[POCKET_TORQUE] += (z[1] + d1) * e2 - (z[2] + d2) * e1
     for edge in range(2):
         place = n + edge
         b.normal[place] = b.power[place] = 0.0

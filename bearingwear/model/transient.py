@@ -279,6 +279,8 @@ def solve_dynamic(
     settled = False
     with Interrupt() as interrupt:
         run = Run(scene, motion, progress)
+        if restart is not None:
+            motion.unpack(np.asarray(restart["state"], dtype=float), motion.time)
         for length in run.grid.windows:
             turns = length / run.grid.points
             status = run.window(length, interrupt)
@@ -289,12 +291,14 @@ def solve_dynamic(
             settled = is_settled(run.slopes, slow, turns)
             if settled and length == run.grid.window:
                 break
+        # Before anything else looks at the end: it would not change the answer, but its last bits.
+        final_state = motion.packed()
     values |= window_values(scene, run) | start.scales | run.counts(turns)
     if run.slopes is not None:
         values |= {"qv_drift_per_turn": run.slopes[0], "wear_rate_drift_per_turn": run.slopes[1]}
     if run.keep:
         values |= histories(scene, run.log, run.done)
-    values |= {"final_state": motion.packed(), "final_time": motion.time}
+    values |= {"final_state": final_state, "final_time": motion.time}
     residual, account = values["equilibrium_residual"], values["energy_account_error"]
     if not (residual <= LARGEST_RESIDUAL and abs(account) <= LARGEST_ACCOUNT):
         values["status"] = code.UNVERIFIED
