@@ -16,7 +16,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear import __version__
-from bearingwear.io.variables import CASE, COORDINATES, LIFE, STRIP_POSITION, TIME, Variable
+from bearingwear.io.variables import (
+    CASE,
+    COORDINATES,
+    INTERVAL_MEANS,
+    LIFE,
+    STRIP_POSITION,
+    TIME,
+    Variable,
+)
 from bearingwear.provenance import source_hash
 
 if TYPE_CHECKING:
@@ -288,7 +296,7 @@ def _coordinate(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Ent
 def _cell_methods(variable: Variable) -> str | None:
     """How a variable of a transient stands for the time it covers, in CF's words."""
     if variable.dims[: len(TIME)] == TIME:
-        return "time: point"
+        return "time: mean" if variable.name in INTERVAL_MEANS else "time: point"
     is_mean = variable.averaged or (variable.always and variable.dtype == "f8")
     return "time: mean" if is_mean else None
 

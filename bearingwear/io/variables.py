@@ -244,6 +244,14 @@ STATE = _table(
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
 )
 
+# Histories that are means over the interval which ends at the instant.
+INTERVAL_MEANS = {
+    "history_contact_qv",
+    "history_ball_wear_rate",
+    "history_race_wear_rate",
+    "history_cage_pocket_wear_rate",
+    "history_cage_land_wear_rate",
+}
 TIME, TIME_BALL, TIME_BOTH = ("time",), ("time", "ball"), ("time", "ball", "race")
 TIME_DIRECTION = ("time", "direction")
 
@@ -270,7 +278,7 @@ DYNAMIC = _table(
     Variable("steps_accepted", (), "1", "steps of the time integration", "i8"),
     Variable("steps_rejected", (), "1", "steps that were repeated with a shorter one", "i8"),
     Variable("evaluations", (), "1", "evaluations of the equations of motion", "i8"),
-    Variable("contact_events", (), "1", "contacts of the cage made or broken", "i8"),
+    Variable("contact_events", (), "1", "contacts of cage and races made or broken", "i8"),
     Variable("energy_account_error", (), "1", "gap in the energy account, over the heat"),
     Variable(
         "coriolis_energy_share",

@@ -36,7 +36,7 @@ class Cage(NamedTuple):
     k_land: float  # stiffness of one edge [N/m]
     mu: float  # Coulomb coefficient at pockets and land [1]
     v_r: float  # its slip regularisation [m/s]
-    damping_pocket: float  # of F = K d^1.5 + damping sqrt(m* K) d^(1/4) d' [1]
+    damping_pocket: float  # of damping sqrt(m* K) d^(1/4) times the speed along the orbit [1]
     damping_land: float  # critical-damping ratio of the land [1]
     # Interference over which the damping comes in [m]: without it a land's force would jump, and
     # the fourth root of the pocket's law would make rounding of a ball's place a force.

@@ -55,7 +55,7 @@ class Run(NamedTuple):
 
 @jit
 def load_at(run, time, F):
-    """Load on the inner race at an instant, and the rate of its change dotted into `rate`."""
+    """Load (axial, Y, Z) on the inner race at an instant, into F."""
     theta = run.motion.omega_i * time
     F[0] = run.F_x
     F[1] = run.F_y - run.F_rot * math.sin(theta)

@@ -21,6 +21,7 @@ from bearingwear.kernels.integrators import ROSENBROCK, Tally, advance, stages
 from bearingwear.kernels.motion import BALL, Account, Run, account, buffers, motion_rates
 from bearingwear.kernels.params import Geometry
 from bearingwear.model import parameters
+from bearingwear.model.impact import land_damping, pocket_damping
 from bearingwear.model.scene import Scene
 
 HERTZ_INTERVALS = 64
@@ -61,8 +62,6 @@ def cage_of(scene: Scene) -> Cage:
     )
     land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[c.guiding_race]
     E_star = parameters.contact_modulus(race, material)
-    loss = math.log(max(c.restitution, 1e-6))
-    ratio = -loss / math.hypot(loss, math.pi)
     k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
     # A light impact, to say what is deep in such a contact.
     operation = scene.operation
@@ -84,8 +83,9 @@ def cage_of(scene: Scene) -> Cage:
         k_land=k_land,
         mu=float(scene.friction.cage),
         v_r=float(scene.friction.slip_regularisation_m_s),
-        damping_pocket=math.sqrt(5.0) * ratio,
-        damping_land=ratio,
+        damping_pocket=pocket_damping(c.restitution),
+        # Both edges share the mass of a cage that meets the land squarely.
+        damping_land=math.sqrt(0.5) * land_damping(c.restitution),
         ramp_pocket=max(RAMP * (1.25 * m_eff * impact**2 / hertz.K) ** 0.4, 1e-9),
         ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
     )
