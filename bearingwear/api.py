@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.io.config import as_scene, for_life
 from bearingwear.io.netcdf import dataset
+from bearingwear.io.restart import restart_from
 from bearingwear.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -15,7 +16,10 @@ if TYPE_CHECKING:
 
 
 def solve(
-    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene, fidelity: str | None = None
+    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+    fidelity: str | None = None,
+    restart: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Solve one scene.
 
@@ -25,6 +29,11 @@ def solve(
         A scene file, a dict of the same shape, or a `Scene`.
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
         Overrides `model.fidelity` of the scene.
+    restart : path, optional
+        A dynamic case file to go on from the end of. Its scene may differ in `wear` and `model`
+        only.
+    progress : callable, optional
+        Given one line of text every few seconds of a dynamic solve.
 
     Returns
     -------
@@ -36,11 +45,14 @@ def solve(
     ------
     SceneError, NotAvailable
         Both are ValueErrors: the scene is wrong, or no model solves it.
+    CaseFileError
+        A ValueError, too: the file cannot be gone on from.
     """
     checked = as_scene(scene)
     from bearingwear.model.solve import solve as solved
 
-    return dataset(solved(checked, fidelity))
+    state = None if restart is None else restart_from(restart, checked)
+    return dataset(solved(checked, fidelity, state, progress))
 
 
 def life(scene: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> xr.Dataset:

@@ -7,12 +7,13 @@ a verified answer (the file is written, its `status` says why); 130 when interru
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import bearingwear.report.commands
 import bearingwear.study.commands
@@ -93,6 +94,11 @@ def _parser() -> argparse.ArgumentParser:
         )
     for sub in (solve, check):
         sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
+    solve.add_argument(
+        "--restart",
+        metavar="CASE.nc",
+        help="go on from the end of a dynamic case; its scene may differ in wear and model only",
+    )
     for sub in (solve, life):
         sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=_file_name)
         sub.add_argument(
@@ -144,6 +150,8 @@ def _run(given: argparse.Namespace) -> int:
         at_fault = [k for k in [text.partition("=")[0] for text in given.set] if k == key]
         if key == "model.fidelity" and getattr(given, "fidelity", None):
             problem = f"--fidelity: {rest}"
+        elif key == "restart":
+            problem = f"--restart: {rest}"
         elif at_fault:
             problem = f"--set {problem}"
         else:
@@ -162,7 +170,26 @@ def _solve(given: argparse.Namespace) -> int:
     scene = _scene(given)
     from bearingwear.model.solve import solve
 
-    return _finish(solve(scene, given.fidelity), given)
+    restart = _restart(scene, given) if given.restart is not None else None
+    result = solve(scene, given.fidelity, restart, lambda text: _tell(f"{given.scene}: {text}"))
+    return _finish(result, given)
+
+
+def _restart(scene: Scene, given: argparse.Namespace) -> dict[str, Any]:
+    """What a run goes on from; the scene is asked first, whether it moves in time at all."""
+    from bearingwear.io.restart import restart_from
+    from bearingwear.model.fidelity import choice
+    from bearingwear.model.solve import check_restart
+
+    check_restart(scene, choice(scene, given.fidelity))
+    return restart_from(given.restart, scene)
+
+
+def _tell(text: str) -> None:
+    """Write a line at once; a run goes on where nobody reads about its progress any more."""
+    with contextlib.suppress(OSError, ValueError):
+        sys.stderr.write(_line(text))
+        sys.stderr.flush()
 
 
 def _life(given: argparse.Namespace) -> int:

@@ -16,7 +16,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear import __version__
-from bearingwear.io.variables import CASE, COORDINATES, LIFE, STRIP_POSITION, Variable
+from bearingwear.io.variables import (
+    CASE,
+    COORDINATES,
+    INTERVAL_MEANS,
+    LIFE,
+    STRIP_POSITION,
+    TIME,
+    Variable,
+)
 from bearingwear.provenance import source_hash
 
 if TYPE_CHECKING:
@@ -28,7 +36,7 @@ SOURCE = "bearingwear"
 """What the attribute `source` of every file of this package starts with."""
 
 COMPRESSED_ABOVE = 100_000
-"""Variables with more values than this are compressed."""
+"""Variables with more values than this are compressed, and histories over time always."""
 
 
 class CaseFileError(ValueError):
@@ -109,10 +117,14 @@ def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
             entry.data.dtype,
             entry.dims,
             fill_value=entry.fill,
-            compression="zlib" if entry.data.size > COMPRESSED_ABOVE else None,
+            compression="zlib" if _is_compressed(entry) else None,
         )
         variable.setncatts(entry.attrs)
         variable[...] = entry.data
+
+
+def _is_compressed(entry: Entry) -> bool:
+    return entry.data.size > COMPRESSED_ABOVE or entry.dims[: len(TIME)] == TIME
 
 
 def dataset(result: Result) -> xr.Dataset:
@@ -198,8 +210,9 @@ def _entries(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     """Variables and global attributes of a result, in the order of the table."""
     values = result.values
     is_life = "end_criterion" in values
+    in_time = result.attrs.get("fidelity") == "dynamic"
     table = LIFE if is_life else CASE
-    known = {*table, STRIP_POSITION.name}
+    known = {*table, STRIP_POSITION.name, *TIME}
     if unknown := sorted(set(values) - known):
         raise KeyError(f"not in the table of variables: {', '.join(unknown)}")
     scene = json.loads(result.attrs.get("scene", "{}"))
@@ -209,8 +222,14 @@ def _entries(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     for name, variable in table.items():
         if name in values or variable.always:
             solved[name] = _entry(variable, values.get(name), sizes)
+            if in_time and name in values and (method := _cell_methods(variable)):
+                solved[name].attrs["cell_methods"] = method
     used = {dim for entry in solved.values() for dim in entry.dims}
-    entries = {name: _coordinate(v, sizes) for name, v in COORDINATES.items() if name in used}
+    entries = {
+        name: _coordinate(variable, values.get(name), sizes)
+        for name, variable in COORDINATES.items()
+        if name in used
+    }
     if "ball" in entries and sizes["ball"] == 1 and "bearing" in scene:
         entries["ball"].attrs["represents"] = np.int32(scene["bearing"]["ball_count"])
     if "strip" in used:
@@ -240,17 +259,19 @@ def _sizes(table: Mapping[str, Variable], values: Mapping[str, Any], scene: Any)
 
 def _entry(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Entry:
     shape = tuple(sizes[dim] for dim in variable.dims)
-    whole = variable.dtype != "f8"
+    whole = variable.dtype[0] == "i"
     if value is None:
         missing = len(variable.flags) - 1 if variable.flags else np.nan  # a last flag says "none"
         data = np.full(shape, missing, dtype=variable.dtype)
     else:
         data = np.array(value, dtype=variable.dtype)
         if not whole and variable.scale != 1.0:
-            data = data * variable.scale
+            data = data * data.dtype.type(variable.scale)
     if data.shape != shape:
         raise ValueError(f"{variable.name} has shape {data.shape}, not {shape}")
     attrs: dict[str, Any] = {"long_name": variable.long_name}
+    if variable.standard_name:
+        attrs["standard_name"] = variable.standard_name
     if variable.units:
         attrs["units"] = variable.units
     if variable.flags:
@@ -260,11 +281,24 @@ def _entry(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Entry:
         attrs["comment"] = variable.comment
     if "strip" in variable.dims and len(variable.dims) > 1:
         attrs["coordinates"] = STRIP_POSITION.name
-    return Entry(variable.dims, np.asarray(data), attrs, None if whole else np.nan)
+    fill = None if whole else data.dtype.type(np.nan)
+    return Entry(variable.dims, np.asarray(data), attrs, fill)
 
 
-def _coordinate(variable: Variable, sizes: Mapping[str, int]) -> Entry:
-    return _entry(variable, np.arange(sizes[variable.name]), sizes)
+def _coordinate(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Entry:
+    if value is None:
+        if variable.dtype[0] != "i":
+            raise ValueError(f"{variable.name} is missing")
+        value = np.arange(sizes[variable.name])
+    return _entry(variable, value, sizes)._replace(fill=None)
+
+
+def _cell_methods(variable: Variable) -> str | None:
+    """How a variable of a transient stands for the time it covers, in CF's words."""
+    if variable.dims[: len(TIME)] == TIME:
+        return "time: mean" if variable.name in INTERVAL_MEANS else "time: point"
+    is_mean = variable.averaged or (variable.always and variable.dtype == "f8")
+    return "time: mean" if is_mean else None
 
 
 def _attribute(value: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,25 @@ COUNTED = (
 HISTORY = (
     ("history_residual_preload", "residual preload", "N", 1.0),
     ("history_total_qv", "QV", "W", 1.0),
+)
+IN_TIME = (
+    ("simulated_turns", "turns simulated", "1", 1.0),
+    ("evaluated_turns", "turns averaged", "1", 1.0),
+    ("qv_drift_per_turn", "drift of QV", "%/turn", 100.0),
+    ("wear_rate_drift_per_turn", "drift of the wear rate", "%/turn", 100.0),
+    ("slow_time_scale", "slow time scale", "s", 1.0),
+    ("energy_account_error", "energy account error", "%", 100.0),
+    ("steps_accepted", "steps", "1", 1.0),
+    ("steps_rejected", "steps repeated", "1", 1.0),
+    ("contact_events", "contact events", "1", 1.0),
+)
+CAGE = (
+    ("cage_wear_rate", "wear rate, pockets", "um3/s", 1e18),
+    ("cage_land_wear_rate", "wear rate, land", "um3/s", 1e18),
+    ("cage_friction_heat", "friction heat", "mW", 1e3),
+    ("cage_speed", "speed", "rad/s", 1.0),
+    ("mean_pocket_torque", "mean pocket torque", "uN m", 1e6),
+    ("mean_land_torque", "mean land torque", "uN m", 1e6),
 )
 STUDY = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
 
@@ -125,11 +145,25 @@ def _case(file: Any) -> list[str]:
         values = _values(file, name, factor)
         both = [_mean(values[..., k]) if values.ndim else np.nan for k in range(2)]
         lines.append(_row(label, unit, *map(_number, both)))
-    lines += ["", _row(f"bearing{mean}", "")]
-    for name, label, unit, factor in BEARING:
-        if name in file.variables:
-            lines.append(_row(label, unit, _number(_mean(_values(file, name, factor)))))
+    lines += ["", _row(f"bearing{mean}", ""), *_rows(file, BEARING)]
+    if getattr(file, "fidelity", None) == "dynamic":
+        cage = _rows(file, CAGE)
+        if "cage_speed" in file.variables:
+            ratio = _mean(_values(file, "cage_speed")) / _mean(_values(file, "orbit_speed"))
+            cage.append(_row("speed over orbit speed", "1", _number(ratio)))
+        lines += ["", _row("in time", ""), *_rows(file, IN_TIME)]
+        lines += [f"  {file.settled}"] if hasattr(file, "settled") else []
+        lines += ["", _row("cage", ""), *cage] if cage else []
     return lines
+
+
+def _rows(file: Any, table: Sequence[tuple[str, str, str, float]]) -> list[str]:
+    """A row for each variable of a table that is there."""
+    return [
+        _row(label, unit, _number(_mean(_values(file, name, factor))))
+        for name, label, unit, factor in table
+        if name in file.variables
+    ]
 
 
 def _life(file: Any) -> list[str]:

@@ -15,6 +15,8 @@ HOUR = 1.0 / 3600.0
 
 RACES = ("inner", "outer")
 AXES = ("axial", "tangential", "radial")
+DIRECTIONS = ("axial", "Y", "Z")
+EDGES = ("at_negative_x", "at_positive_x")
 COUNTS = ("ball", "ball_and_races")
 CRITERIA = (
     "preload_fraction",
@@ -38,7 +40,7 @@ class Variable:
         In the file; empty for flags, which have none.
     long_name : str
     dtype : str
-        `f8` has NaN as `_FillValue`; whole numbers have no fill value.
+        `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value.
     scale : float
         What takes the program's SI value to the file's units.
     flags : tuple of str, optional
@@ -46,6 +48,10 @@ class Variable:
     comment : str, optional
     always : bool
         Written also where it was not solved, as `_FillValue`; others are then left out.
+    standard_name : str, optional
+        Of the CF conventions.
+    averaged : bool
+        Of a transient, this is the mean over the evaluated turns; so is all that is `always` there.
     """
 
     name: str
@@ -57,6 +63,8 @@ class Variable:
     flags: tuple[str, ...] | None = None
     comment: str | None = None
     always: bool = False
+    standard_name: str | None = None
+    averaged: bool = False
 
 
 def _table(*variables: Variable) -> dict[str, Variable]:
@@ -74,6 +82,10 @@ COORDINATES = _table(
     Variable("counts", ("counts",), "", "what wear counts as loss", "i1", flags=COUNTS),
     Variable("steady_state", ("steady_state",), "1", "number of the steady state", "i4"),
     Variable("step", ("step",), "1", "number of the step along the life", "i4"),
+    Variable("time", ("time",), "s", "simulated time", standard_name="time"),
+    Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
+    Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
+    Variable("state", ("state",), "1", "number in the state of motion", "i4"),
 )
 
 STRIP_POSITION = Variable(
@@ -94,7 +106,7 @@ STATUS = Variable(
     comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES),
 )
 
-CASE = _table(
+STATE = _table(
     STATUS,
     Variable("contact_load", BOTH, "N", "normal load of the contact", always=True),
     Variable("contact_angle", BOTH, "degree", "contact angle", scale=DEGREE, always=True),
@@ -149,28 +161,46 @@ CASE = _table(
     ),
     Variable("total_qv", (), "W", "QV of the whole bearing", always=True),
     Variable(
-        "shaft_torque", (), "N m", "torque of the inner race on the balls, whole bearing",
+        "shaft_torque",
+        (),
+        "N m",
+        "torque of the inner race on the balls, whole bearing",
         always=True,
     ),
     Variable("drag_power", (), "W", "power of the lubricant drag, whole bearing", always=True),
     Variable("axial_stiffness", (), "N m-1", "axial stiffness at constant speed", always=True),
     Variable("ball_wear_rate", BALL, "m3 s-1", "wear rate of one ball", always=True),
     Variable("race_wear_rate", RACE, "m3 s-1", "wear rate of the whole race", always=True),
-    Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets"),
-    Variable("cage_land_wear_rate", (), "m3 s-1", "wear rate of the cage at its guiding land"),
-    Variable("cage_friction_heat", (), "W", "friction heat of the cage"),
-    Variable("cage_speed", (), "rad s-1", "speed of the cage"),
+    Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets", averaged=True),
+    Variable(
+        "cage_land_wear_rate",
+        (),
+        "m3 s-1",
+        "wear rate of the cage at its guiding land",
+        averaged=True,
+    ),
+    Variable("cage_friction_heat", (), "W", "friction heat of the cage", averaged=True),
+    Variable("cage_speed", (), "rad s-1", "speed of the cage", averaged=True),
     Variable("ball_diameter_loss", BALL, "m", "loss of ball diameter by wear"),
     Variable(
         "ball_diameter_loss_rate",
         ("counts",),
         "m s-1",
         "rate of the loss of ball diameter, mean over the balls",
+        averaged=True,
     ),
     Variable("initial_axial_displacement", (), "m", "axial displacement at rest, unworn"),
-    Variable("gyroscopic_moment", BALL, "N m", "gyroscopic moment on the ball, magnitude"),
-    Variable("centrifugal_force", BALL, "N", "centrifugal force on the ball"),
-    Variable("contact_track_radius", BOTH, "m", "radius of the contact's track about the axis"),
+    Variable(
+        "gyroscopic_moment", BALL, "N m", "gyroscopic moment on the ball, magnitude", averaged=True
+    ),
+    Variable("centrifugal_force", BALL, "N", "centrifugal force on the ball", averaged=True),
+    Variable(
+        "contact_track_radius",
+        BOTH,
+        "m",
+        "radius of the contact's track about the axis",
+        averaged=True,
+    ),
     Variable(
         "race_control", BALL, "", "race that controls the ball", "i1", flags=("outer", "inner")
     ),
@@ -179,6 +209,7 @@ CASE = _table(
         (),
         "1",
         "lag of the orbit behind pure rolling, over the pure-rolling rate",
+        averaged=True,
     ),
     Variable("stable", (), "", "stability of the state", "i1", flags=("unstable", "stable")),
     Variable("fast_time_scale", (), "s", "time in which slip settles"),
@@ -211,7 +242,112 @@ CASE = _table(
         "discretisation_error_qv", (), "1", "change of QV with four times the points, over QV"
     ),
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
-)  # fmt: skip
+)
+
+# Histories that are means over the interval which ends at the instant.
+INTERVAL_MEANS = {
+    "history_contact_qv",
+    "history_ball_wear_rate",
+    "history_race_wear_rate",
+    "history_cage_pocket_wear_rate",
+    "history_cage_land_wear_rate",
+}
+TIME, TIME_BALL, TIME_BOTH = ("time",), ("time", "ball"), ("time", "ball", "race")
+TIME_DIRECTION = ("time", "direction")
+
+
+def _history(
+    name: str,
+    dims: tuple[str, ...],
+    units: str,
+    long_name: str,
+    scale: float = 1.0,
+    comment: str | None = None,
+) -> Variable:
+    """Values of a transient at instants, in single precision."""
+    return Variable(f"history_{name}", dims, units, long_name, "f4", scale, comment=comment)
+
+
+DYNAMIC = _table(
+    Variable("simulated_turns", (), "1", "shaft turns simulated"),
+    Variable("evaluated_turns", (), "1", "shaft turns at their end that averages are taken over"),
+    Variable("qv_drift_per_turn", (), "1", "change of QV per shaft turn, over QV"),
+    Variable(
+        "wear_rate_drift_per_turn", (), "1", "change of the wear rate per shaft turn, over the rate"
+    ),
+    Variable("steps_accepted", (), "1", "steps of the time integration", "i8"),
+    Variable("steps_rejected", (), "1", "steps that were repeated with a shorter one", "i8"),
+    Variable("evaluations", (), "1", "evaluations of the equations of motion", "i8"),
+    Variable("contact_events", (), "1", "contacts of cage and races made or broken", "i8"),
+    Variable("energy_account_error", (), "1", "gap in the energy account, over the heat"),
+    Variable(
+        "coriolis_energy_share",
+        (),
+        "1",
+        "work of the Coriolis force, over the heat",
+        comment="left out of the motion",
+    ),
+    Variable(
+        "azimuth_energy_share",
+        (),
+        "1",
+        "work of the inner force along the circumference, over the heat",
+        comment="left out of the motion",
+    ),
+    Variable(
+        "mean_pocket_torque",
+        (),
+        "N m",
+        "torque of the balls on the cage about the axis",
+        averaged=True,
+    ),
+    Variable(
+        "mean_land_torque",
+        (),
+        "N m",
+        "torque of the guiding land on the cage about the axis",
+        averaged=True,
+    ),
+    Variable(
+        "cage_momentum_rate",
+        (),
+        "N m",
+        "change of the cage's angular momentum about the axis",
+        averaged=True,
+    ),
+    Variable("final_time", (), "s", "simulated time at the end"),
+    Variable(
+        "final_state",
+        ("state",),
+        "1",
+        "state of motion at the end, to go on from",
+        comment="in SI units, laid out as the solver of the same source_hash has it",
+    ),
+    _history("contact_load", TIME_BOTH, "N", "normal load of the contact"),
+    _history("slip", TIME_BOTH, "m s-1", "slip speed of the contact, mean by load"),
+    _history("contact_qv", TIME_BOTH, "W", "QV of the contact"),
+    _history(
+        "orbit_lead",
+        TIME_BALL,
+        "degree",
+        "azimuth of the ball ahead of the middle of its pocket",
+        DEGREE,
+        "ahead of even spacing where there is no cage",
+    ),
+    _history("residual_preload", TIME, "N", "axial force of all balls on the inner race"),
+    _history("race_displacement", TIME_DIRECTION, "m", "displacement of the inner race"),
+    _history("ball_wear_rate", TIME_BALL, "m3 s-1", "wear rate of one ball"),
+    _history("race_wear_rate", ("time", "race"), "m3 s-1", "wear rate of the whole race"),
+    _history("cage_position", TIME_DIRECTION, "m", "place of the cage's centre"),
+    _history("cage_tilt", TIME_DIRECTION, "degree", "tilt of the cage about a direction", DEGREE),
+    _history("cage_speed", TIME, "rad s-1", "speed of the cage"),
+    _history("pocket_force", TIME_BALL, "N", "normal force of ball and cage pocket"),
+    _history("land_force", ("time", "edge"), "N", "normal force of cage and guiding land"),
+    _history("cage_pocket_wear_rate", TIME, "m3 s-1", "wear rate of the cage pockets"),
+    _history("cage_land_wear_rate", TIME, "m3 s-1", "wear rate of the cage at its guiding land"),
+)
+
+CASE = STATE | DYNAMIC
 
 STEP, STEP_RACE, STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
 
@@ -234,7 +370,12 @@ LIFE = _table(
         always=True,
     ),
     Variable(
-        "end_criterion", (), "", "the criterion that was met first", "i1", flags=CRITERIA,
+        "end_criterion",
+        (),
+        "",
+        "the criterion that was met first",
+        "i1",
+        flags=CRITERIA,
         always=True,
     ),
     Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life", always=True),
@@ -257,6 +398,4 @@ LIFE = _table(
     ),
     Variable("history_ball_wear_rate", STEP, "m3 s-1", "wear rate of one ball"),
     Variable("history_race_wear_rate", STEP_RACE, "m3 s-1", "wear rate of the whole race"),
-)  # fmt: skip
-
-TABLE = CASE | LIFE
+)

@@ -17,12 +17,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.cage import CAGE, angular_velocity, turn
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.linear import solve_in_place
-from bearingwear.kernels.motion import BALL, ball_blocks, balls_motion
+from bearingwear.kernels.coupling import System, add_cage_powers, factorise, solve, system
+from bearingwear.kernels.motion import BALL, ball_blocks, motion_rates
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 
 ROSENBROCK, RUNGE_KUTTA = 0, 1
+# A step that closes a contact deeper than so many times the range in which its damping comes in is
+# taken anew up to where it closes.
+EVENT_DEPTH = 4.0
 
 _A = np.array(
     [
@@ -75,16 +79,17 @@ class Stages(NamedTuple):
     trial: np.ndarray  # (size,)
     new: np.ndarray  # (size,)
     error: np.ndarray  # (size,)
-    matrix: np.ndarray  # (4, 4)
-    side: np.ndarray  # (4,)
+    before: np.ndarray  # (3 n + 2,) see `contacts_now`, at both ends of a step
+    after: np.ndarray  # (3 n + 2,)
+    system: System
 
 
 @jit
-def stages(size):
-    """Buffers for states of so many numbers."""
+def stages(n, size):
+    """Buffers for n balls and states of so many numbers in all."""
     return Stages(
         np.zeros((6, size)), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size),
-        np.zeros((4, 4)), np.zeros(4),
+        np.zeros(3 * n + 2), np.zeros(3 * n + 2), system(n),
     )  # fmt: skip
 
 
@@ -97,17 +102,20 @@ class Tally(NamedTuple):
     accepted: int
     rejected: int
     evaluations: int
+    events: int  # contacts made and broken
 
 
 @jit
 def rosenbrock_step(time, h, y, run, b, places, w):
-    """One W-method step from y; fills `w.new` and `w.error`. Returns a status."""
+    """One W-method step from y; fills `w.new` and `w.error`. Returns a status.
+
+    `w.f` and `b` come from `motion_rates` at (time, y).
+    """
     n, size = run.D.size, y.size
-    status = balls_motion(time, y, run, b, w.f, places)
-    if status != OK:
-        return status
     ball_blocks(y, run, b)
     shift = 1.0 / (h * W_GAMMA)
+    if not factorise(shift, y, run, b, places, w.system):
+        return NOT_CONVERGED
     for i in range(4):
         U = w.U[i]
         if i > 0:
@@ -116,7 +124,7 @@ def rosenbrock_step(time, h, y, run, b, places, w):
                 for j in range(i):
                     value += W_A[i, j] * w.U[j, k]
                 w.trial[k] = value
-            status = balls_motion(time + W_TIME[i] * h, w.trial, run, b, w.f, places)
+            status = motion_rates(time + W_TIME[i] * h, w.trial, run, b, w.f, places)
             if status != OK:
                 return status
         for k in range(size):
@@ -124,25 +132,15 @@ def rosenbrock_step(time, h, y, run, b, places, w):
             for j in range(i):
                 value += W_C[i, j] / h * w.U[j, k]
             w.trial[k] = value
-        for j in range(n):
-            q = BALL * j
-            for u in range(4):
-                w.side[u] = w.trial[q + u]
-                for v in range(4):
-                    w.matrix[u, v] = -b.blocks[j, u, v]
-                w.matrix[u, u] += shift
-            if not solve_in_place(w.matrix, w.side, 4):
-                return NOT_CONVERGED
-            for u in range(4):
-                U[q + u] = w.side[u]
-            U[q + 4] = (w.trial[q + 4] + w.side[3]) / shift  # dpsi/dt = Omega
+        solve(w.trial, U, run, places, w.system)
         for j in range(n):
             q = BALL * j
             for v in range(4):
                 w.trial[places.shaft] += b.slopes[j, 0, v] * U[q + v]
                 w.trial[places.heat] += b.slopes[j, 1, v] * U[q + v]
                 w.trial[places.turning] += b.slopes[j, 2, v] * U[q + v]
-        for k in range(BALL * n, size):
+        add_cage_powers(U, w.trial, y, run, b, places, w.system)
+        for k in range(places.qv, size):
             U[k] = w.trial[k] / shift
     for k in range(size):
         value = error = 0.0
@@ -156,15 +154,19 @@ def rosenbrock_step(time, h, y, run, b, places, w):
 
 @jit
 def runge_kutta_step(time, h, y, run, b, places, w):
-    """One Fehlberg 4(5) step from y; fills `w.new` and `w.error`. Returns a status."""
+    """One Fehlberg 4(5) step from y; fills `w.new` and `w.error`. Returns a status.
+
+    `w.f` comes from `motion_rates` at (time, y).
+    """
     size = y.size
-    for i in range(6):
+    w.U[0, :] = w.f
+    for i in range(1, 6):
         for k in range(size):
             value = y[k]
             for j in range(i):
                 value += h * F_A[i, j] * w.U[j, k]
             w.trial[k] = value
-        status = balls_motion(time + F_TIME[i] * h, w.trial, run, b, w.U[i], places)
+        status = motion_rates(time + F_TIME[i] * h, w.trial, run, b, w.U[i], places)
         if status != OK:
             return status
     for k in range(size):
@@ -201,7 +203,71 @@ def step_error(h, y, run, b, places, w, tolerance):
         largest = max(
             largest, R * max(abs(e[0]), abs(e[1]), abs(e[2])) / slip, r * abs(e[3]) / slip
         )
+    if run.cage.present:
+        # The cage's speeds against a hundredth of the balls' speed, places against the clearance.
+        z = places.cage
+        speed = 0.01 * b.r[0] * abs(y[3]) + slip
+        gap = 0.01 * max(run.cage.clearance, 1e-3 * run.D[0])
+        arm = run.cage.radius
+        e = w.error[z : z + CAGE]
+        for k in range(3):
+            largest = max(largest, abs(e[k]) / gap, arm * abs(e[6 + k]) / gap)
+            largest = max(largest, abs(e[3 + k]) / speed)
+            largest = max(largest, arm * abs(e[9 + k]) / (run.cage.I_t * speed))
+        for j in range(n):
+            largest = max(largest, b.r[j] * abs(w.error[BALL * j + 4]) / gap)
     return largest / tolerance
+
+
+@jit
+def rebase(y, run, b, places, f):
+    """Put the cage's rotation vector back to zero, into the orientation it counts from.
+
+    And its rate of change f into that of a vector at zero.
+    """
+    if run.cage.present:
+        theta = y[places.cage + 6 : places.cage + 9]
+        turn(theta, b.cage.R0, b.cage.R)
+        b.cage.R0[:, :] = b.cage.R
+        theta[:] = 0.0
+        z = places.cage
+        w = angular_velocity(run.cage, y[z : z + CAGE], b.cage.R)
+        for k in range(3):
+            f[z + 6 + k] = w[k]
+
+
+@jit
+def contacts_now(run, b, places, touch):
+    """Interference of every contact: pockets and land edges [m], load of every race contact [N].
+
+    Positive where closed.
+    """
+    n = run.D.size
+    touch[: n + 2] = b.cage.approach
+    for j in range(n):
+        touch[n + 2 + 2 * j] = b.s.Q[j, 0]
+        touch[n + 3 + 2 * j] = b.s.Q[j, 1]
+
+
+@jit
+def event_in(before, after, n, depth):
+    """Events between two instants, and where in between the first deep contact is made.
+
+    Returns
+    -------
+    count : int
+        Contacts made or broken.
+    fraction : float
+        Of the step, to where the first pocket or land closes that is `depth` deep at its
+        end; 1 where none is.
+    """
+    count, fraction = 0, 1.0
+    for i in range(before.size):
+        if (before[i] > 0.0) != (after[i] > 0.0):
+            count += 1
+            if i < n + 2 and after[i] > depth:
+                fraction = min(fraction, before[i] / (before[i] - after[i]))
+    return count, fraction
 
 
 @jit
@@ -221,46 +287,56 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
     -------
     Tally
     """
-    accepted = rejected = evaluations = 0
+    n = run.D.size
+    accepted = rejected = evaluations = events = 0
     order = 3.0 if method == ROSENBROCK else 5.0
     cost = 4 if method == ROSENBROCK else 6
-    status = OK
-    while time < end:
+    status = motion_rates(time, y, run, b, w.f, places)
+    contacts_now(run, b, places, w.before)
+    located = False
+    depth = EVENT_DEPTH * min(run.cage.ramp_pocket, run.cage.ramp_land)
+    while status == OK and time < end:
         left = end - time
         whole = min(h, longest)
         # Two equal steps rather than a full and a tiny one.
-        step = (
-            left
-            if whole >= left * (1.0 - 1e-12)
-            else min(whole, 0.5 * left)
-            if whole > 0.5 * left
-            else whole
-        )
+        step = whole
+        if whole >= left * (1.0 - 1e-9):
+            step = left
+        elif whole > 0.5 * left:
+            step = 0.5 * left
+        now = end if step == left else time + step
         if method == ROSENBROCK:
-            status = rosenbrock_step(time, step, y, run, b, places, w)
+            trial = rosenbrock_step(time, step, y, run, b, places, w)
         else:
-            status = runge_kutta_step(time, step, y, run, b, places, w)
+            trial = runge_kutta_step(time, step, y, run, b, places, w)
         evaluations += cost
-        error = step_error(step, y, run, b, places, w, tolerance) if status == OK else 1e9
+        error = step_error(step, y, run, b, places, w, tolerance) if trial == OK else 1e9
+        fraction, count = 1.0, 0
         if error <= 1.0:
-            time = end if step == left else time + step
+            trial = motion_rates(now, w.new, run, b, w.f, places)
+            if trial == OK:
+                contacts_now(run, b, places, w.after)
+                count, fraction = event_in(w.before, w.after, n, depth)
+        if error <= 1.0 and trial == OK and (located or fraction == 1.0):
+            time = now
             y[:] = w.new
+            rebase(y, run, b, places, w.f)
+            w.before[:] = w.after
             accepted += 1
-            h = (
-                step * min(4.0, 0.9 * max(error, 1e-9) ** (-1.0 / order))
-                if step == whole
-                else max(h, step)
-            )
+            events += count
+            located = False
+            grown = step * min(4.0, 0.9 * max(error, 1e-9) ** (-1.0 / order))
+            h = grown if step == whole else max(h, step)
         else:
             rejected += 1
-            h = step * max(0.2, 0.9 * error ** (-1.0 / order)) if error < 1e9 else 0.25 * step
+            if error <= 1.0 and trial == OK:
+                h, located = max(fraction, 0.05) * step, True
+            else:
+                located = False
+                shrunk = 0.25 if trial != OK else max(0.2, 0.9 * error ** (-1.0 / order))
+                h = shrunk * step
             if not h > 1e-15 * max(end, 1e-9) or math.isnan(error):
-                return Tally(
-                    NOT_CONVERGED if status == OK else status,
-                    time,
-                    h,
-                    accepted,
-                    rejected,
-                    evaluations,
-                )
-    return Tally(OK, time, h, accepted, rejected, evaluations)
+                status = NOT_CONVERGED if trial == OK else trial
+                break
+            status = motion_rates(time, y, run, b, w.f, places)
+    return Tally(status, time, h, accepted, rejected, evaluations, events)

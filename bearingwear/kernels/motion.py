@@ -1,18 +1,36 @@
-"""Right-hand side of the balls' motion (theory.md section 8)."""
+"""Right-hand side of the motion of balls, inner race and cage (theory.md section 8)."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.cage import (
+    CAGE,
+    INNER_LAND,
+    LAND_DAMPING,
+    LAND_HEAT,
+    LAND_TORQUE,
+    LAND_WORK,
+    POCKET_DAMPING,
+    POCKET_HEAT,
+    POCKET_TORQUE,
+    Cage,
+    CageBuffers,
+    cage_buffers,
+    cage_contacts,
+    cage_motion,
+)
 from bearingwear.kernels.compile import REORDER_SUMS, jit
 from bearingwear.kernels.contact import slip_map, traction_slope
 from bearingwear.kernels.ellipse import Rule, most_points, place
 from bearingwear.kernels.params import Contact, Geometry, Motion
 from bearingwear.kernels.quasistatic import Suspension, settle, suspension
-from bearingwear.kernels.status import OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
 from bearingwear.kernels.steady import LARGEST_AXIS, drag_force
 
+# Shares of a step by turns: short ones past an edge of the contact law, whole ones to converge.
+SHORTER = (0.5, 0.5, 1.0, 1.0, 0.2, 0.2, 1.0, 1.0)
 BALL = 5  # states of a ball: w_x, w_y, w_z, Omega, psi
 
 
@@ -24,18 +42,20 @@ class Run(NamedTuple):
     D: np.ndarray  # (n,) worn ball diameters [m]
     mass: np.ndarray  # (n,) [kg]
     inertia: np.ndarray  # (n,) [kg m2]
+    hertz: np.ndarray  # (n, 2, intervals, 8) see quasistatic.hertz_at
     first: int  # first free translation of the race
     F_x: float  # preload [N]
     F_y: float  # load fixed in space [N]
     F_z: float
     F_rot: float  # load that turns with the shaft, along +Z at t = 0 [N]
     tilt: float  # [rad]
+    cage: Cage
     rule: Rule  # for the contact ellipses
 
 
 @jit
 def load_at(run, time, F):
-    """Load on the inner race at an instant, and the rate of its change dotted into `rate`."""
+    """Load (axial, Y, Z) on the inner race at an instant, into F."""
     theta = run.motion.omega_i * time
     F[0] = run.F_x
     F[1] = run.F_y - run.F_rot * math.sin(theta)
@@ -75,23 +95,36 @@ def friction_sums(contact, R, c, mu, v_r, t, weight):
 
 
 class Account(NamedTuple):
-    """Places of the time integrals in the state vector, after the balls' and the cage's states."""
+    """Places in the state vector: the balls' states, the cage's, then the time integrals."""
 
+    cage: int  # states of the cage, if there is one
     qv: int  # 2 n: of each ball, inner and outer [J]
-    shaft: int  # work of both races on the balls [J]
+    pockets: int  # n: normal force times slip in each pocket [J]
+    land: int  # normal force times slip at the land, both edges [J]
+    shaft: int  # work of both races on balls and cage [J]
     heat: int  # friction heat of the ball/race contacts [J]
     drag: int  # work of the drag [J]
     turning: int  # sum of m r^2 2 Omega dOmega/dt, for the Coriolis term [J]
     azimuth: int  # sum of Omega dU/dpsi: the circumferential force left out [J]
     load: int  # delta . dF/dt of the loads that change [J]
+    cage_heat: int  # friction heat of pockets and land [J]
+    damping: int  # of pockets and land [J]
+    pocket_torque: int  # angular impulse of the pockets on the cage [N m s]
+    land_torque: int  # and of the land
     size: int
 
 
 @jit
-def account(n, start):
-    """Places of the integrals of n balls, the first at `start`."""
-    i = start + 2 * n
-    return Account(start, i, i + 1, i + 2, i + 3, i + 4, i + 5, i + 6)
+def account(n, with_cage):
+    """Places for n balls."""
+    cage = BALL * n
+    qv = cage + (CAGE if with_cage else 0)
+    pockets = qv + 2 * n
+    i = pockets + n
+    return Account(
+        cage, qv, pockets, i, i + 1, i + 2, i + 3, i + 4, i + 5, i + 6, i + 7, i + 8, i + 9,
+        i + 10, i + 11,
+    )  # fmt: skip
 
 
 class Buffers(NamedTuple):
@@ -99,7 +132,13 @@ class Buffers(NamedTuple):
 
     s: Suspension
     F: np.ndarray  # (3,)
-    extra: np.ndarray  # (n, 2)
+    extra: np.ndarray  # (n, 8) the cage's forces on each ball, see quasistatic.settle
+    land: np.ndarray  # (8,) and those of an inner land on the race
+    r: np.ndarray  # (n,) orbit radii [m]
+    axial: np.ndarray  # (n,) axial places of the balls at which the cage's contacts were found [m]
+    f: np.ndarray  # (6,) force and moment on the cage
+    rest: np.ndarray  # (3,) displacement of the race at rest, a safe start [m]
+    cage: CageBuffers
     c: np.ndarray  # (n, 2, 4) slip coefficients
     t: np.ndarray  # (points,) of the contact at hand, if they depend on it
     weight: np.ndarray  # (points,)
@@ -136,19 +175,120 @@ def slip_of(contact, w_x, w_y, w_z, Omega, r):
 
 
 @jit
-def balls_motion(time, y, run, b, dy, places):
-    """Time derivative of the balls' states and of the integrals.
+def contacts_at(y, run, b, places, share):
+    """Cage contacts with every ball at a share of its way from where they were last found."""
+    g, s, m = run.g, b.s, run.motion
+    for j in range(run.D.size):
+        x = b.extra[j]
+        b.axial[j] = x[2] + share * (s.X[j, 0] - x[2])
+        b.r[j] = g.R_o + x[3] + share * (s.X[j, 1] - x[3])
+    z = y[places.cage : places.cage + CAGE]
+    f = cage_contacts(
+        run.cage, z, y, BALL, g.D0, run.D, run.mass, b.r, b.axial, s.delta, m.omega_i, m.omega_o,
+        b.cage,
+    )  # fmt: skip
+    for k in range(6):
+        b.f[k] = f[k]
+
+
+@jit
+def agreed_equilibrium(time, y, run, b, places):
+    """Ball centres, race and cage contacts that agree with each other, from the last answer on.
+
+    Pocket forces enter the balls' equilibrium as straight lines about the place where they were
+    found; it is sought anew until the lines say what is there. Where a contact closes and opens in
+    turn the steps are shortened.
+    """
+    g, s = run.g, b.s
+    n = run.D.size
+    Omega, psi = y[3 : BALL * n : BALL], y[4 : BALL * n : BALL]
+    for attempt in range(40):
+        load_at(run, time, b.F)
+        status = settle(
+            g, run.D, run.mass, run.hertz, Omega, psi, b.extra, b.land, b.F, run.tilt, run.first, s
+        )
+        if status != OK:
+            return status
+        if not run.cage.present:
+            for j in range(n):
+                b.r[j] = g.R_o + s.X[j, 1]
+            return OK
+        contacts_at(y, run, b, places, 1.0)
+        x, force = b.land, b.cage.race_force
+        e1, e2 = s.delta[1] - x[2], s.delta[2] - x[3]
+        change = max(
+            abs(force[0] - x[0] + x[4] * e1 + x[5] * e2),
+            abs(force[1] - x[1] + x[6] * e1 + x[7] * e2),
+        )
+        largest = contact = 0.0
+        for j in range(n):
+            # What the last straight line said of this place, against what is there.
+            x = b.extra[j]
+            e1, e2 = s.X[j, 0] - x[2], s.X[j, 1] - x[3]
+            axial, radial = b.cage.ball_force[j, 0], b.cage.ball_force[j, 2]
+            change = max(change, abs(axial - x[0] + x[4] * e1 + x[5] * e2))
+            change = max(change, abs(radial - x[1] + x[6] * e1 + x[7] * e2))
+            contact = max(contact, s.Q[j, 1])
+            largest = max(largest, b.cage.normal[j])
+        largest = max(largest, b.cage.normal[n], b.cage.normal[n + 1])
+        # What rounding leaves of the ball centres shows in the pockets' forces.
+        agreed = change <= 1e-5 * largest + 1e-8 * contact
+        if not agreed and attempt >= 4:
+            share = SHORTER[attempt % 8]
+            if share < 1.0:
+                contacts_at(y, run, b, places, share)
+        if run.cage.land == INNER_LAND:
+            x = b.land
+            x[0], x[1], x[2], x[3] = force[0], force[1], s.delta[1], s.delta[2]
+            x[4:] = 0.0
+            for k in range(n, n + 2):
+                if b.cage.normal[k] > 0.0:
+                    for i in range(2):
+                        x[4 + i] += b.cage.K[k, 1, 1 + i]
+                        x[6 + i] += b.cage.K[k, 2, 1 + i]
+        for j in range(n):
+            x, K = b.extra[j], b.cage.K[j]
+            x[0], x[1] = b.cage.ball_force[j, 0], b.cage.ball_force[j, 2]
+            x[2], x[3] = b.axial[j], b.r[j] - g.R_o
+            if b.cage.normal[j] > 0.0:
+                sp, cp = math.sin(psi[j]), math.cos(psi[j])
+                x[4] = K[0, 0]
+                x[5] = K[0, 2] * cp - K[0, 1] * sp
+                x[6] = K[2, 0] * cp - K[1, 0] * sp
+                x[7] = K[1, 1] * sp * sp - (K[1, 2] + K[2, 1]) * sp * cp + K[2, 2] * cp * cp
+            else:
+                x[4] = x[5] = x[6] = x[7] = 0.0
+        if agreed:
+            return OK
+    return NOT_CONVERGED
+
+
+@jit
+def equilibrium_with_cage(time, y, run, b, places):
+    """As agreed_equilibrium, and once more from nothing where the last answer misleads."""
+    status = agreed_equilibrium(time, y, run, b, places)
+    if status != OK:
+        b.extra[:, :] = 0.0
+        b.land[:] = 0.0
+        b.s.factors[:, :, :] = math.nan
+        b.s.delta[:] = b.rest
+        status = agreed_equilibrium(time, y, run, b, places)
+    return status
+
+
+@jit
+def motion_rates(time, y, run, b, dy, places):
+    """Time derivative of the states of balls and cage and of the integrals.
 
     Parameters
     ----------
     time : float
         [s]
     y : ndarray
-        State: BALL numbers a ball, ..., the integrals at `places`.
+        State: BALL numbers a ball, CAGE numbers of the cage, the integrals at `places`.
     b : Buffers
-        `b.extra` holds the cage's axial and radial forces on the balls.
     dy : ndarray
-        Filled, but for the cage's states.
+        Filled.
 
     Returns
     -------
@@ -157,9 +297,8 @@ def balls_motion(time, y, run, b, dy, places):
     """
     g, m, s, rule = run.g, run.motion, b.s, run.rule
     n = run.D.size
-    load_at(run, time, b.F)
-    Omega, psi = y[3 : BALL * n : BALL], y[4 : BALL * n : BALL]
-    status = settle(g, run.D, run.mass, Omega, psi, b.extra, b.F, run.tilt, run.first, s)
+    psi = y[4 : BALL * n : BALL]
+    status = equilibrium_with_cage(time, y, run, b, places)
     if status != OK:
         return status
     p = places
@@ -167,9 +306,10 @@ def balls_motion(time, y, run, b, dy, places):
     for j in range(n):
         i = BALL * j
         R = 0.5 * run.D[j]
-        r = g.R_o + s.X[j, 1]
+        r = b.r[j]
         w_x, w_y, w_z, W = y[i], y[i + 1], y[i + 2], y[i + 3]
-        M_x = M_y = M_z = F_y = 0.0
+        M_x, M_y, M_z = b.cage.ball_moment[j, 0], b.cage.ball_moment[j, 1], b.cage.ball_moment[j, 2]
+        F_y = b.cage.ball_force[j, 1]
         for k in range(2):
             contact = race_contact_of(run, s, j, k)
             dy[p.qv + 2 * j + k] = 0.0
@@ -208,7 +348,18 @@ def balls_motion(time, y, run, b, dy, places):
         dA1 = -run.tilt * g.R_i * sp
         dA2 = -s.delta[2] * sp - s.delta[1] * cp
         azimuth += W * (f_x * dA1 + f_r * dA2)
-    dy[p.shaft] = shaft
+    sums = b.cage.sums
+    for j in range(n):
+        dy[p.pockets + j] = b.cage.power[j]
+    dy[p.land] = b.cage.power[n] + b.cage.power[n + 1]
+    dy[p.cage_heat] = sums[POCKET_HEAT] + sums[LAND_HEAT]
+    dy[p.damping] = sums[POCKET_DAMPING] + sums[LAND_DAMPING]
+    dy[p.pocket_torque] = sums[POCKET_TORQUE]
+    dy[p.land_torque] = sums[LAND_TORQUE]
+    if run.cage.present:
+        z = y[p.cage : p.cage + CAGE]
+        cage_motion(run.cage, z, b.f, b.cage.R, dy[p.cage : p.cage + CAGE])
+    dy[p.shaft] = shaft + sums[LAND_WORK]
     dy[p.heat] = heat
     dy[p.drag] = drag
     dy[p.turning] = turning
@@ -224,7 +375,7 @@ def ball_blocks(y, run, b):
 
     And `b.slopes`, that of the powers which the integrals sum: a stage of a stiff step lies off the
     path, where friction is far from its value on it, and their sum would feel that. For the state
-    of the last call of `balls_motion`.
+    of the last call of `motion_rates`.
     """
     g, m, s = run.g, run.motion, b.s
     for j in range(run.D.size):
@@ -284,7 +435,8 @@ def buffers(n, rule):
     """Work space for n balls and a rule."""
     points = most_points(rule)
     return Buffers(
-        suspension(n), np.empty(3), np.zeros((n, 2)), np.empty((n, 2, 4)),
-        np.empty(points), np.empty(points), np.empty(points), np.empty((4, 4)), np.empty(4),
-        np.empty((4, 4)), np.empty((n, 4, 4)), np.empty((n, 3, 4)),
+        suspension(n), np.empty(3), np.zeros((n, 8)), np.zeros(8), np.zeros(n), np.zeros(n),
+        np.zeros(6), np.zeros(3), cage_buffers(n), np.empty((n, 2, 4)), np.empty(points),
+        np.empty(points), np.empty(points), np.empty((4, 4)), np.empty(4), np.empty((4, 4)),
+        np.empty((n, 4, 4)), np.empty((n, 3, 4)),
     )  # fmt: skip

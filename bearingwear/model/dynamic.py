@@ -1,23 +1,124 @@
-"""The balls' motion in time: from a scene to what the integrators take.
-
-The cage, output files and the command line's `fidelity: dynamic` are not there yet; what is here is
-the motion of balls and inner race, verified by tests/verification/test_dynamic.py.
-"""
+"""The motion of balls, cage and inner race in time: from a scene to what the integrators take."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
+from bearingwear.kernels.cage import (
+    CAGE,
+    ELASTIC,
+    INNER_LAND,
+    NO_LAND,
+    OUTER_LAND,
+    Cage,
+    cage_energy,
+)
 from bearingwear.kernels.equilibrium import static_displacement
+from bearingwear.kernels.hertz import INNER, OUTER, point_contact, race_contact
 from bearingwear.kernels.integrators import ROSENBROCK, Tally, advance, stages
-from bearingwear.kernels.motion import BALL, Account, Run, account, balls_motion, buffers
+from bearingwear.kernels.motion import BALL, Account, Run, account, buffers, motion_rates
+from bearingwear.kernels.params import Geometry
 from bearingwear.model import parameters
+from bearingwear.model.impact import land_damping, pocket_damping
 from bearingwear.model.scene import Scene
 
+HERTZ_INTERVALS = 64
+LIGHT_IMPACT = 1e-3  # of the cage's surface speed
+RAMP = 0.2  # of the depth of a light impact
+CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
 FIRST_STEP = 1e-4  # of a shaft turn
 STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
 TOLERANCE = 1e-3  # of the mean slip, see integrators.step_error
+
+
+def cage_of(scene: Scene) -> Cage:
+    """Geometry, inertia and contact laws of a scene's cage, or the absence of one."""
+    c = scene.cage
+    if c is None:
+        return Cage(False, 1.0, 1.0, 1.0, 1.0, 1.0, NO_LAND, *np.ones(10).tolist())
+    b = scene.bearing
+    material = scene.materials[c.material]
+    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
+    MM = parameters.MM
+    r_i, r_o, width = (
+        0.5 * c.inner_diameter_mm * MM,
+        0.5 * c.outer_diameter_mm * MM,
+        c.width_mm * MM,
+    )
+    R, clearance = 0.5 * b.ball_diameter_mm * MM, 0.5 * c.pocket_clearance_mm * MM
+    # A ring less its pockets; the pockets take the same share of mass and inertia.
+    ring = math.pi * (r_o**2 - r_i**2) * width
+    pockets = b.ball_count * math.pi * (R + clearance) ** 2 * (r_o - r_i)
+    mass = material.density_kg_m3 * (ring - pockets)
+    # Ball in a concave cylinder. Without clearance Hertz' ellipse would be a ring: 1e-3 R is added.
+    pocket = R + max(clearance, 1e-3 * R)
+    hertz = point_contact(
+        0.5 * (1.0 / R - 1.0 / pocket),
+        0.5 / R,
+        parameters.contact_modulus(ball, material),
+        math.nan,
+    )
+    land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[c.guiding_race]
+    E_star = parameters.contact_modulus(race, material)
+    k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
+    # A light impact, to say what is deep in such a contact.
+    operation = scene.operation
+    speed = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm)) * parameters.RPM
+    impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
+    ball_mass = ball.density_kg_m3 * math.pi / 6.0 * (2.0 * R) ** 3
+    m_eff = ball_mass * mass / (ball_mass + mass)
+    return Cage(
+        present=True,
+        mass=mass,
+        I_x=0.5 * mass * (r_i**2 + r_o**2),
+        I_t=mass * (3.0 * (r_i**2 + r_o**2) + width**2) / 12.0,
+        clearance=clearance,
+        K_pocket=hertz.K,
+        land=land,
+        radius=r_i if land == INNER_LAND else r_o,
+        gap=0.5 * c.guide_clearance_mm * MM,
+        half_width=0.5 * width,
+        k_land=k_land,
+        mu=float(scene.friction.cage),
+        v_r=float(scene.friction.slip_regularisation_m_s),
+        damping_pocket=pocket_damping(c.restitution),
+        # Both edges share the mass of a cage that meets the land squarely.
+        damping_land=math.sqrt(0.5) * land_damping(c.restitution),
+        ramp_pocket=max(RAMP * (1.25 * m_eff * impact**2 / hertz.K) ** 0.4, 1e-9),
+        ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
+    )
+
+
+def hertz_table(g: Geometry, D: np.ndarray) -> np.ndarray:
+    """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
+
+    They follow the angle so weakly that the spline is exact to rounding; solving Hertz' equation
+    anew would be a third of the time of a step.
+
+    Returns
+    -------
+    ndarray (n, 2, HERTZ_INTERVALS, 8)
+        See quasistatic.hertz_at.
+    """
+    cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
+    powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)
+    table = np.empty((len(D), 2, HERTZ_INTERVALS, 8))
+    splines: dict[float, np.ndarray] = {}
+    for j, diameter in enumerate(D):
+        if diameter not in splines:
+            factors = np.array(
+                [
+                    [race_contact(g, race, diameter, c, math.nan)[:2] for c in cosine]
+                    for race in (INNER, OUTER)
+                ]
+            )
+            c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, K or c_a)
+            c = c * powers[:, None, None, None]
+            splines[diameter] = np.moveaxis(c, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(2, -1, 8)
+        table[j] = splines[diameter]
+    return table
 
 
 @dataclass
@@ -32,7 +133,7 @@ class Motion:
     def __post_init__(self) -> None:
         n = len(self.run.D)
         self.buffers = buffers(n, self.run.rule)
-        self.stages = stages(self.y.size)
+        self.stages = stages(n, self.y.size)
         self.dy = np.zeros(self.y.size)
         self.h = FIRST_STEP * self.turn
 
@@ -49,22 +150,43 @@ class Motion:
             D=D,
             mass=mass,
             inertia=0.1 * mass * D**2,
+            hertz=hertz_table(g, D),
             first=0 if operation.preload_method == "constant_force" else 1,
             F_x=float(operation.preload_N),
             F_y=float(F_y),
             F_z=float(F_z),
             F_rot=float(operation.rotating_load_N),
             tilt=operation.tilt_mrad * 1e-3,
+            cage=cage_of(scene),
             rule=parameters.quadrature(scene),
         )
         n = len(D)
-        places = account(n, BALL * n)
+        places = account(n, run.cage.present)
         y = np.zeros(places.size)
         y[: BALL * n].reshape(n, BALL)[:, :4] = u
         y[4 : BALL * n : BALL] = 2.0 * math.pi * np.arange(n) / n
         motion = cls(run, places, y)
-        motion.buffers.s.delta[0] = static_displacement(g, run.F_x)
+        motion.buffers.rest[0] = static_displacement(g, run.F_x)
+        motion.buffers.s.delta[:] = motion.buffers.rest
+        if run.cage.present:
+            motion.place_cage()
         return motion
+
+    def place_cage(self) -> None:
+        """The cage about to be towed: every ball in the middle of its pocket, the cage slower.
+
+        Its centre hangs below the axis by half of its clearance. A cage that floats in the middle
+        and turns with the balls would touch nothing, ever.
+        """
+        p = self.places
+        self.rates()  # finds where the balls are
+        z = self.y[p.cage : p.cage + CAGE]
+        z[:] = 0.0
+        cage = self.run.cage
+        room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
+        z[0] = self.buffers.s.X[:, 0].mean()
+        z[2] = -0.5 * room
+        z[9] = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, 3].mean()
 
     @property
     def turn(self) -> float:
@@ -81,11 +203,21 @@ class Motion:
     @property
     def qv(self) -> np.ndarray:
         """Time integral of QV (n, 2), inner and outer contact of each ball [J]; a view."""
-        return self.y[self.places.qv : self.places.shaft].reshape(-1, 2)
+        return self.y[self.places.qv : self.places.pockets].reshape(-1, 2)
+
+    def settle(self) -> int:
+        """Equilibrium at this instant; the status of the attempt."""
+        return motion_rates(self.time, self.y, self.run, self.buffers, self.dy, self.places)
+
+    def opened(self) -> tuple[float, np.ndarray, dict[str, float], float]:
+        """Time, integrals, energies and the cage's angular momentum now."""
+        energy = self.energy()
+        momentum = self.cage_momentum() if self.run.cage.present else 0.0
+        return self.time, self.y[self.places.qv :].copy(), energy, momentum
 
     def rates(self) -> np.ndarray:
         """Time derivative of the state now; also brings `buffers.s` up to date."""
-        balls_motion(self.time, self.y, self.run, self.buffers, self.dy, self.places)
+        self.settle()
         return self.dy
 
     def advance(
@@ -112,6 +244,33 @@ class Motion:
         self.time, self.h = tally.time, tally.h
         return tally
 
+    def packed(self) -> np.ndarray:
+        """All that a run needs to go on as if it had not stopped: see `unpack`."""
+        s, cage = self.buffers.s, self.buffers.cage
+        b = self.buffers
+        parts = (self.y, [self.h], cage.R0, s.X, s.delta, b.extra, b.land)
+        return np.concatenate([np.ravel(part) for part in parts])
+
+    def unpack(self, state: np.ndarray, time: float) -> None:
+        """Take up where the run that left `packed()` at `time` had come to."""
+        s, cage = self.buffers.s, self.buffers.cage
+        h = np.empty(1)
+        b = self.buffers
+        parts = (self.y, h, cage.R0, s.X, s.delta, b.extra, b.land)
+        if state.size != sum(part.size for part in parts):
+            raise ValueError(f"state of {state.size} numbers; allowed {len(self.packed())}")
+        at = 0
+        for part in parts:
+            part[...] = state[at : at + part.size].reshape(part.shape)
+            at += part.size
+        self.h, self.time = float(h[0]), time
+        s.factors[:] = 0.0  # known: the equilibrium goes on from X and delta
+
+    def cage_momentum(self) -> float:
+        """Angular momentum of the cage about the bearing axis [kg m2/s]."""
+        z = self.y[self.places.cage : self.places.cage + CAGE]
+        return float(z[9] + self.run.cage.mass * (z[1] * z[5] - z[2] * z[4]))
+
     def energy(self) -> dict[str, float]:
         """Terms of the energy account now (theory.md Eq. 26) [J].
 
@@ -125,12 +284,17 @@ class Motion:
         lengths = np.column_stack([np.hypot(*(s.A - s.X).T), np.hypot(s.X[:, 0], s.X[:, 1])])
         d = np.maximum(lengths - free, 0.0)
         orbit = run.mass * r**2 * Omega**2
+        cage = self.buffers.cage
+        z = y[p.cage : p.cage + CAGE]
+        cage_kinetic = cage_energy(run.cage, z, cage.R) if run.cage.present else 0.0
         return {
             "supplied": y[p.shaft] + s.delta @ (self.buffers.F * self._held()) - y[p.load],
             "heat": y[p.heat],
             "drag": y[p.drag],
-            "kinetic": 0.5 * (run.inertia * (w**2).sum(axis=1) + orbit).sum(),
-            "elastic": 0.4 * (s.factors[:, :, 0] * d**2.5).sum(),
+            "cage heat": y[p.cage_heat],
+            "damping": y[p.damping],
+            "kinetic": 0.5 * (run.inertia * (w**2).sum(axis=1) + orbit).sum() + cage_kinetic,
+            "elastic": 0.4 * (s.factors[:, :, 0] * d**2.5).sum() + cage.sums[ELASTIC],
             "coriolis": -(orbit.sum() - y[p.turning]),
             "azimuth": -y[p.azimuth],
         }

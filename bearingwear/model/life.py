@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 from bearingwear.kernels import status as code
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, SHARE, TRACK
 from bearingwear.model import parameters
-from bearingwear.model.fidelity import choice
+from bearingwear.model.fidelity import choice_for_life
+from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
@@ -312,15 +313,16 @@ def life(scene: Scene, fidelity: str | None = None) -> Result:
             "given with preload_N 0; a fraction needs a preload",
             source=scene.name,
         )
-    chosen = choice(scene, fidelity)
+    chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
     state = (steady_states if chosen.tier == "steady" else race_control_states)(scene)
     preload = scene.operation.preload_N
     marcher = Marcher(state, lambda s: margins(s, end, preload), scene.model.tolerance)
     D0 = scene.bearing.ball_diameter_mm * parameters.MM
-    course = marcher.march(
-        scene.wear.ball_diameter_loss_um[0] * parameters.UM, LARGEST_LOSS * D0, FIRST_STEP * D0
-    )
+    with Interrupt():
+        course = marcher.march(
+            scene.wear.ball_diameter_loss_um[0] * parameters.UM, LARGEST_LOSS * D0, FIRST_STEP * D0
+        )
     values = life_values(scene, course)
     elapsed = time.perf_counter() - started
     return Result(values, {"solves": course.solves} | provenance(scene, chosen), elapsed)

@@ -17,6 +17,9 @@ from typing import Any
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
 
+MOST_HISTORY_POINTS = 1_000_000
+"""Most points of a history that is accepted: histories are held in memory."""
+
 
 class SceneError(ValueError):
     """A scene that cannot be solved; its text is one line.
@@ -152,7 +155,17 @@ class Model:
     strips: int = 50
     quadrature: str = "gauss"
     simulated_turns: float = 20.0
+    evaluated_turns: float | None = None
+    history_points_per_turn: int = 20
+    integrator: str = "rosenbrock"
+    dynamic_tolerance: float = 1.0e-3
+    land_stiffness_factor: float = 1.0
     tolerance: float = 1.0e-6
+
+    @property
+    def averaged_turns(self) -> float:
+        """Shaft turns over which a transient is averaged; its second half if not given."""
+        return self.evaluated_turns or 0.5 * self.simulated_turns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -328,3 +341,18 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
 def _check_model(scene: Scene) -> None:
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))
+    turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns
+    if averaged is not None and averaged > turns:
+        raise SceneError(
+            "model.evaluated_turns",
+            f"given {averaged:g} with {turns:g} simulated turns; allowed a number <= {turns:g}",
+            ("model.simulated_turns",),
+        )
+    points = scene.model.history_points_per_turn
+    if points * turns > MOST_HISTORY_POINTS:
+        raise SceneError(
+            "model.history_points_per_turn",
+            f"given {points} with {turns:g} simulated turns; allowed a whole number <= "
+            f"{math.floor(MOST_HISTORY_POINTS / turns)}",
+            ("model.simulated_turns",),
+        )

@@ -2,15 +2,25 @@
 
 import json
 import time
+from collections.abc import Callable, Mapping
+from typing import Any
 
-from bearingwear.model.fidelity import Choice, choice
+from bearingwear.model.fidelity import Choice, NotAvailable, choice
+from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene
 from bearingwear.model.steady import solve_steady
 
+Progress = Callable[[str], None]
 
-def solve(scene: Scene, fidelity: str | None = None) -> Result:
+
+def solve(
+    scene: Scene,
+    fidelity: str | None = None,
+    restart: Mapping[str, Any] | None = None,
+    progress: Progress | None = None,
+) -> Result:
     """Solve a scene with the model it needs.
 
     Parameters
@@ -18,6 +28,10 @@ def solve(scene: Scene, fidelity: str | None = None) -> Result:
     scene : Scene
     fidelity : str, optional
         Overrides `model.fidelity` of the scene.
+    restart : mapping, optional
+        `state` and `time` [s] at the end of another run to go on from; dynamic only.
+    progress : callable, optional
+        Given one line of text every few seconds; dynamic only, others are done by then.
 
     Returns
     -------
@@ -27,16 +41,42 @@ def solve(scene: Scene, fidelity: str | None = None) -> Result:
     Raises
     ------
     NotAvailable
-        Where the fidelity asked for cannot solve this scene.
+        Where the fidelity asked for cannot solve this scene, or does not go on from a state.
     """
     chosen = choice(scene, fidelity)
+    if restart is not None:
+        check_restart(scene, chosen)
     started = time.perf_counter()
-    if chosen.tier == "steady":
-        values, attrs = solve_steady(scene)
-    else:
-        values, attrs = solve_race_control(scene)
+    with Interrupt():
+        values, attrs = solved(scene, chosen.tier, restart, progress)
     elapsed = time.perf_counter() - started
     return Result(values, attrs | provenance(scene, chosen), elapsed)
+
+
+def solved(
+    scene: Scene, tier: str, restart: Mapping[str, Any] | None, progress: Progress | None
+) -> tuple[dict, dict]:
+    """Values and attributes of a scene solved with the model of that tier."""
+    if tier == "dynamic":
+        # its kernels take long to load, and the others do without
+        from bearingwear.model.transient import solve_dynamic
+
+        return solve_dynamic(scene, restart=restart, progress=progress)
+    return solve_steady(scene) if tier == "steady" else solve_race_control(scene)
+
+
+def check_restart(scene: Scene, chosen: Choice) -> None:
+    """Refuse a state to go on from where nothing moves in time.
+
+    Raises
+    ------
+    NotAvailable
+    """
+    if chosen.tier != "dynamic":
+        raise NotAvailable(
+            f"{scene.name}: restart: given with a scene solved with {chosen.tier}; allowed with "
+            "fidelity dynamic"
+        )
 
 
 def provenance(scene: Scene, chosen: Choice) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Commands of the report: figure, tables."""
+"""Commands of the report: figure, tables, compare."""
 
 from __future__ import annotations
 
@@ -35,6 +35,23 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     option("--friction", required=True, nargs="+", type=float, metavar="MU")
     option = add("spread", _spread, "scenes over each other", "STUDY.nc", several=True)
     option("--friction", required=True, type=float, metavar="MU")
+
+    dynamic = figures.add_parser("dynamic", help="cases solved in time beside the steady ones")
+    option = add("running-average", _running_average, "wear rates as they settle", "CASE.nc")
+    option("--reference", metavar="FILE.csv", type=Path, help="values of others to draw as well")
+
+    compare = commands.add_parser(
+        "compare", help="set cases solved in time beside the steady ones, as CSV and Markdown"
+    )
+    for parser in (dynamic, compare):
+        parser.add_argument("study", metavar="STUDY.nc", type=Path)
+        parser.add_argument("dynamic", metavar="DYNAMIC.nc", type=Path)
+    dynamic.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    dynamic.set_defaults(run=_dynamic)
+    compare.add_argument(
+        "-o", "--output", required=True, nargs=2, metavar=("ALL.csv", "SUMMARY.md"), type=Path
+    )
+    compare.set_defaults(run=_compare)
 
     tables = commands.add_parser("tables", help="write the numbers of a study as CSV and Markdown")
     tables.add_argument("study", metavar="STUDY.nc", type=Path)
@@ -96,6 +113,49 @@ def _spread(given: argparse.Namespace) -> int:
     ]
     save(spread(studies, given.friction), given.output)
     return 0
+
+
+def _dynamic(given: argparse.Namespace) -> int:
+    from bearingwear.report.drawing import save
+    from bearingwear.report.dynamic import beside_steady
+
+    save(beside_steady(*_both_ways(given)), given.output)
+    return 0
+
+
+def _running_average(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.report.drawing import save
+    from bearingwear.report.dynamic import running_average
+
+    case = _loaded(given.files[0])
+    if case.attrs.get("fidelity") != "dynamic" or "status" not in case or case["status"].dims:
+        raise CaseFileError(f"{given.files[0]}: not a case solved in time")
+    save(running_average(case, given.reference), given.output)
+    return 0
+
+
+def _compare(given: argparse.Namespace) -> int:
+    from bearingwear.report.comparison import write_comparison
+
+    write_comparison(*_both_ways(given), *given.output)
+    return 0
+
+
+def _both_ways(given: argparse.Namespace) -> tuple[xr.Dataset, xr.Dataset]:
+    """Study and cases solved in time, all of which are also in the study."""
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.report.drawing import scene_of
+
+    dynamic = _loaded(given.dynamic, preload_method=(), friction=(), ball_diameter_loss=())
+    if dynamic.attrs.get("fidelity") != "dynamic":
+        raise CaseFileError(f"{given.dynamic}: not cases solved in time")
+    axes = ("preload_method", "friction", "ball_diameter_loss")
+    points = {axis: dynamic[axis].values.tolist() for axis in axes}
+    study = _loaded(given.study, **points)
+    if scene_of(study)["name"] != scene_of(dynamic)["name"]:
+        raise CaseFileError(f"{given.dynamic}: not of the scene of {given.study}")
+    return study, dynamic
 
 
 def _tables(given: argparse.Namespace) -> int:

@@ -133,8 +133,18 @@ def failed_keys(any_failed: bool) -> list[Line2D]:
 def frame(figure: Figure, title: str, handles: list[Line2D], columns: int) -> None:
     """Title above and legend below the panels, where they hide nothing."""
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
-    figure.suptitle("\n".join(textwrap.wrap(title, width, break_long_words=False)))
+    figure.suptitle("\n".join(lines_of_a_title(title, width)))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+
+
+def lines_of_a_title(title: str, width: int) -> list[str]:
+    """As few lines as the width allows, and as even as they can be: no single word is left over."""
+
+    def lines(width: int) -> list[str]:
+        return textwrap.wrap(title, width, break_long_words=False)
+
+    narrowest = next(w for w in range(1, width + 1) if len(lines(w)) <= len(lines(width)))
+    return lines(narrowest)
 
 
 def mu_is(mu: float) -> str:

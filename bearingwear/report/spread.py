@@ -104,7 +104,8 @@ def _quantity(name: str, value: Any) -> str:
     elif words[-1] in UNITS:
         unit = UNITS[words.pop()]
     number = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{' '.join(words)} {number} {unit}".strip()
+    space = "" if unit == "°" else " "
+    return f"{' '.join(words)} {number}{space}{unit}".strip()
 
 
 def _flat(data: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:

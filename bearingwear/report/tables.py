@@ -102,14 +102,14 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
         f"# {scene['name']}",
         scene.get("description", ""),
         "## What wear does",
-        _table(
+        markdown_table(
             "preload method | friction | QV (mW) at " + first + " | at " + last
             + " | residual preload (N) at " + first + " | at " + last,
             wear,
         ),
         "QV is that of the whole bearing.",
         "## Wear life",
-        _table(
+        markdown_table(
             "preload method | friction | life (h), ball alone | balls and races | ended by "
             "| at loss (µm) | interpolated against solved",
             life,
@@ -122,7 +122,8 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
     path.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
 
 
-def _table(header: str, rows: Iterable[list[str]]) -> str:
+def markdown_table(header: str, rows: Iterable[list[str]]) -> str:
+    """A table in Markdown; the names of its columns stand between bars."""
     count = header.count("|") + 1
     lines = [f"| {header} |", "|" + " --- |" * count]
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]).replace("nan", "–")

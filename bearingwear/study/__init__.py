@@ -3,4 +3,5 @@
 from pathlib import Path
 
 # The Snakefile makes these inputs of the rules that run them.
-SOURCES = [Path(__file__).with_name(name) for name in ("gather.py", "life.py")]
+_FILES = ("gather.py", "grid.py", "life.py", "stack.py")
+SOURCES = [Path(__file__).with_name(name) for name in _FILES]

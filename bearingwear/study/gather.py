@@ -13,12 +13,14 @@ from bearingwear.kernels.status import OK
 from bearingwear.study.grid import Case, Grid
 from bearingwear.study.stack import axis_coordinates, stacked
 
-# Left to the case files: profiles, lists whose length differs from case to case, and the worn
-# diameter, which is an axis here.
-_LEFT_OUT = ("strip", "steady_state", "time", "ball_diameter_loss")
+# Left to the case files: profiles, histories, states to restart from, lists whose length differs
+# from case to case, and the worn diameter, which is an axis here.
+_LEFT_OUT = (
+    "strip", "steady_state", "time", "state", "final_time", "ball_diameter_loss",
+)  # fmt: skip
 
 # The same in every case of a study, or the cases do not belong together.
-_SHARED_ATTRS = ("source_hash", "package_version", "numpy_version", "numba_version")
+_SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
 
 
 def study(paths: Iterable[str | Path]) -> xr.Dataset:

@@ -5,7 +5,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 PRELOAD_METHODS = ("constant_force", "fixed_position")
 
@@ -105,19 +105,19 @@ class Grid:
         return {case.id: case for case in itertools.starmap(Case, points)}
 
 
-def grids(studies: Sequence[Mapping]) -> dict[str, Grid]:
-    """The grid of each scene, from the list `studies` of config.yaml."""
+def grids(blocks: Sequence[Mapping], key: str = "studies") -> dict[str, Grid]:
+    """The grid of each scene, from the list `studies` or `dynamic` of config.yaml."""
     found: dict[str, Grid] = {}
-    for number, study in enumerate(studies):
-        axes = {key: value for key, value in study.items() if key != "scenes"}
+    for number, block in enumerate(blocks):
+        axes = {field.name: block[field.name] for field in fields(Grid)}
         try:
             grid = Grid.from_lists(**axes)
         except ValueError as error:
-            raise ValueError(f"config: studies[{number}].{error}") from None
-        for scene in study["scenes"]:
+            raise ValueError(f"config: {key}[{number}].{error}") from None
+        for scene in block["scenes"]:
             if scene in found:
                 raise ValueError(
-                    f"config: studies[{number}].scenes: given {scene}; it stands there twice"
+                    f"config: {key}[{number}].scenes: given {scene}; it stands there twice"
                 )
             found[scene] = grid
     return found

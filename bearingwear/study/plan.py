@@ -3,9 +3,12 @@
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import yaml
+
+from bearingwear.io.config import for_life, load_scene
 from bearingwear.study.grid import Case, Grid, grids
 
 
@@ -25,6 +28,10 @@ class Plan:
     ----------
     grids : dict
         Grid of each scene.
+    dynamic : dict
+        Grid of each scene that is solved in time.
+    overrides : dict
+        For each of these, keys of the scene's block `model` and what they are set to.
     worn_loss_um : float
         The worn state of the figures against friction and of slip [um].
     figure_friction : tuple of float
@@ -33,14 +40,20 @@ class Plan:
         Columns of the figure of wear across scenes; empty: no such figure.
     spreads : dict
         Figures of spread by their name.
+    running_averages : dict
+        For each scene of `dynamic` with figures of running averages, the name of its file
+        config/reference/NAME.csv, or None.
     """
 
     grids: dict[str, Grid]
+    dynamic: dict[str, Grid]
+    overrides: dict[str, Mapping]
     worn_loss_um: float
     figure_friction: tuple[float, ...]
     column_scenes: tuple[str, ...]
     column_frictions: tuple[float, ...]
     spreads: dict[str, Spread]
+    running_averages: dict[str, str | None]
 
     @classmethod
     def from_config(cls, config: Mapping) -> "Plan":
@@ -53,8 +66,13 @@ class Plan:
         """
         figures = config["figures"]
         columns = figures.get("wear_columns", [])
+        dynamic = config.get("dynamic", [])
         return cls(
             grids=grids(config["studies"]),
+            dynamic=grids(dynamic, "dynamic"),
+            overrides={
+                scene: block.get("model", {}) for block in dynamic for scene in block["scenes"]
+            },
             worn_loss_um=float(figures["worn_loss_um"]),
             figure_friction=tuple(sorted(float(mu) for mu in figures["friction"])),
             column_scenes=tuple(column["scene"] for column in columns),
@@ -62,6 +80,10 @@ class Plan:
             spreads={
                 name: Spread(tuple(spread["scenes"]), float(spread["friction"]))
                 for name, spread in figures.get("spreads", {}).items()
+            },
+            running_averages={
+                scene: (given or {}).get("reference")
+                for scene, given in figures.get("running_averages", {}).items()
             },
         )
 
@@ -71,6 +93,20 @@ class Plan:
         for name, spread in self.spreads.items():
             for scene in spread.scenes:
                 self._check_studied(f"spreads.{name}", scene, spread.friction)
+        for scene in self.running_averages:
+            if scene not in self.dynamic:
+                allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
+                raise ValueError(
+                    f"config: figures.running_averages: given scene {scene}; allowed {allowed}"
+                )
+        for scene in self.compared:
+            # a case in time without its steady twin could not be set beside it
+            for case_id in self.dynamic[scene].cases():
+                if case_id not in self.grids[scene].cases():
+                    raise ValueError(
+                        f"config: dynamic: given {scene}, {case_id}; "
+                        "allowed cases of the same scene under studies"
+                    )
 
     def _check_studied(self, key: str, scene: str, mu: float) -> None:
         if scene not in self.grids:
@@ -87,9 +123,40 @@ class Plan:
         """State of wear of the figures against friction [um]."""
         return {"fig07_fresh": 0.0, "fig08_worn": self.worn_loss_um}
 
-    def scene_files(self) -> list[str]:
-        """Every scene that is studied."""
-        return [f"config/scenes/{scene}.yaml" for scene in self.grids]
+    @property
+    def compared(self) -> list[str]:
+        """Scenes that are solved both ways."""
+        return [scene for scene in self.dynamic if scene in self.grids]
+
+    def check_scenes(self) -> None:
+        """Read every scene as it stands and as each of its cases changes it.
+
+        Raises
+        ------
+        ValueError
+            One line: the first thing that is wrong with a scene or with a value of its grid.
+        """
+        for scene, grid in self.grids.items():
+            path = _scene_file(scene)
+            for_life(load_scene(path), path)
+            for case in grid.cases().values():
+                _check_case(scene, case, case.settings)
+        for scene, grid in self.dynamic.items():
+            load_scene(_scene_file(scene))
+            for case in grid.cases().values():
+                _check_case(scene, case, self.dynamic_settings(scene, case))
+
+    def dynamic_settings(self, scene: str, case: Case) -> tuple[str, ...]:
+        """What `bearingwear solve --set` is given to solve a case in time."""
+        # as YAML: Python's 1e-05 would be read as a text
+        given = {key: yaml.safe_dump(value) for key, value in self.overrides[scene].items()}
+        settings = (f"model.{key}={value.splitlines()[0]}" for key, value in given.items())
+        return (*case.settings, *settings)
+
+    def reference(self, scene: str) -> list[str]:
+        """The file of values that a scene's running averages are drawn with, if any."""
+        name = self.running_averages.get(scene)
+        return [f"config/reference/{name}.csv"] if name else []
 
     def frictions(self, scene: str) -> list[float]:
         """Coefficients that the figures of one scene compare."""
@@ -103,6 +170,18 @@ class Plan:
             for scene in scenes or self.grids
             for case in self.grids[scene].cases().values()
         ]
+
+    def dynamic_cases(self, *scenes: str) -> list[str]:
+        """Files of the cases solved in time, of the given scenes or of all."""
+        return [
+            f"results/{scene}/dynamic/{case_id}.nc"
+            for scene in scenes or self.dynamic
+            for case_id in self.dynamic[scene].cases()
+        ]
+
+    def dynamics(self) -> list[str]:
+        """Files that hold all cases of a scene solved in time."""
+        return [f"results/{scene}/dynamic.nc" for scene in self.dynamic]
 
     def slip_cases(self, scene: str) -> list[str]:
         """Case files behind the figure of slip."""
@@ -123,13 +202,22 @@ class Plan:
 
     def tables(self) -> list[str]:
         """Tables and summaries of the scenes."""
-        names = ("cases.csv", "summary.md")
-        return [f"results/{scene}/tables/{name}" for scene in self.grids for name in names]
+        names = [f"{scene}/tables/{n}" for scene in self.grids for n in ("cases.csv", "summary.md")]
+        names += [
+            f"{scene}/tables/{n}" for scene in self.compared for n in ("dynamic.csv", "dynamic.md")
+        ]
+        return [f"results/{name}" for name in names]
 
     def figures(self) -> list[str]:
         """Every figure, as SVG and PNG."""
         names = [
             f"{scene}/figures/{name}" for scene in self.grids for name in self._scene_figures(scene)
+        ]
+        names += [f"{scene}/figures/dynamic" for scene in self.compared]
+        names += [
+            f"{scene}/figures/fig06_running_average-{case_id}"
+            for scene in self.running_averages
+            for case_id in self.dynamic[scene].cases()
         ]
         names += ["figures/fig10_wear"] if self.column_scenes else []
         names += [f"figures/spread_{name}" for name in self.spreads]
@@ -145,6 +233,19 @@ class Plan:
         if self.slip_cases(scene):
             names += ["fig09_slip"]
         return sorted(names)
+
+
+def _scene_file(scene: str) -> str:
+    return f"config/scenes/{scene}.yaml"
+
+
+def _check_case(scene: str, case: Case, settings: Sequence[str]) -> None:
+    """Read a scene as a case changes it."""
+    try:
+        load_scene(_scene_file(scene), settings)
+    except ValueError as error:
+        what = str(error).removeprefix("--set ")
+        raise ValueError(f"config: {scene}, {case.id}: {what}") from None
 
 
 def _case_file(scene: str, case: Case) -> str:

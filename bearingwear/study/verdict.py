@@ -34,6 +34,7 @@ def verdict(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
             raise CaseFileError(f"{path}: not a study")
         is_study = "ball_diameter_loss" in dataset.dims
         answers = {OK} if is_study else {OK, CRITERION_NOT_REACHED}
+        folder = "dynamic" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
         status = dataset["status"]
         checked += status.size
         for index in np.ndindex(status.shape):
@@ -46,7 +47,7 @@ def verdict(paths: Iterable[str | Path]) -> tuple[int, list[str]]:
                 float(one["friction"]),
                 float(one["ball_diameter_loss"]) if is_study else 0.0,
             )
-            where = path.parent / "cases" / f"{case.id}.nc"
+            where = path.parent / folder / f"{case.id}.nc"
             what = str(where) if is_study else f"{path}: {case.id.rpartition('-')[0]}"
             unsolved.append(f"{what}: {name}: {STATUS_SENTENCES[name]}")
     return checked, unsolved

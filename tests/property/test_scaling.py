@@ -101,7 +101,8 @@ def test_mirrored_radial_load(tilt):
             load_scene(
                 scene_file("gyro_s1"),
                 [f"operation.radial_load_N=[{y}, 1.0]", f"operation.tilt_mrad={tilt}"],
-            )
+            ),
+            "race_control",
         ).values
         for y in (1.5, -1.5)
     ]
@@ -116,7 +117,8 @@ def test_load_turned_by_one_ball_pitch():
     loads = ([0.0, 2.0], [-2.0 * np.sin(psi), 2.0 * np.cos(psi)])
     values = [
         solve(
-            load_scene(scene_file("gyro_s1"), [f"operation.radial_load_N=[{y:.15f}, {z:.15f}]"])
+            load_scene(scene_file("gyro_s1"), [f"operation.radial_load_N=[{y:.15f}, {z:.15f}]"]),
+            "race_control",
         ).values
         for y, z in loads
     ]

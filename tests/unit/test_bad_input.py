@@ -190,8 +190,28 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         "wear.end_of_life.ball_diameter_loss_um", ("200",)),
     "cage results without a cage": (
         edited((CAGE, "")) + "model: {cage_results: true}\n", "model.cage_results", ("cage",)),
-    "dynamic model": (GOOD + "model: {fidelity: dynamic}\n", "model.fidelity", ("dynamic",)),
-    "cage results": (GOOD + "model: {cage_results: true}\n", "model.cage_results", ("dynamic",)),
+    "dynamic model at rest": (
+        edited(("shaft_speed_rpm: 30000", "shaft_speed_rpm: 0")) + "model: {fidelity: dynamic}\n",
+        "operation.shaft_speed_rpm", ("turns",)),
+    "steady cage results": (
+        GOOD + "model: {cage_results: true, fidelity: steady}\n", "model.fidelity", ("dynamic",)),
+    "no turns": (GOOD + "model: {simulated_turns: 0}\n", "model.simulated_turns", ("> 0",)),
+    "no turns evaluated": (
+        GOOD + "model: {evaluated_turns: 0}\n", "model.evaluated_turns", ("> 0",)),
+    "more turns evaluated than simulated": (
+        GOOD + "model: {evaluated_turns: 20.5}\n", "model.evaluated_turns", ("20.5", "<= 20")),
+    "half a point": (
+        GOOD + "model: {history_points_per_turn: 0.5}\n",
+        "model.history_points_per_turn", ("whole number",)),
+    "histories beyond memory": (
+        GOOD + "model: {history_points_per_turn: 50, simulated_turns: 1000000}\n",
+        "model.history_points_per_turn", ("<= 1",)),
+    "unknown integrator": (
+        GOOD + "model: {integrator: euler}\n", "model.integrator", ("runge_kutta",)),
+    "no tolerance": (
+        GOOD + "model: {dynamic_tolerance: 0}\n", "model.dynamic_tolerance", ("> 0",)),
+    "no land stiffness": (
+        GOOD + "model: {land_stiffness_factor: 0}\n", "model.land_stiffness_factor", ("> 0",)),
     "steady under radial load": (
         put("operation", "radial_load_N: [0, 1]") + "model: {fidelity: steady}\n",
         "model.fidelity", ("radial load",)),
@@ -330,11 +350,25 @@ def test_names_the_override_that_opened_a_block(tmp_path, capsys):
 
 
 def test_refuses_fidelity_that_does_not_apply(capsys):
-    scene = str(SCENES / "gyro_s1.yaml")
-    line = refused(capsys, ["check", scene, "--fidelity", "dynamic"])
+    argv = ["check", str(SCENES / "gyro_s1.yaml"), "--set", "operation.tilt_mrad=1"]
+    line = refused(capsys, [*argv, "--fidelity", "steady"])
     assert line.startswith("--fidelity: ")
-    line = refused(capsys, ["check", scene, "--set", "model.fidelity=dynamic"])
+    line = refused(capsys, [*argv, "--set", "model.fidelity=steady"])
     assert line.startswith("--set model.fidelity: ")
+
+
+@pytest.mark.parametrize(
+    "setting, key",
+    [
+        ("model.fidelity=dynamic", "--set model.fidelity"),
+        ("model.cage_results=true", "--set model.cage_results"),
+    ],
+)
+def test_life_is_not_solved_in_time(setting, key, tmp_path, capsys):
+    output = tmp_path / "life.nc"
+    argv = ["life", str(SCENES / "gyro_s1.yaml"), "-o", str(output), "--set", setting]
+    assert refused(capsys, argv).startswith(f"{key}: ")
+    assert not output.exists()
 
 
 @pytest.mark.parametrize("command", ["solve", "life"])

@@ -6,8 +6,9 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from support import ROOT
+from support import ROOT, scene_file
 
+from bearingwear.io.config import load_scene
 from bearingwear.study.grid import PRELOAD_METHODS, Case, Grid, grids
 from bearingwear.study.plan import Plan
 
@@ -108,3 +109,59 @@ def test_a_figure_of_what_is_not_studied(column, said):
     with pytest.raises(ValueError, match="^config: figures.wear_columns: [^\n]*$") as error:
         Plan.from_config(config)
     assert said in str(error.value)
+
+
+def dynamic_config(**changes):
+    """The project's configuration with one block under `dynamic`, changed."""
+    block = {**CONFIG["dynamic"][0], **changes}
+    figures = {key: value for key, value in CONFIG["figures"].items() if key != "running_averages"}
+    return {"studies": CONFIG["studies"], "dynamic": [block], "figures": figures}
+
+
+def test_plan_of_what_is_solved_in_time():
+    plan = Plan.from_config(CONFIG)
+    assert len(plan.dynamic_cases("gyro_s1")) == 12
+    assert plan.dynamic_cases("turbine") == [
+        "results/turbine/dynamic/constant_force-mu0.090-loss0.00.nc"
+    ]
+    assert plan.compared == ["gyro_s1"]  # the turbine has no steady state to be compared with
+    figures = plan.figures()
+    assert "results/gyro_s1/figures/dynamic.png" in figures
+    assert "results/turbine/figures/dynamic.png" not in figures
+    name = "fig06_running_average-constant_force-mu0.090-loss0.00"
+    assert f"results/turbine/figures/{name}.svg" in figures
+    assert "results/gyro_s1/tables/dynamic.md" in plan.tables()
+    assert plan.reference("turbine") == ["config/reference/gupta_no2.csv"]
+    assert plan.reference("gyro_s1") == []
+
+
+def test_settings_of_what_is_solved_in_time():
+    plan = Plan.from_config(dynamic_config(model={"simulated_turns": 50, "tolerance": 1e-5}))
+    case = plan.dynamic["gyro_s1"].cases()["fixed_position-mu0.020-loss0.00"]
+    settings = plan.dynamic_settings("gyro_s1", case)
+    assert settings == (*case.settings, "model.simulated_turns=50", "model.tolerance=1.0e-05")
+    model = load_scene(scene_file("gyro_s1"), settings).model
+    assert (model.simulated_turns, model.tolerance) == (50.0, 1e-5)
+    plan = Plan.from_config(dynamic_config(model={}))
+    assert plan.dynamic_settings("gyro_s1", case) == case.settings
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"friction": [0.03]}, "dynamic: given gyro_s1, constant_force-mu0.030-loss0.00; allowed"),
+        ({"friction": [0.0201]}, "dynamic[0].friction: given 0.0201"),
+        ({"scenes": ["turbine", "turbine"]}, "dynamic[0].scenes: given turbine; it stands there"),
+    ],
+)
+def test_what_cannot_be_solved_in_time(changes, said):
+    with pytest.raises(ValueError, match="^config: [^\n]*$") as error:
+        Plan.from_config(dynamic_config(**changes))
+    assert said in str(error.value)
+
+
+def test_running_averages_of_what_is_not_solved_in_time():
+    config = dynamic_config()
+    config["figures"]["running_averages"] = {"turbine": None}
+    with pytest.raises(ValueError, match="running_averages: given scene turbine; allowed gyro_s1"):
+        Plan.from_config(config)

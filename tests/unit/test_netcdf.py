@@ -22,6 +22,7 @@ from bearingwear.model.result import Result
 
 SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
 SIZES = {"ball": 1, "race": 2, "axis": 3, "strip": 50, "counts": 2, "steady_state": 2, "step": 4}
+SIZES |= {"time": 6, "direction": 3, "edge": 2, "state": 7}
 
 
 def attributes() -> dict:
@@ -38,7 +39,9 @@ def filled(table, sizes=None, leave_out=()) -> dict:
         if name not in leave_out and not name.startswith("cage_"):
             shape = tuple(sizes[dim] for dim in variable.dims)
             numbers = random.random(shape) + 0.5
-            values[name] = numbers if variable.dtype == "f8" else numbers.astype(int)
+            values[name] = numbers.astype(int) if variable.dtype[0] == "i" else numbers
+    if any("time" in table[name].dims for name in values):
+        values["time"] = 1e-4 * np.arange(float(sizes["time"]))
     return values | {"status": code.OK}
 
 
@@ -159,7 +162,7 @@ def test_cf_rules(result, tmp_path):
             else:
                 assert "units" in attrs
             is_coordinate = name in (*variables.COORDINATES, "strip_position")
-            assert ("_FillValue" in attrs) == (variable.dtype == "f8" and not is_coordinate)
+            assert ("_FillValue" in attrs) == (variable.dtype.kind == "f" and not is_coordinate)
 
 
 def test_what_was_not_solved_is_fill(tmp_path):
@@ -204,11 +207,11 @@ def test_flags_agree_with_the_model():
 
 
 def test_table():
-    for name, variable in variables.TABLE.items():
+    for name, variable in [*variables.CASE.items(), *variables.LIFE.items()]:
         assert variable.name == name and variable.long_name
         assert bool(variable.units) != bool(variable.flags)
         assert set(variable.dims) <= set(variables.COORDINATES)
-        assert variable.dtype == "f8" or not variable.always or variable.flags[-1] == "none"
+        assert variable.dtype[0] == "f" or not variable.always or variable.flags[-1] == "none"
         assert variable.scale == 1.0 or variable.units in ("degree", "h")
 
 

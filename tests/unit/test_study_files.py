@@ -223,6 +223,15 @@ def test_a_criterion_met_at_once_is_a_life_of_nothing():
     assert np.all(found["interpolated_life"] == 0.0)
 
 
+def test_life_of_race_control():
+    """That model knows no skidding: the criterion is never met."""
+    line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES)).drop_vars("skid_ratio")
+    criteria = {"skid_ratio": 0.1, "preload_fraction": 0.4}
+    found = interpolated_life(line, criteria, 7.0)
+    assert int(found["interpolated_end_criterion"]) == 0
+    assert_allclose(found["interpolated_loss_at_end"], 0.6e-6, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("line", "criteria"),
     [
@@ -349,3 +358,21 @@ def test_labels_say_what_tells_scenes_apart():
         for name, d in (("a", 7.5), ("b", 9.0))
     ]
     assert scene_labels(scenes) == ["a: pitch diameter 7.5 mm", "b: pitch diameter 9 mm"]
+
+
+def test_degrees_stand_close():
+    from bearingwear.report.spread import scene_labels
+
+    scenes = [
+        {"name": n, "bearing": {"contact_angle_deg": a}} for n, a in (("a", 15.0), ("b", 18.5))
+    ]
+    assert scene_labels(scenes) == ["a: contact angle 15°", "b: contact angle 18.5°"]
+
+
+def test_lines_of_a_title_are_even():
+    from bearingwear.report.drawing import lines_of_a_title
+
+    assert lines_of_a_title("short enough", 20) == ["short enough"]
+    assert lines_of_a_title("four words in one line", 21) == ["four words", "in one line"]
+    assert lines_of_a_title("unbreakablylong", 5) == ["unbreakablylong"]
+    assert lines_of_a_title("", 20) == []

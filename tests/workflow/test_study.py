@@ -9,7 +9,10 @@ import time
 
 import netCDF4
 import pytest
-from support import ROOT
+from support import ROOT, scene_file
+
+from bearingwear.io.config import load_scene
+from bearingwear.model.fidelity import NotAvailable, choice
 
 WORN = "fixed_position-mu0.080-loss0.50"
 FIGURES_OF_THE_SMALL_STUDY = {
@@ -18,10 +21,24 @@ FIGURES_OF_THE_SMALL_STUDY = {
     "figures": {"fig10_wear", "spread_drag"},
 }
 
+ONE_CASE = {
+    "scenes": ["gyro_s1"],
+    "preload_method": ["constant_force"],
+    "friction": [0.02],
+    "ball_diameter_loss_um": [0],
+}
+
 
 def number(path, name):
     with netCDF4.Dataset(path) as case:
         return float(case[name][...].item())
+
+
+def is_solved_in_time(scene):
+    try:
+        return choice(load_scene(scene_file(scene)), "dynamic").tier == "dynamic"
+    except NotAvailable:
+        return False
 
 
 def test_the_whole_study_is_planned():
@@ -33,6 +50,7 @@ def test_the_whole_study_is_planned():
     jobs = dict(re.findall(r"^(\w+) +(\d+)$", done.stdout + done.stderr, re.M))
     assert int(jobs["solve"]) == 3 * 64 + 3 * 16
     assert int(jobs["wear_life"]) == 6
+    assert int(jobs["solve_dynamic"]) == 12 + 1
 
 
 def test_lint():
@@ -110,6 +128,13 @@ def test_an_edited_solver_source_solves_anew(solved):
     assert number(solved.case(WORN), "ball_wear_rate") == 2.0 * before
 
 
+def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
+    solved.edit("bearingwear/study/stack.py", "import os\n", "import os  # edited\n")
+    planned = solved.run("-n")
+    assert planned.jobs["gather"] == planned.jobs["wear_life"] == 2
+    assert "solve" not in planned.jobs
+
+
 def test_an_edited_style_draws_anew_and_solves_nothing(solved):
     solved.edit("bearingwear/report/style.mplstyle", "lines.linewidth: 1.4", "lines.linewidth: 2")
     planned = solved.run("-n")
@@ -161,11 +186,30 @@ def test_a_broken_scene_stops_with_one_line(new_project):
         (["studies"], [], "studies"),
         (["studies", 0, "friction"], ["1e-2"], "'1e-2' is not of type 'number'"),
         (["studies", 0, "friction"], [0.0201], "studies[0].friction: given 0.0201"),
+        (
+            ["studies", 0, "ball_diameter_loss_um"],
+            [0, 500],
+            "loss500.00: wear.ball_diameter_loss_um: given 500; allowed a number < 200",
+        ),
         (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
         (["studies", 0, "frictoin"], [0.1], "frictoin"),
         (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
+        (
+            ["dynamic"],
+            [{**ONE_CASE, "model": {"simulated_turns": 0}}],
+            "loss0.00: model.simulated_turns: given 0; allowed a number > 0",
+        ),
     ],
-    ids=["no studies", "text", "too many digits", "no scene", "unknown key", "not studied"],
+    ids=[
+        "no studies",
+        "text",
+        "too many digits",
+        "worn away",
+        "no scene",
+        "unknown key",
+        "not studied",
+        "no turns",
+    ],
 )
 def test_a_broken_configuration_stops(new_project, keys, value, said):
     project = new_project()
@@ -200,6 +244,31 @@ def test_a_case_that_cannot_be_solved(solved):
     again = solved.run()
     assert again.status != 0 and again.jobs == {"verdict": 1}
     assert all(line in again.text for line in failed)
+
+
+@pytest.mark.skipif(not is_solved_in_time("gyro_s1"), reason="no dynamic model in this version")
+def test_cases_solved_in_time(new_project):
+    project = new_project()
+    with (project.root / "config/scenes/gyro_s1.yaml").open("a") as scene:
+        scene.write("model: {strips: 4}\n")
+    figures = {"worn_loss_um": 0.5, "friction": [0.02], "running_averages": {"gyro_s1": {}}}
+    dynamic = [{**ONE_CASE, "model": {"simulated_turns": 0.5}}]
+    project.configure({"studies": [ONE_CASE], "dynamic": dynamic, "figures": figures})
+    run = project.run()
+    assert run.status == 0, run.text
+    assert run.jobs["solve"] == run.jobs["solve_dynamic"] == 1
+    case = "constant_force-mu0.020-loss0.00"
+    folder = project.root / "results/gyro_s1"
+    assert number(folder / f"dynamic/{case}.nc", "simulated_turns") == pytest.approx(0.5)
+    for name in ("dynamic", f"fig06_running_average-{case}"):
+        assert (folder / f"figures/{name}.svg").exists()
+    assert "in time over steady" in (folder / "tables/dynamic.md").read_text(encoding="utf-8")
+    # a case, a life, and the case in time
+    assert project.results()["verdict.txt"] == b"all 3 solved and verified\n"
+    dynamic[0]["model"] = {"simulated_turns": 1}
+    project.configure({"studies": [ONE_CASE], "dynamic": dynamic, "figures": figures})
+    planned = project.run("-n")
+    assert planned.jobs["solve_dynamic"] == 1 and "solve" not in planned.jobs
 
 
 def test_a_killed_run_goes_on(first_run, new_project):

@@ -1,4 +1,4 @@
-# One job for each point of the grid.
+# One job for each point of the grids.
 
 
 # A case that cannot be solved is recorded in its file; rule verdict makes the run fail at its end.
@@ -19,3 +19,24 @@ rule solve:
         "{params.label}"
     shell:
         "bearingwear solve {input.scene} -o {output} {params.settings} --record-failures > {log} 2>&1"
+
+
+# As solve, in time and with the cage. The longest jobs come first.
+rule solve_dynamic:
+    input:
+        scene="config/scenes/{scene}.yaml",
+        sources=SOLVER,
+    output:
+        "results/{scene}/dynamic/{case}.nc",
+    log:
+        "logs/{scene}/dynamic/{case}.log",
+    benchmark:
+        "logs/{scene}/dynamic/{case}.tsv"
+    priority: 1
+    params:
+        settings=dynamic_settings,
+        label=dynamic_label,
+    message:
+        "{params.label}"
+    shell:
+        "bearingwear solve {input.scene} -o {output} {params.settings} --fidelity dynamic --record-failures > {log} 2>&1"

@@ -8,7 +8,6 @@ from snakemake.utils import validate
 
 import bearingwear.report
 import bearingwear.study
-from bearingwear.io.config import for_life, load_scene
 from bearingwear.provenance import SOLVER_SOURCES
 from bearingwear.study.plan import Plan
 
@@ -17,8 +16,7 @@ validate(config, "../schemas/config.schema.yaml")
 # What is wrong beyond the schema stops here, with one line and no traceback.
 try:
     PLAN = Plan.from_config(config)
-    for path in PLAN.scene_files():
-        for_life(load_scene(path), path)
+    PLAN.check_scenes()
 except ValueError as error:
     sys.exit(str(error))
 
@@ -48,6 +46,29 @@ def case_settings(wildcards):
 
 def case_label(wildcards):
     return f"{wildcards.scene}: {case_of(wildcards).label}"
+
+
+def dynamic_settings(wildcards):
+    case = PLAN.dynamic[wildcards.scene].cases()[wildcards.case]
+    settings = PLAN.dynamic_settings(wildcards.scene, case)
+    return [f"--set {setting}" for setting in settings]
+
+
+def dynamic_label(wildcards):
+    case = PLAN.dynamic[wildcards.scene].cases()[wildcards.case]
+    return f"{wildcards.scene}, in time: {case.label}"
+
+
+def dynamic_scene_cases(wildcards):
+    return PLAN.dynamic_cases(wildcards.scene)
+
+
+def reference_values(wildcards):
+    return PLAN.reference(wildcards.scene)
+
+
+def reference_option(wildcards, input):
+    return f"--reference {input.reference}" if input.reference else ""
 
 
 def scene_cases(wildcards):

@@ -6,6 +6,8 @@ localrules:
     figure_slip,
     figure_wear,
     figure_life,
+    figure_dynamic,
+    figure_running_average,
     figure_wear_columns,
     figure_spread,
 
@@ -100,6 +102,52 @@ rule figure_life:
         "{wildcards.scene}: wear and preload over the life"
     shell:
         "bearingwear figure life {input.life} --friction {params.friction} -o {output} > {log} 2>&1"
+
+
+# QV and wear rates of cases solved in time, beside the steady ones.
+rule figure_dynamic:
+    input:
+        study="results/{scene}/study.nc",
+        dynamic="results/{scene}/dynamic.nc",
+        sources=REPORT,
+    output:
+        svg=report(
+            "results/{scene}/figures/dynamic.svg",
+            caption="../report/dynamic.rst",
+            category="{scene}",
+            labels={"result": "dynamic"},
+        ),
+        png="results/{scene}/figures/dynamic.png",
+    log:
+        "logs/{scene}/dynamic_figure.log",
+    message:
+        "{wildcards.scene}: solved in time, beside the steady state"
+    shell:
+        "bearingwear figure dynamic {input.study} {input.dynamic} -o {output} > {log} 2>&1"
+
+
+# Wear rates of ball 1 and of the cage as their means settle; of any case solved in time.
+rule figure_running_average:
+    input:
+        case="results/{scene}/dynamic/{case}.nc",
+        reference=reference_values,
+        sources=REPORT,
+    output:
+        svg=report(
+            "results/{scene}/figures/fig06_running_average-{case}.svg",
+            caption="../report/running_average.rst",
+            category="{scene}",
+            labels={"result": "fig06_running_average, {case}"},
+        ),
+        png="results/{scene}/figures/fig06_running_average-{case}.png",
+    log:
+        "logs/{scene}/fig06_running_average-{case}.log",
+    params:
+        reference=reference_option,
+    message:
+        "{wildcards.scene}: wear rates of ball 1 and of the cage as they settle"
+    shell:
+        "bearingwear figure running-average {input.case} {params.reference} -o {output} > {log} 2>&1"
 
 
 # As figure_wear, with columns from different scenes.

@@ -3,7 +3,9 @@
 
 localrules:
     gather,
+    gather_dynamic,
     tables,
+    compare,
     verdict,
 
 
@@ -18,6 +20,21 @@ rule gather:
         "logs/{scene}/study.log",
     message:
         "{wildcards.scene}: gather the cases"
+    shell:
+        "bearingwear gather {input.cases} -o {output} > {log} 2>&1"
+
+
+# All cases of a scene that were solved in time, without their histories.
+rule gather_dynamic:
+    input:
+        cases=dynamic_scene_cases,
+        sources=STUDY,
+    output:
+        "results/{scene}/dynamic.nc",
+    log:
+        "logs/{scene}/dynamic.log",
+    message:
+        "{wildcards.scene}: gather the cases solved in time"
     shell:
         "bearingwear gather {input.cases} -o {output} > {log} 2>&1"
 
@@ -62,11 +79,35 @@ rule tables:
         "bearingwear tables {input.study} {input.life} -o {output.cases} {output.summary} > {log} 2>&1"
 
 
+# Cases solved in time beside the steady ones, as CSV and Markdown.
+rule compare:
+    input:
+        study="results/{scene}/study.nc",
+        dynamic="results/{scene}/dynamic.nc",
+        sources=REPORT,
+    output:
+        all="results/{scene}/tables/dynamic.csv",
+        summary=report(
+            "results/{scene}/tables/dynamic.md",
+            caption="../report/compare.rst",
+            category="{scene}",
+            labels={"result": "dynamic, table"},
+        ),
+    log:
+        "logs/{scene}/compare.log",
+    message:
+        "{wildcards.scene}: tables of cases solved in time"
+    shell:
+        "bearingwear compare {input.study} {input.dynamic} -o {output.all} {output.summary} > {log} 2>&1"
+
+
 # Comes last and fails, each time anew, if a case or a life could not be solved.
 rule verdict:
     input:
         cases=PLAN.cases(),
+        dynamic_cases=PLAN.dynamic_cases(),
         studies=PLAN.studies(),
+        dynamics=PLAN.dynamics(),
         lives=PLAN.lives(),
         tables=PLAN.tables(),
         figures=PLAN.figures(),
@@ -77,4 +118,4 @@ rule verdict:
     message:
         "look for cases that could not be solved"
     shell:
-        "bearingwear verdict {input.studies} {input.lives} -o {output} 2>&1 | tee {log}"
+        "bearingwear verdict {input.studies} {input.dynamics} {input.lives} -o {output} 2>&1 | tee {log}"

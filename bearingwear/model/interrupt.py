@@ -1,0 +1,40 @@
+"""Ctrl-C during a solve."""
+
+import signal
+import threading
+from types import FrameType, TracebackType
+
+
+class Interrupt:
+    """Holds Ctrl-C back until `check` is called or the block ends.
+
+    A kernel that hands back a named tuple runs Python code to build it; an exception raised just
+    there crashes the interpreter.
+    """
+
+    def __enter__(self) -> "Interrupt":
+        self.wanted = False
+        # Only the main thread has signals.
+        self.mine = threading.current_thread() is threading.main_thread()
+        if self.mine:
+            self.before = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.wanted = True
+
+    def check(self) -> None:
+        """Raise KeyboardInterrupt if Ctrl-C was pressed."""
+        if self.wanted:
+            raise KeyboardInterrupt
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self.mine:
+            signal.signal(signal.SIGINT, self.before)
+        if kind is None:
+            self.check()
