@@ -267,6 +267,11 @@ def cage_contacts(cage, z, y_balls, stride, D0, D, mass, r, X1, delta, omega_i, 
         g0, g1, g2, slip = contact_law(
             F, slope, 0.0, n0, n1, n2, s0, s1, s2, cage.mu, cage.v_r, K, C
         )  # fmt: skip
+        # The normal turns as the ball moves across it in the pocket.
+        a, nn, turning = (a0, a1, a2), (n0, n1, n2), F / offset
+        for u in range(3):
+            for v in range(3):
+                K[u, v] += turning * ((1.0 if u == v else 0.0) - a[u] * a[v] - nn[u] * nn[v])
         C[1, 1] += c_n * cp * cp
         C[1, 2] += c_n * cp * sp
         C[2, 1] += c_n * cp * sp

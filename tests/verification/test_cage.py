@@ -190,7 +190,7 @@ def test_pockets_pull_and_push_balls(scene):
         )
 
     balls, own = momentum()
-    assert motion.advance(20 * motion.turn, 1e-4).status == OK
+    assert motion.advance(5 * motion.turn, 1e-4).status == OK
     balls_now, own_now = momentum()
     assert abs(own_now - own) > 1e-3 * own * 0.01
     assert cage.present
