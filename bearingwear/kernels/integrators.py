@@ -326,7 +326,7 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
             events += count
             located = False
             grown = step * min(4.0, 0.9 * max(error, 1e-9) ** (-1.0 / order))
-            h = grown if step == whole else max(h, step)
+            h = grown if step == whole else max(h, grown)
         else:
             rejected += 1
             if error <= 1.0 and trial == OK:
