@@ -91,11 +91,21 @@ def cage_of(scene: Scene) -> Cage:
     )
 
 
-def hertz_table(g: Geometry, D: np.ndarray) -> np.ndarray:
+def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
+    """Hertz factors K [N/m^1.5] and c_a [m/N^(1/3)] of a contact at a contact angle."""
+    return race_contact(g, race, D, cos_alpha, math.nan)[:2]
+
+
+def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
     """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
 
     They follow the angle so weakly that the spline is exact to rounding; solving Hertz' equation
     anew would be a third of the time of a step.
+
+    Parameters
+    ----------
+    factors_of : callable
+        As `exact_factors`, or an approximation of it.
 
     Returns
     -------
@@ -109,10 +119,7 @@ def hertz_table(g: Geometry, D: np.ndarray) -> np.ndarray:
     for j, diameter in enumerate(D):
         if diameter not in splines:
             factors = np.array(
-                [
-                    [race_contact(g, race, diameter, c, math.nan)[:2] for c in cosine]
-                    for race in (INNER, OUTER)
-                ]
+                [[factors_of(g, race, diameter, c) for c in cosine] for race in (INNER, OUTER)]
             )
             c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, K or c_a)
             c = c * powers[:, None, None, None]

@@ -1,14 +1,20 @@
-"""Commands of the report: figure, tables, compare."""
+"""Commands of the report: figure, tables, compare, tables-tradeoff, docs-tradeoff."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from bearingwear.study.sweeps import TradePlan
+
+
+PLAN = Path("config/tradeoff.yaml")
 
 
 def add_parser(commands: argparse._SubParsersAction) -> None:
@@ -52,6 +58,29 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         "-o", "--output", required=True, nargs=2, metavar=("ALL.csv", "SUMMARY.md"), type=Path
     )
     compare.set_defaults(run=_compare)
+
+    trade = figures.add_parser("tradeoff", help="wall time against error")
+    trade.add_argument("which", metavar="WHICH", help="overview, steady, in_time, ...")
+    trade.add_argument("trade", metavar="TRADEOFF.nc", type=Path)
+    trade.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    trade.set_defaults(run=_trade_figure)
+
+    numbers = commands.add_parser(
+        "tables-tradeoff", help="write what each simplification costs, as CSV and Markdown"
+    )
+    docs = commands.add_parser(
+        "docs-tradeoff", help="write the measured trade into docs/accuracy.md, or compare them"
+    )
+    for parser in (numbers, docs):
+        parser.add_argument("trade", metavar="TRADEOFF.nc", type=Path)
+        parser.add_argument("--plan", type=Path, default=PLAN, metavar="FILE.yaml")
+    numbers.add_argument(
+        "-o", "--output", required=True, nargs=2, metavar=("ALL.csv", "SUMMARY.md"), type=Path
+    )
+    numbers.set_defaults(run=_trade_tables)
+    docs.add_argument("docs", metavar="DOCS.md", type=Path)
+    docs.add_argument("--check", action="store_true", help="only compare; exit 3 if they differ")
+    docs.set_defaults(run=_trade_docs)
 
     tables = commands.add_parser("tables", help="write the numbers of a study as CSV and Markdown")
     tables.add_argument("study", metavar="STUDY.nc", type=Path)
@@ -167,6 +196,51 @@ def _tables(given: argparse.Namespace) -> int:
     write_cases(study, cases)
     write_summary(study, lives, summary)
     return 0
+
+
+def _trade_figure(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.report.drawing import save
+    from bearingwear.report.tradeoff import FIGURES
+
+    if given.which not in FIGURES:
+        raise CaseFileError(f"WHICH: given {given.which}; allowed {', '.join(FIGURES)}")
+    save(FIGURES[given.which](_loaded(given.trade, point=())), given.output)
+    return 0
+
+
+def _trade_tables(given: argparse.Namespace) -> int:
+    from bearingwear.report.trade_table import markdown, write_points
+
+    trade, plan = _loaded(given.trade, point=()), _plan(given.plan)
+    everything, summary = given.output
+    write_points(trade, everything)
+    summary.write_text(markdown(trade, plan), encoding="utf-8")
+    return 0
+
+
+def _trade_docs(given: argparse.Namespace) -> int:
+    from bearingwear.report.trade_table import block, differences, write_block
+
+    trade, plan = _loaded(given.trade, point=()), _plan(given.plan)
+    if not given.check:
+        write_block(block(trade, plan), given.docs)
+        return 0
+    found = differences(trade, plan, given.docs)
+    for line in found:
+        sys.stderr.write(f"{line}\n")
+    print(f"{given.docs}: {len(found)} numbers differ" if found else f"{given.docs}: agrees")
+    return 3 if found else 0
+
+
+def _plan(path: Path) -> TradePlan:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.sweeps import TradePlan
+
+    try:
+        return TradePlan.from_file(path)
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None
 
 
 def _loaded(path: Path, **axes: Sequence[float]) -> xr.Dataset:

@@ -5,3 +5,5 @@ from pathlib import Path
 # The Snakefile makes these inputs of the rules that run them.
 _FILES = ("gather.py", "grid.py", "life.py", "stack.py")
 SOURCES = [Path(__file__).with_name(name) for name in _FILES]
+TRADE_SOURCES = [Path(__file__).with_name(name) for name in ("sweeps.py", "trial.py")]
+TRADED_SOURCES = [Path(__file__).with_name(name) for name in ("sweeps.py", "tradeoff.py")]

@@ -1,10 +1,12 @@
-"""Commands of the study: gather, wear-life, verdict."""
+"""Commands of the study: gather, wear-life, verdict, tradeoff, gather-tradeoff."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from pathlib import Path
+
+PLAN = Path("config/tradeoff.yaml")
 
 
 def add_parser(commands: argparse._SubParsersAction) -> None:
@@ -22,7 +24,21 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     verdict.add_argument("files", nargs="+", metavar="STUDY.nc|WEAR_LIFE.nc", type=Path)
     verdict.set_defaults(run=_verdict)
 
-    for parser in (gather, life, verdict):
+    trade = commands.add_parser(
+        "tradeoff", help="time and compare the settings of a sweep of the trade study on a scene"
+    )
+    trade.add_argument("scene", metavar="SCENE", help="a scene of the trade study")
+    trade.add_argument("sweep", metavar="SWEEP", help="a sweep or a reference of the trade study")
+    trade.add_argument("--plan", type=Path, default=PLAN, metavar="FILE.yaml", help=f"{PLAN}")
+    trade.set_defaults(run=_tradeoff)
+
+    traded = commands.add_parser(
+        "gather-tradeoff", help="gather the sweeps of the trade study, with their errors"
+    )
+    traded.add_argument("files", nargs="+", metavar="POINTS.nc", type=Path)
+    traded.set_defaults(run=_gather_tradeoff)
+
+    for parser in (gather, life, verdict, trade, traded):
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -53,4 +69,28 @@ def _verdict(given: argparse.Namespace) -> int:
         return 3
     given.output.parent.mkdir(parents=True, exist_ok=True)
     given.output.write_text(f"all {checked} solved and verified\n", encoding="utf-8")
+    return 0
+
+
+def _tradeoff(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.stack import write
+    from bearingwear.study.sweeps import TradePlan
+    from bearingwear.study.trial import sweep
+
+    try:
+        plan = TradePlan.from_file(given.plan)
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None
+    if (given.scene, given.sweep) not in plan.jobs():
+        raise CaseFileError(f"{given.plan}: has no sweep {given.sweep} of {given.scene}")
+    write(sweep(plan, given.scene, given.sweep), given.output)
+    return 0
+
+
+def _gather_tradeoff(given: argparse.Namespace) -> int:
+    from bearingwear.study.stack import write
+    from bearingwear.study.tradeoff import gathered
+
+    write(gathered(given.files), given.output)
     return 0

@@ -1,0 +1,188 @@
+"""The trade study in numbers: CSV, Markdown, and the part of docs/accuracy.md made from it."""
+
+import csv
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.io.netcdf import CaseFileError
+from bearingwear.report.tradeoff import chosen
+from bearingwear.study.sweeps import Row, TradePlan
+
+BEGIN, END = "<!-- tradeoff: begin -->", "<!-- tradeoff: end -->"
+COMMAND = "bearingwear docs-tradeoff results/tradeoff/tradeoff.nc docs/accuracy.md"
+HEADER = (
+    "| what | scenes | total QV, median | total QV, worst | a contact's QV, worst "
+    "| preload, worst | wear rate, worst | life, worst | times as fast |"
+)
+ERRORS = ("total_qv", "total_qv", "contact_qv", "residual_preload", "wear_rate", "life")
+SECTIONS = {
+    "steady": "Numbers, steady state",
+    "short": "Numbers, the same turns in time",
+    "long": "Numbers, turns and settledness in time",
+    "model": "Differences of model",
+}
+NONE = "–"
+
+
+def write_points(trade: xr.Dataset, path: str | Path) -> None:
+    """Every point, a row each."""
+    order = ("scene", "sweep", "kind", "against", "label", "settings")
+    rest = [str(name) for name in trade if name not in (*order, "sweep_title")]
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        units = {name: str(trade[name].attrs.get("units", "")) for name in rest}
+        table.writerow([*order, *(f"{n} ({u})" if u else n for n, u in units.items())])
+        for k in range(trade.sizes["point"]):
+            numbers = [float(trade[name].values[k]) for name in rest]
+            table.writerow(
+                [str(trade[name].values[k]) for name in order]
+                + [f"{value:.9g}" if math.isfinite(value) else "" for value in numbers]
+            )
+
+
+def cells(trade: xr.Dataset, row: Row) -> list[float]:
+    """Numbers of a row: scenes, errors, times as fast; NaN where there is none."""
+    points = chosen(trade, sweep=row.sweep, label=row.label)
+    solved = points.isel(point=points["status"].values == 0)
+    found: list[float] = [float(solved.sizes["point"])]
+    for k, name in enumerate(ERRORS):
+        values = np.abs(solved[f"error_{name}"].values)
+        values = values[np.isfinite(values)]
+        reduce = np.median if k == 0 else np.max
+        found.append(float(reduce(values)) if values.size else math.nan)
+    ratio = solved["reference_time"].values / solved["wall_time"].values
+    found.append(float(np.median(ratio)) if ratio.size else math.nan)
+    return found
+
+
+def section(plan: TradePlan, row: Row) -> str:
+    """Which part of the table a row belongs to."""
+    sweep = plan.sweeps[row.sweep]
+    return "model" if sweep.kind == "model" else sweep.against
+
+
+def markdown(trade: xr.Dataset, plan: TradePlan) -> str:
+    """The table of what each simplification costs and saves."""
+    lines = []
+    for name, title in SECTIONS.items():
+        rows = [row for row in plan.table if section(plan, row) == name]
+        if not rows:
+            continue
+        lines += [f"**{title}**", "", HEADER, "| --- |" + " ---: |" * 8]
+        for row in rows:
+            count, *errors, speed = cells(trade, row)
+            texts = [f"{count:.0f}", *(_error(e) for e in errors), _speed(speed)]
+            lines.append(f"| {row.text} | " + " | ".join(texts) + " |")
+        lines.append("")
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _error(value: float) -> str:
+    return f"{value:.1e}" if math.isfinite(value) else NONE
+
+
+def _speed(value: float) -> str:
+    if not math.isfinite(value):
+        return NONE
+    return f"{value:.0f}" if value >= 9.95 else f"{value:.1f}" if value >= 0.095 else f"{value:.2g}"
+
+
+def block(trade: xr.Dataset, plan: TradePlan) -> str:
+    """The marked part of docs/accuracy.md."""
+    spread = plan.spread
+    scenes = ", ".join(f"`{name}`" for name in plan.scenes)
+    return f"""{BEGIN}
+## Accuracy against time
+
+Made by `snakemake -j2 tradeoff` and `{COMMAND}`; not to be edited here.
+Errors are relative to the reference of each scene (`config/tradeoff.yaml`), without sign; all other
+settings are those of the reference. "Times as fast" compares with that reference: warm solves,
+nothing else running, median over the scenes. Scenes: {scenes}.
+
+Errors of another run lie within a factor {spread["error"]:g} of these, times within a factor
+{spread["time"]:g}; errors below {spread["floor"]:g}, in time below {spread["floor_in_time"]:g}, are
+noise. The same command with `--check` compares.
+
+{markdown(trade, plan)}
+Traction is left out of the balance of normal forces in every model here, as in the paper; there is
+no switch for it, so its effect is not in the table. Nor is a single ball in time: it would push the
+race aside, so three stand for all. With a cage, two runs that differ in their last digit part after
+some turns and agree in their means only.
+{END}
+"""
+
+
+def write_block(text: str, docs: str | Path) -> None:
+    """Put the block in the place of the old one, or at the end."""
+    docs = Path(docs)
+    old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
+    if BEGIN in old and END in old:
+        before, _, rest = old.partition(BEGIN)
+        new = before + text.rstrip("\n") + rest.partition(END)[2]
+    else:
+        new = old.rstrip("\n") + "\n\n" + text
+    docs.write_text(new, encoding="utf-8")
+
+
+def differences(trade: xr.Dataset, plan: TradePlan, docs: str | Path) -> list[str]:
+    """What docs/accuracy.md says otherwise than a run, beyond the stated spread; a line each.
+
+    Raises
+    ------
+    CaseFileError
+        Where the file has no such block.
+    """
+    docs = Path(docs)
+    text = docs.read_text(encoding="utf-8") if docs.exists() else ""
+    if BEGIN not in text or END not in text:
+        raise CaseFileError(f"{docs}: has no part between {BEGIN} and {END}")
+    said = table_rows(text.partition(BEGIN)[2].partition(END)[0])
+    found = []
+    for row in plan.table:
+        part = section(plan, row)
+        where = f"{SECTIONS[part]}: {row.text}"
+        if (SECTIONS[part], row.text) not in said:
+            found.append(f"{docs}: {where}: missing")
+            continue
+        columns = HEADER.strip("| ").split(" | ")[1:]
+        for name, text_said, value in zip(
+            columns, said[SECTIONS[part], row.text], cells(trade, row), strict=True
+        ):
+            if not agree(text_said, value, name, part, plan.spread):
+                found.append(f"{docs}: {where}: {name}: says {text_said}, a run gives {value:.2g}")
+    return found
+
+
+def table_rows(text: str) -> dict[tuple[str, str], list[str]]:
+    """Cells of each row of the block, by section and first cell."""
+    rows, title = {}, ""
+    for line in text.splitlines():
+        if match := re.fullmatch(r"\*\*(.+)\*\*", line):
+            title = match[1]
+        elif line.startswith("| ") and not line.startswith(("| what", "| ---")):
+            first, *rest = (cell.strip() for cell in line.strip("| ").split(" | "))
+            rows[title, first] = rest
+    return rows
+
+
+def agree(said: str, value: float, column: str, part: str, spread: Mapping[str, float]) -> bool:
+    """Whether a cell and a number are the same within the spread."""
+    if said == NONE or not math.isfinite(value):
+        return said == NONE and not math.isfinite(value)
+    number = float(said)
+    if column == "scenes":
+        return number == value
+    if column == "times as fast":
+        factor, floor = spread["time"], 0.0
+    else:
+        factor = spread["error"]
+        floor = spread["floor" if part == "steady" else "floor_in_time"]
+    low, high = sorted((max(number, floor), max(value, floor)))
+    return high <= factor * 1.05 * low  # and what the two digits round off

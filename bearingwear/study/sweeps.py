@@ -1,0 +1,291 @@
+"""What the trade study of accuracy against time runs: config/tradeoff.yaml, checked.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from bearingwear.io.config import load_scene, yaml_number
+
+FIRST, SCENE = "first", "scene"
+"""A sweep against its own first point; a sweep that starts from the scene as it stands."""
+
+KINDS = ("numerical", "model")
+TIERS = ("race_control", "steady", "three_balls", "no_cage", "dynamic")
+STARTS = ("steady", "race_control", "kinematic")
+HERTZ = ("exact", "fit")
+
+SPECIAL = {"tier": TIERS, "start": STARTS, "hertz": HERTZ}
+"""Settings of a point that are no keys of a scene, and what they take."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One solve.
+
+    Attributes
+    ----------
+    label : str
+        What sets it apart from the other points of its sweep.
+    value : float
+        The same as a number, NaN where it is none.
+    fidelity : str
+        Model to solve, where `special` names no tier.
+    settings : tuple of str
+        As `--set` takes them.
+    special : dict
+        tier, start, hertz: those that are not the usual ones.
+    """
+
+    label: str
+    value: float
+    fidelity: str
+    settings: tuple[str, ...]
+    special: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What is held for right, and how it is checked."""
+
+    fidelity: str
+    settings: Mapping[str, Any]
+    check: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A scene of the study."""
+
+    file: str
+    settings: Mapping[str, Any]
+    references: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Points that differ in the keys of `grid`."""
+
+    title: str
+    kind: str
+    base: str
+    against: str
+    settings: Mapping[str, Any]
+    grid: Mapping[str, list]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table of what simplifications cost and save."""
+
+    sweep: str
+    label: str
+    text: str
+
+
+@dataclass(frozen=True)
+class TradePlan:
+    """Everything in config/tradeoff.yaml."""
+
+    repeats: int
+    seconds: float
+    spread: Mapping[str, float]
+    dial: Mapping[str, Mapping[str, Any]]
+    references: Mapping[str, Reference]
+    scenes: Mapping[str, Bench]
+    sweeps: Mapping[str, Sweep]
+    table: tuple[Row, ...]
+
+    @classmethod
+    def from_file(
+        cls, path: str | Path, dial: Mapping[str, Mapping[str, Any]] | None = None
+    ) -> "TradePlan":
+        """Read the file; `dial`, if given, takes the place of the settings that stand there.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        try:
+            data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+            plan = cls(
+                repeats=int(data["repeats"]),
+                seconds=float(data["seconds"]),
+                spread=data["spread"],
+                dial=data["dial"] if dial is None else dial,
+                references={
+                    name: Reference(given["fidelity"], given.get("set", {}), given["check"])
+                    for name, given in data["references"].items()
+                },
+                scenes={
+                    name: Bench(given["file"], given.get("set", {}), tuple(given["references"]))
+                    for name, given in data["scenes"].items()
+                },
+                sweeps={
+                    name: Sweep(
+                        given["title"],
+                        given.get("kind", "numerical"),
+                        given["from"],
+                        given.get("against", given["from"]),
+                        given.get("set", {}),
+                        given["grid"],
+                    )
+                    for name, given in data["sweeps"].items()
+                },
+                table=tuple(Row(**row) for row in data["table"]),
+            )
+            plan.check()
+        except (OSError, TypeError, AttributeError, yaml.YAMLError) as error:
+            raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
+        except KeyError as error:
+            raise ValueError(f"{path}: {error}: given nothing") from None
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        return plan
+
+    def check(self) -> None:
+        """Look at what the points are made of.
+
+        Raises
+        ------
+        ValueError
+        """
+        for name, bench in self.scenes.items():
+            for reference in bench.references:
+                _known(reference, self.references, f"scenes.{name}.references")
+        for name, sweep in self.sweeps.items():
+            where = f"sweeps.{name}"
+            _known(sweep.kind, KINDS, f"{where}.kind")
+            _known(sweep.base, (*self.references, SCENE), f"{where}.from")
+            _known(sweep.against, (*self.references, FIRST), f"{where}.against")
+            self.points(name)
+        for row in self.table:
+            _known(row.sweep, self.sweeps, "table.sweep")
+            labels = [point.label for point in self.points(row.sweep)]
+            _known(row.label, labels, f"table, {row.sweep}")
+
+    def check_scenes(self) -> None:
+        """Read every scene as each of its points changes it.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        for scene, sweep in self.jobs():
+            for point in self.points(sweep):
+                try:
+                    self.scene(scene, point)
+                except ValueError as error:
+                    what = f"{scene}, {sweep}, {point.label}"
+                    raise ValueError(f"config/tradeoff.yaml: {what}: {error}") from None
+
+    def scene(self, name: str, point: Point, folder: str | Path = "config/scenes"):
+        """A scene as a point changes it."""
+        bench = self.scenes[name]
+        given = dict(_pair(text) for text in point.settings)
+        settings = [
+            f"{key}={value}" for key, value in (_texts(bench.settings, self.dial) | given).items()
+        ]
+        return load_scene(Path(folder) / f"{bench.file}.yaml", settings)
+
+    def jobs(self) -> list[tuple[str, str]]:
+        """Every scene with each reference and each sweep that is run on it."""
+        return [
+            (scene, name)
+            for scene, bench in self.scenes.items()
+            for name in (*bench.references, *self.sweeps)
+            if name in bench.references or self.sweeps[name].against in (*bench.references, FIRST)
+        ]
+
+    def points(self, name: str) -> list[Point]:
+        """The points of a sweep; of a reference, itself and what checks it."""
+        if name in self.references:
+            given = self.references[name]
+            found: tuple[tuple[str, Mapping], ...] = (("reference", {}), ("check", given.check))
+            return [self._point(label, name, given.settings, more) for label, more in found]
+        sweep = self.sweeps[name]
+        base = {} if sweep.base == SCENE else self.references[sweep.base].settings
+        return [
+            self._point(
+                ", ".join(map(_shown, values)),
+                sweep.base if sweep.base != SCENE else sweep.against,
+                {**base, **sweep.settings},
+                dict(zip(sweep.grid, values, strict=True)),
+            )
+            for values in itertools.product(*sweep.grid.values())
+        ]
+
+    def text(self, scene: str, name: str) -> str:
+        """All that decides a sweep or a reference on a scene, to see when it changes."""
+        points = [(p.label, p.fidelity, p.settings, dict(p.special)) for p in self.points(name)]
+        bench = self.scenes[scene]
+        return json.dumps([points, bench.file, bench.settings, self.repeats, self.seconds])
+
+    def _point(
+        self, label: str, reference: str, base: Mapping[str, Any], more: Mapping[str, Any]
+    ) -> Point:
+        merged = {**base, **more}
+        for key, allowed in SPECIAL.items():
+            if key in merged:
+                _known(merged[key], allowed, key)
+        special = {key: str(merged.pop(key)) for key in SPECIAL if key in merged}
+        numbers = [_number(value) for value in more.values()]
+        return Point(
+            label,
+            numbers[0] if len(numbers) == 1 else float("nan"),
+            self.references[reference].fidelity,
+            tuple(f"{key}={value}" for key, value in _texts(merged, self.dial).items()),
+            special,
+        )
+
+
+def _texts(settings: Mapping[str, Any], dial: Mapping[str, Mapping]) -> dict[str, str]:
+    """Keys of a scene and their values as YAML text; `rule` and `dial` stand for several keys."""
+    texts: dict[str, str] = {}
+    for key, value in settings.items():
+        if key == "rule":
+            quadrature, _, points = str(value).partition(" ")
+            texts |= {"model.quadrature": quadrature, "model.strips": points}
+        elif key == "dial":
+            _known(value, dial, "dial")
+            texts |= _texts(dial[value], dial)
+        else:
+            texts[key] = _yaml(value)
+    return texts
+
+
+def _yaml(value: Any) -> str:
+    """A value as YAML on one line."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key}: {_yaml(part)}" for key, part in value.items()) + "}"
+    return yaml_number(value) if isinstance(value, float) else json.dumps(value)
+
+
+def _pair(text: str) -> tuple[str, str]:
+    key, _, value = text.partition("=")
+    return key, value
+
+
+def _known(given: Any, allowed: Any, where: str) -> None:
+    if given not in allowed:
+        raise ValueError(f"{where}: given {given}; allowed {', '.join(allowed)}")
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(str(value).rpartition(" ")[2])
+    except ValueError:
+        return float("nan")
+
+
+def _shown(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ")

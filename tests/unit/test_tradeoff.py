@@ -1,0 +1,284 @@
+"""The trade study: its plan, errors, front, table and docs, with numbers made up here."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from numpy.testing import assert_allclose
+from support import ROOT
+
+from bearingwear.cli import main
+from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.study.stack import write
+from bearingwear.study.sweeps import TradePlan
+from bearingwear.study.tradeoff import gathered, pareto
+
+PLAN_FILE = ROOT / "config" / "tradeoff.yaml"
+NOT_CONVERGED = 1
+FIGURES = ("overview", "steady", "life", "in_time", "integration", "models")
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return TradePlan.from_file(PLAN_FILE)
+
+
+def made_up(plan, scene, name, failed=()):
+    """Points with errors that fall with their number, one after the other."""
+    points = plan.points(name)
+    n = len(points)
+    of = plan.sweeps.get(name)
+    against = of.against if of else name
+    share = np.where(np.arange(n) == 0, 0.0, 1e-4) if of is None else 0.1 ** np.arange(1.0, n + 1)
+    status = np.array([NOT_CONVERGED if p.label in failed else 0 for p in points], dtype=np.int8)
+    numbers = {"wall_time": 1e-3 * 2.0 ** np.arange(n), "simulated_turns": np.full(n, 4.0)}
+    numbers["life_wall_time"] = 10.0 * numbers["wall_time"]
+    sizes = {"total_qv": 0.6, "qv_inner": 0.01, "qv_outer": 0.05, "residual_preload": 7.0}
+    sizes |= {"wear_rate": 1e-10, "life": 1.3, "cage_wear_rate": 1e-15}
+    numbers |= {key: size * (1.0 + share) for key, size in sizes.items()}
+    numbers["qv_inner"] = 0.01 * (1.0 - 3.0 * share)
+    if against in ("short", "long"):
+        numbers["life"] = np.full(n, np.nan)
+    for key in ("coriolis_energy_share", "azimuth_energy_share"):
+        numbers[key] = np.full(n, 1e-5)
+    values = {key: np.where(status == 0, column, np.nan) for key, column in numbers.items()}
+    text = {"label": [p.label for p in points], "settings": [" ".join(p.settings) for p in points]}
+    return xr.Dataset(
+        {key: ("point", np.array(column, dtype=object)) for key, column in text.items()}
+        | {"value": ("point", [p.value for p in points]), "status": ("point", status)}
+        | {key: ("point", column, {"units": "1"}) for key, column in values.items()},
+        attrs={
+            "trade_scene": scene,
+            "trade_sweep": name,
+            "kind": of.kind if of else "reference",
+            "against": against,
+            "sweep_title": of.title if of else name,
+            "source": "bearingwear 1",
+            "source_hash": "1",
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def files(plan, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("points")
+    paths = []
+    for scene, name in plan.jobs():
+        failed = ("gauss 4",) if scene == "gyro_fresh" else ()
+        paths.append(folder / f"{scene}-{name}.nc")
+        write(made_up(plan, scene, name, failed), paths[-1])
+    return paths
+
+
+@pytest.fixture(scope="module")
+def trade(files, tmp_path_factory):
+    path = tmp_path_factory.mktemp("trade") / "tradeoff.nc"
+    assert main(["gather-tradeoff", *map(str, files), "-o", str(path)]) == 0
+    return path
+
+
+# the plan
+
+
+def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    plan.check_scenes()
+    assert len(plan.scenes) >= 5 and set(plan.dial) == {"draft", "standard", "reference"}
+    jobs = plan.jobs()
+    assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs
+    assert ("turbine", "strips") not in jobs and ("turbine", "hertz") in jobs
+
+
+def test_a_sweep_changes_its_reference_in_one_thing(plan):
+    reference = plan.points("steady")[0]
+    for point in plan.points("regularisation"):
+        assert point.fidelity == "steady"
+        changed = set(point.settings) ^ set(reference.settings)
+        assert all(text.startswith("friction.slip_regularisation_m_s=") for text in changed)
+    strips = plan.points("strips")
+    assert [p.value for p in strips] == [4, 10, 20, 50, 100, 200, 400]
+    assert "model.quadrature=strips" in strips[0].settings
+    assert "model.strips=4" in strips[0].settings
+    assert all(math.isnan(p.value) for p in plan.points("mixed_steady"))
+
+
+def test_the_dial_can_be_passed_in():
+    table = {"draft": {"model.strips": 12}}
+    with pytest.raises(ValueError, match="dial: given standard; allowed draft"):
+        TradePlan.from_file(PLAN_FILE, dial=table)
+    table |= {"standard": {"rule": "split 40"}, "reference": {"model.strips": 99}}
+    plan = TradePlan.from_file(PLAN_FILE, dial=table)
+    settings = [point.settings for point in plan.points("dial_steady")]
+    assert settings == [
+        ("model.strips=12",),
+        ("model.quadrature=split", "model.strips=40"),
+        ("model.strips=99",),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"sweeps": {"a": {"title": "a", "from": "nowhere", "grid": {}}}},
+            "given nowhere",
+        ),
+        ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "'title': given nothing"),
+        ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: given x"),
+        ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: given x"),
+        ({"dial": 3}, "tradeoff.yaml: "),
+    ],
+)
+def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
+    data = yaml.safe_load(PLAN_FILE.read_text(encoding="utf-8")) | change
+    file = tmp_path / "tradeoff.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    with pytest.raises(ValueError) as error:
+        TradePlan.from_file(file)
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_unknown_sweep_is_refused(capsys, tmp_path):
+    command = ["tradeoff", "gyro_fresh", "nothing", "--plan", str(PLAN_FILE)]
+    assert main([*command, "-o", str(tmp_path / "a.nc")]) == 2
+    assert "has no sweep nothing of gyro_fresh" in capsys.readouterr().err
+
+
+# errors and front
+
+
+def test_errors_are_against_the_reference_of_the_scene(trade, plan):
+    found = load(trade)
+    assert found.sizes["point"] == sum(len(plan.points(name)) for _, name in plan.jobs())
+    mask = (found["scene"].values == "gyro_fresh") & (found["sweep"].values == "gauss")
+    gauss = found.isel(point=mask)
+    right = 0.1 ** np.arange(1.0, 7.0)
+    assert_allclose(gauss["error_total_qv"][1:], right[1:], rtol=1e-9)
+    assert_allclose(gauss["error_qv_inner"][1:], -3.0 * right[1:], rtol=1e-9)
+    assert_allclose(gauss["error_contact_qv"][1:], 3.0 * right[1:], rtol=1e-9)
+    assert_allclose(gauss["error_life"][1:], right[1:], rtol=1e-9)
+    assert_allclose(gauss["reference_time"], 1e-3)
+    assert int(gauss["status"][0]) == NOT_CONVERGED
+    assert np.isnan(gauss["error_total_qv"][0]) and np.isnan(gauss["error_contact_qv"][0])
+
+
+def test_a_sweep_against_its_own_first_point(trade):
+    found = load(trade)
+    hertz = found.isel(point=found["sweep"].values == "hertz")
+    assert_allclose(hertz["error_total_qv"][::2], 0.0, atol=1e-15)
+    assert_allclose(hertz["error_total_qv"][1::2], 1.01 / 1.1 - 1.0, rtol=1e-12)
+
+
+def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
+    without = [path for path in files if path.name != "turbine-long.nc"]
+    with pytest.raises(CaseFileError, match="turbine, .*: its reference long is missing"):
+        gathered(without)
+    other = load(files[0]).assign_attrs(source_hash="2")
+    write(other, tmp_path / "other.nc")
+    with pytest.raises(CaseFileError, match="other.nc: source_hash is not that of"):
+        gathered([files[1], tmp_path / "other.nc"])
+    with pytest.raises(CaseFileError, match="no files"):
+        gathered([])
+
+
+def test_pareto_front():
+    time = np.array([3.0, 1.0, 2.0, 2.0, 4.0, 0.5, 5.0])
+    error = np.array([1e-3, 1e-1, 1e-2, 2e-2, 1e-3, np.nan, 1e-4])
+    assert pareto(time, error).tolist() == [True, True, True, False, False, False, True]
+    assert not pareto(np.array([]), np.array([])).size
+
+
+# figures, tables, docs
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "which", ["overview", "steady", "life", "in_time", "integration", "models"]
+)
+def test_figures(trade, which, tmp_path):
+    outputs = [tmp_path / f"{copy}.svg" for copy in "ab"]
+    for output in outputs:
+        assert main(["figure", "tradeoff", which, str(trade), "-o", str(output)]) == 0
+    assert outputs[0].read_bytes() == outputs[1].read_bytes()
+
+
+def test_unknown_figure(trade, capsys, tmp_path):
+    assert main(["figure", "tradeoff", "x", str(trade), "-o", str(tmp_path / "a.svg")]) == 2
+    assert "given x; allowed overview" in capsys.readouterr().err
+
+
+def test_figure_marks_front_and_dial(trade):
+    from bearingwear.report.tradeoff import FRONT, steady
+
+    figure = steady(load(trade))
+    axes = figure.axes[0]
+    fronts = [line for line in axes.lines if line.get_linewidth() == FRONT["linewidth"]]
+    assert len(fronts) == 1
+    time, error = fronts[0].get_data()
+    assert (np.diff(time) > 0.0).all() and (np.diff(error) < 0.0).all()
+    dial = [line for line in axes.lines if line.get_color() == "black"]
+    assert len(dial) == 3
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+
+
+def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
+    docs = tmp_path / "accuracy.md"
+    docs.write_text("# Accuracy\n\nBefore.\n\n## Later\n", encoding="utf-8")
+    outputs = [tmp_path / "a.csv", tmp_path / "a.md"]
+    command = ["tables-tradeoff", str(trade), "--plan", str(PLAN_FILE)]
+    assert main([*command, "-o", *map(str, outputs)]) == 0
+    table = outputs[1].read_text(encoding="utf-8")
+    assert "| 50 equal strips | 5 | 1.0e-04 | 1.0e-04 | 3.0e-04 | 1.0e-04 |" in table
+    assert "nan" not in table + outputs[0].read_text(encoding="utf-8")
+    assert (
+        len(outputs[0].read_text(encoding="utf-8").splitlines()) == 1 + load(trade).sizes["point"]
+    )
+
+    renew = ["docs-tradeoff", str(trade), str(docs), "--plan", str(PLAN_FILE)]
+    assert main([*renew, "--check"]) == 2  # no such part yet
+    assert main(renew) == 0 and main([*renew, "--check"]) == 0
+    once = docs.read_text(encoding="utf-8")
+    assert once.startswith("# Accuracy\n\nBefore.\n\n## Later\n") and table in once
+    assert main(renew) == 0 and docs.read_text(encoding="utf-8") == once  # not a second time
+
+    capsys.readouterr()
+    docs.write_text(
+        once.replace("| 50 equal strips | 5 | 1.0e-04 ", "| 50 equal strips | 5 | 3.0e-04 ")
+    )
+    assert main([*renew, "--check"]) == 3
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "50 equal strips: total QV, median: says 3.0e-04, a run gives 0.0001" in said
+    docs.write_text(
+        once.replace("| 50 equal strips | 5 | 1.0e-04 ", "| 50 equal strips | 5 | 1.9e-04 ")
+    )
+    assert main([*renew, "--check"]) == 0
+    docs.write_text(once.replace("| 50 equal strips |", "| 51 equal strips |"))
+    assert main([*renew, "--check"]) == 3
+    assert "50 equal strips: missing" in capsys.readouterr().err
+
+
+def test_agreement_within_the_spread(plan):
+    from bearingwear.report.trade_table import agree
+
+    spread = {"error": 2.0, "floor": 1e-6, "floor_in_time": 1e-3, "time": 4.0}
+    assert agree("1.0e-03", 1.9e-3, "x", "steady", spread)
+    assert not agree("1.0e-03", 2.2e-3, "x", "steady", spread)
+    assert agree("1.0e-09", 9e-7, "x", "steady", spread)
+    assert agree("1.0e-05", 9e-4, "x", "long", spread)
+    assert not agree("1.0e-05", 9e-4, "x", "steady", spread)
+    assert agree("10", 3.0, "times as fast", "long", spread)
+    assert not agree("10", 50.0, "times as fast", "long", spread)
+    assert not agree("5", 6.0, "scenes", "long", spread)
+    assert agree("–", math.nan, "x", "long", spread) and not agree("–", 1.0, "x", "long", spread)
+
+
+def test_the_docs_hold_every_row_of_the_plan(plan):
+    from bearingwear.report.trade_table import SECTIONS, section, table_rows
+
+    said = table_rows((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
+    rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
+    assert rows == set(said)
+    assert all(len(cells) == 8 for cells in said.values())
