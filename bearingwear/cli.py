@@ -242,13 +242,15 @@ def _finish(result: Result, given: argparse.Namespace) -> int:
 
 
 def _check(given: argparse.Namespace) -> int:
-    from bearingwear.model.fidelity import choice
+    from bearingwear.model.fidelity import accuracy_told, choice, effort
 
     scene = _scene(given)
     chosen = choice(scene, given.fidelity)
     print(f"{given.scene}: valid; {scene.name} would be solved with {chosen.tier}")
     for reason in chosen.reasons:
         print(f"  {reason}")
+    print(f"  {accuracy_told(scene, chosen)}")
+    print(f"  {effort(scene, chosen)}")
     return OK
 
 

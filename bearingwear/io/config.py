@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.io.strict_yaml import DEEPEST, data_of, text_of
+from bearingwear.model.accuracy import rung
 from bearingwear.model.scene import (
     Bearing,
     Cage,
@@ -113,7 +114,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
     try:
         plain = _copied(data, "", 0)
         _check_schema(plain)
-        return _built(_completed(plain, schema()))
+        return _built(_dialled(_completed(plain, schema())))
     except SceneError as error:
         raise SceneError(error.key, error.problem, error.involved, source) from None
 
@@ -348,6 +349,15 @@ def _completed(value: Any, part: Mapping[str, Any]) -> Any:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return int(value) if part.get("type") == "integer" else float(value)
     return value
+
+
+def _dialled(d: dict[str, Any]) -> dict[str, Any]:
+    """Fill in what the accuracy asked for decides, where the scene does not."""
+    for path, value in rung(d["model"]["accuracy"]).keys.items():
+        block, _, name = path.partition(".")
+        if d[block][name] is None:
+            d[block][name] = value
+    return d
 
 
 def _built(d: dict[str, Any]) -> Scene:

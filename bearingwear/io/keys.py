@@ -39,6 +39,8 @@ def _rows(block: Mapping[str, Any], path: str) -> Iterator[tuple[str, ...]]:
 def _default(part: Mapping[str, Any], required: bool) -> str:
     if required:
         return "required"
+    if "default_by" in part:
+        return f"by `{part['default_by']}`"
     value = part.get("default")
     if value is None:
         return "none"

@@ -11,10 +11,11 @@ import numpy as np
 
 from bearingwear.io.netcdf import SOURCE, CaseFileError, foreign, readable
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.model.accuracy import REGULARISATION
 from bearingwear.model.scene import Scene
 from bearingwear.provenance import source_hash
 
-MAY_DIFFER = ("description", "wear", "model")
+MAY_DIFFER = ("description", "wear", "model", REGULARISATION)
 """What of a scene a run may change when it goes on from another; the rest decides the state."""
 
 
@@ -87,10 +88,11 @@ def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) ->
         for scene in (before, now)
     )
     for key in [*other, *one]:
-        if one.get(key) != other.get(key):
+        if one.get(key) != other.get(key) and key not in MAY_DIFFER:
             raise CaseFileError(
                 f"{name}: {key}: given a case with {_shown(one.get(key))}; allowed that of the "
-                f"scene, {_shown(other.get(key))} (only wear and model may differ)"
+                f"scene, {_shown(other.get(key))} (only wear, model and {REGULARISATION} may "
+                "differ)"
             )
 
 

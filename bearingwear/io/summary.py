@@ -38,10 +38,14 @@ BEARING = (
     ("orbit_speed", "orbit speed of the balls", "rad/s", 1.0),
     ("skid_ratio", "skid ratio", "%", 100.0),
     ("ball_wear_rate", "wear rate of one ball", "um3/s", 1e18),
+    ("qv_error_estimate", "numerical error of QV", "%", 100.0),
+    ("residual_preload_error_estimate", "of the residual preload", "%", 100.0),
+    ("wear_rate_error_estimate", "of the loss rate", "%", 100.0),
 )
 COUNTED = (
     ("life", "life", "h", 1.0),
-    ("life_error_bound", "error bound", "h", 1.0),
+    ("life_error_bound", "bound of the integration", "h", 1.0),
+    ("life_error_estimate", "numerical error, all", "%", 100.0),
     ("normalised_life", "life times K_s/H", "s/Pa", 1.0),
 )
 HISTORY = (
@@ -169,7 +173,8 @@ def _rows(file: Any, table: Sequence[tuple[str, str, str, float]]) -> list[str]:
 def _life(file: Any) -> list[str]:
     lines = [*_heading(file), _row("wear counted", "", "ball", "ball + races")]
     for name, label, unit, factor in COUNTED:
-        lines.append(_row(label, unit, *map(_number, _values(file, name, factor))))
+        if name in file.variables:
+            lines.append(_row(label, unit, *map(_number, _values(file, name, factor))))
     criterion = file["end_criterion"]
     met = criterion.flag_meanings.split()[int(criterion[...])]
     loss = _number(float(_values(file, "loss_at_end", 1e6)))

@@ -106,6 +106,8 @@ STATUS = Variable(
     comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES),
 )
 
+ESTIMATE = "from solves with other settings of accuracy; differences of model are not in it"
+
 STATE = _table(
     STATUS,
     Variable("contact_load", BOTH, "N", "normal load of the contact", always=True),
@@ -241,6 +243,27 @@ STATE = _table(
     Variable(
         "discretisation_error_qv", (), "1", "change of QV with four times the points, over QV"
     ),
+    Variable(
+        "qv_error_estimate",
+        (),
+        "1",
+        "estimated numerical error of total QV, over QV",
+        comment=ESTIMATE,
+    ),
+    Variable(
+        "residual_preload_error_estimate",
+        (),
+        "1",
+        "estimated numerical error of the residual preload, over it",
+        comment=ESTIMATE,
+    ),
+    Variable(
+        "wear_rate_error_estimate",
+        ("counts",),
+        "1",
+        "estimated numerical error of the loss rate of ball diameter, over it",
+        comment=ESTIMATE,
+    ),
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
 )
 
@@ -368,6 +391,13 @@ LIFE = _table(
         "bound on the integration error of the life",
         scale=HOUR,
         always=True,
+    ),
+    Variable(
+        "life_error_estimate",
+        ("counts",),
+        "1",
+        "estimated numerical error of the life, over it",
+        comment=ESTIMATE,
     ),
     Variable(
         "end_criterion",

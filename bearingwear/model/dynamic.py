@@ -179,6 +179,13 @@ class Motion:
             motion.place_cage()
         return motion
 
+    def variant(self, **changes) -> "Motion":
+        """The same bearing, some of what kernels are told replaced; to be unpacked into."""
+        other = Motion(self.run._replace(**changes), self.places, self.y.copy())
+        other.buffers.rest[:] = self.buffers.rest
+        other.buffers.s.delta[:] = other.buffers.rest
+        return other
+
     def place_cage(self) -> None:
         """The cage about to be towed: every ball in the middle of its pocket, the cage slower.
 
@@ -265,7 +272,7 @@ class Motion:
         b = self.buffers
         parts = (self.y, h, cage.R0, s.X, s.delta, b.extra, b.land)
         if state.size != sum(part.size for part in parts):
-            raise ValueError(f"state of {state.size} numbers; allowed {len(self.packed())}")
+            raise ValueError(f"state of {state.size} numbers where {len(self.packed())} are")
         at = 0
         for part in parts:
             part[...] = state[at : at + part.size].reshape(part.shape)

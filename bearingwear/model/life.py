@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 from bearingwear.kernels import status as code
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, SHARE, TRACK
 from bearingwear.model import parameters
+from bearingwear.model.estimate import HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import choice_for_life
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
@@ -64,9 +65,14 @@ class WearState:
     )  # wear of the whole races [m3/s]
 
 
-def steady_states(scene: Scene) -> Callable[[float], WearState]:
-    """Function from loss to state on the steady model, each solve started from the nearest one."""
-    problem = ThrustProblem.of(scene)
+def steady_states(
+    scene: Scene, problem: ThrustProblem | None = None
+) -> Callable[[float], WearState]:
+    """Function from loss to state on the steady model, each solve started from the nearest one.
+
+    `problem`, if given, takes the place of the scene's own (other settings of accuracy).
+    """
+    problem = problem or ThrustProblem.of(scene)
     g = problem.g
     solved: dict[float, np.ndarray] = {}
 
@@ -315,17 +321,39 @@ def life(scene: Scene, fidelity: str | None = None) -> Result:
         )
     chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
-    state = (steady_states if chosen.tier == "steady" else race_control_states)(scene)
-    preload = scene.operation.preload_N
-    marcher = Marcher(state, lambda s: margins(s, end, preload), scene.model.tolerance)
-    D0 = scene.bearing.ball_diameter_mm * parameters.MM
     with Interrupt():
-        course = marcher.march(
-            scene.wear.ball_diameter_loss_um[0] * parameters.UM, LARGEST_LOSS * D0, FIRST_STEP * D0
-        )
-    values = life_values(scene, course)
+        if chosen.tier == "steady":
+            course = course_of(scene, steady_states(scene))
+            values = life_values(scene, course) | error_estimate(scene, course)
+        else:
+            course = course_of(scene, race_control_states(scene))
+            values = life_values(scene, course)
     elapsed = time.perf_counter() - started
     return Result(values, {"solves": course.solves} | provenance(scene, chosen), elapsed)
+
+
+def course_of(scene: Scene, state: Callable[[float], WearState]) -> Course:
+    """The way of a scene to its end of life, by its states."""
+    end, preload = scene.wear.end_of_life or EndOfLife(), scene.operation.preload_N
+    marcher = Marcher(state, lambda s: margins(s, end, preload), scene.model.tolerance)
+    D0 = scene.bearing.ball_diameter_mm * parameters.MM
+    return marcher.march(
+        scene.wear.ball_diameter_loss_um[0] * parameters.UM, LARGEST_LOSS * D0, FIRST_STEP * D0
+    )
+
+
+def error_estimate(scene: Scene, course: Course) -> dict:
+    """Estimated numerical error of a life: the same with other settings (see `estimate`)."""
+    now = course.times[-1]
+    if course.status != code.OK or not now.min() > 0.0:
+        return {}
+    total = ROUNDING + course.error / now
+    for problem in ThrustProblem.of(scene).perturbed(scene):
+        other = course_of(scene, steady_states(scene, problem))
+        if (other.status, other.criterion) != (course.status, course.criterion):
+            return {}
+        total = total + HALVED * changed(now, other.times[-1])
+    return {"life_error_estimate": total}
 
 
 def life_values(scene: Scene, course: Course) -> dict:

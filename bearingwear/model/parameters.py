@@ -12,6 +12,7 @@ from bearingwear.model.scene import Material, Scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
+FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
 def contact_modulus(first: Material, second: Material) -> float:
@@ -68,7 +69,7 @@ def ball_diameters(scene: Scene) -> np.ndarray:
 def ellipse_rule(name: str, points: int) -> Rule:
     """A rule with so many points (split: at the most); shared, so never to be written to."""
     if name == "split":
-        return Rule(True, *gathered(-(-points // SEGMENTS)))
+        return Rule(True, *gathered(-(-max(points, FEWEST_SPLIT) // SEGMENTS)))
     return Rule(False, *{"gauss": gauss_halves, "strips": equal_strips}[name](points))
 
 

@@ -16,13 +16,14 @@ from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_co
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Motion
 from bearingwear.kernels.race import ROW, axial_stiffness, race_equilibrium, stored_state
 from bearingwear.kernels.steady import LARGEST_AXIS, workspace
-from bearingwear.kernels.summary import COLUMNS, HEAT, contact_summary
+from bearingwear.kernels.summary import COLUMNS, HEAT, MAJOR, QV, TRACK, contact_summary
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
+from bearingwear.model.estimate import HALVED, changed, measured, summed
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.scene import Scene
-from bearingwear.model.values import contact_values
+from bearingwear.model.values import contact_values, wear_values
 
 
 @dataclass(frozen=True)
@@ -194,8 +195,9 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     n = len(D)
     u, rows = np.empty((n, 4)), np.empty((n, 2, COLUMNS))
     r = np.full(n, 0.5 * g.dm)
-    rule = parameters.quadrature(scene)
-    work = workspace(rule)
+    rule, twice = parameters.quadrature(scene), parameters.quadrature(scene, refined=2)
+    work, more = workspace(rule), workspace(twice)
+    finer = np.empty((n, 2, COLUMNS))
     residual = 0.0
     largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
     for j, state in enumerate(balance.states):
@@ -204,6 +206,7 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
         )
         u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
         contact_summary(g, D[j], m, state, u[j], r[j], rule, work, rows[j])
+        contact_summary(g, D[j], m, state, u[j], r[j], twice, more, finer[j])
         A1, A2 = groove_distance(g, problem.psi[j], *balance.delta, problem.tilt)
         residual = max(residual, polygon_residual(g, D[j], state, A1, A2, largest))
     if largest > 0.0:
@@ -225,6 +228,12 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
         "race_control": laws - OUTER_CONTROL,
         "equilibrium_residual": residual,
     }
+    now = measured(values)
+    rates = wear_values(scene, D, finer[..., QV], rows[..., MAJOR], rows[..., TRACK])
+    other = np.array(
+        [g.n_balls * finer[..., QV].sum() / n, now[1], *rates["ball_diameter_loss_rate"]]
+    )
+    values |= summed([HALVED * changed(now, other)])
     return values, {
         "residual": f"normal balance {residual:.1e} of the contact load; "
         f"allowed {LARGEST_RESIDUAL:.0e}"

@@ -14,6 +14,8 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
+from bearingwear.model.accuracy import STANDARD
+
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
 
@@ -108,7 +110,7 @@ class Friction:
 
     ball_race: float
     cage: float = 0.05
-    slip_regularisation_m_s: float = 1.0e-3
+    slip_regularisation_m_s: float = STANDARD.slip_regularisation_m_s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,19 +150,25 @@ class Wear:
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
-    """What overrides the program's own choice of model and accuracy."""
+    """What overrides the program's own choice of model and accuracy.
+
+    `accuracy` decides when a scene is read (`bearingwear.io.config`); of a Model built in Python it
+    changes nothing.
+    """
 
     fidelity: str = "auto"
     cage_results: bool = False
-    strips: int = 50
-    quadrature: str = "gauss"
-    simulated_turns: float = 20.0
+    accuracy: str | float = "standard"
+    strips: int = STANDARD.strips
+    quadrature: str = STANDARD.quadrature
+    simulated_turns: float = STANDARD.simulated_turns
     evaluated_turns: float | None = None
     history_points_per_turn: int = 20
     integrator: str = "rosenbrock"
-    dynamic_tolerance: float = 1.0e-3
+    dynamic_tolerance: float = STANDARD.dynamic_tolerance
+    settled_drift: float = STANDARD.settled_drift
     land_stiffness_factor: float = 1.0
-    tolerance: float = 1.0e-6
+    tolerance: float = STANDARD.tolerance
 
     @property
     def averaged_turns(self) -> float:

@@ -48,7 +48,7 @@ def solve(
         check_restart(scene, chosen)
     started = time.perf_counter()
     with Interrupt():
-        values, attrs = solved(scene, chosen.tier, restart, progress)
+        values, attrs = solved(chosen.reduced(scene), chosen.tier, restart, progress)
     elapsed = time.perf_counter() - started
     return Result(values, attrs | provenance(scene, chosen), elapsed)
 

@@ -1,7 +1,7 @@
 """The friction-balanced steady state of a thrust-loaded scene."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from bearingwear.kernels.equilibrium import cold_start, static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, Motion
 from bearingwear.kernels.steady import Preload, drag_force, orbit_equilibrium, settle, workspace
-from bearingwear.kernels.summary import ANGLE, LOAD, QV, TORQUE
+from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
+from bearingwear.model.estimate import HALVED, changed, summed
 from bearingwear.model.scene import Scene
-from bearingwear.model.values import contact_values
+from bearingwear.model.values import contact_values, wear_values
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
@@ -59,6 +60,14 @@ class ThrustProblem:
             v_start = VISCOUS_START * 0.5 * self.g.dm * abs(m.omega_i - m.omega_o)
         return thrust_case(
             self.g, D, m, self.preload, self.rule, self.fine_rule, u, v_start, FRICTION_TOLERANCE
+        )
+
+    def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
+        """The problem with half the regularisation, and with twice the points."""
+        twice = parameters.quadrature(scene, refined=2)
+        return (
+            replace(self, motion=self.motion._replace(v_r=0.5 * self.motion.v_r)),
+            replace(self, rule=twice, fine_rule=twice),
         )
 
     def undetermined(self) -> int:
@@ -133,6 +142,7 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
         every.sort(key=lambda c: not problem.stable(D, c))  # the one reached first, if it is stable
         case = every[0]
         attrs["residual"] = residual_sentence(case)
+        values |= error_estimates(scene, problem, D, case)
         values |= {"status": case.status} | steady_values(scene, problem, D, case)
         eigenvalues = problem.time_scales(D, case)
         values |= {
@@ -149,6 +159,26 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
         if not values["stable"] and values["status"] == code.OK:
             values["status"] = code.NO_STEADY_STATE
     return values, attrs
+
+
+def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
+    """Estimated numerical errors of a solved state; empty where they cannot be had."""
+    now = steady_answer(scene, problem, D, case)
+    parts = []
+    for other in problem.perturbed(scene):
+        near = other.solve(D, start=case.u)
+        if near.status != code.OK:
+            return {}
+        parts.append(HALVED * changed(now, steady_answer(scene, other, D, near)))
+    return summed(parts)
+
+
+def steady_answer(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> np.ndarray:
+    """What errors are estimated of, as `estimate.measured` has it."""
+    n, c = problem.g.n_balls, case.contacts
+    qv, a, track = (c[None, :, column] for column in (QV, MAJOR, TRACK))
+    rates = wear_values(scene, np.array([D]), qv, a, track)["ball_diameter_loss_rate"]
+    return np.array([n * qv.sum(), n * c[0, LOAD] * math.sin(c[0, ANGLE]), *rates])
 
 
 def residual_sentence(case: ThrustCase) -> str:

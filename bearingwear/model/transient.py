@@ -1,9 +1,9 @@
 """Solve a scene in time: start, run until settled, averages, histories, checks."""
 
-import dataclasses
 import math
 import time as clock
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,20 +33,23 @@ from bearingwear.kernels.summary import QV
 from bearingwear.kernels.wear import archard_rate
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, Motion
+from bearingwear.model.estimate import HALVED, changed, measured, summed
+from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.scene import Scene
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.steady import ThrustProblem, steady_answer
 from bearingwear.model.values import contact_values, strip_centres
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
-SETTLED = 1e-3  # largest change of QV and wear that a settled run would still undergo, relative
 LARGEST_RESIDUAL = 1e-6  # of the contact load: what balls and pockets are agreed to, and more
+LOOSER = 10.0  # tolerance of a step, to see what it costs
+SCATTER = 4.0  # standard errors of a mean: the turns are few and not independent
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
 
 
-@dataclasses.dataclass
+@dataclass
 class Start:
     """How every ball moves at first, and what the steady solver knows of the time that takes."""
 
@@ -55,12 +58,17 @@ class Start:
     scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], where known
 
 
-def start_of(scene: Scene) -> Start:
-    """The steady state under the thrust alone, else the state of race control."""
-    operation = dataclasses.replace(
+def thrust_alone(scene: Scene) -> Scene:
+    """The scene without the loads that keep it from a steady state."""
+    operation = replace(
         scene.operation, radial_load_N=(0.0, 0.0), rotating_load_N=0.0, tilt_mrad=0.0
     )
-    problem = ThrustProblem.of(dataclasses.replace(scene, operation=operation))
+    return replace(scene, operation=operation)
+
+
+def start_of(scene: Scene) -> Start:
+    """The steady state under the thrust alone, else the state of race control."""
+    problem = ThrustProblem.of(thrust_alone(scene))
     if problem.undetermined() == code.OK:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
@@ -79,35 +87,57 @@ def start_of(scene: Scene) -> Start:
 
 
 class Trend:
-    """Straight line through QV and wear of successive turns, without keeping them."""
+    """Straight lines through what successive turns give, without keeping them.
+
+    QV, wear of all parts, of the balls, of balls and races, preload.
+    """
 
     def __init__(self) -> None:
         self.sums = np.zeros(3)  # 1, k, k^2
-        self.values = np.zeros((2, 2))  # (value, k value) of QV and wear
+        self.values = np.zeros((3, 5))  # (value, k value, value^2) of each
 
-    def add(self, qv: float, wear: float) -> None:
+    def add(self, values: np.ndarray) -> None:
         k = self.sums[0]
         self.sums += (1.0, k, k * k)
-        self.values += np.outer((1.0, k), (qv, wear))
+        self.values += [values, k * values, values * values]
+
+    @property
+    def known(self) -> bool:
+        """Whether three turns or more say what QV and wear do."""
+        return bool(self.sums[0] >= 3 and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Relative change a turn of QV and wear, None of fewer than three turns."""
+        """Relative change a turn of each (5,); None if not `known`."""
         n, k, kk = self.sums
-        total, weighted = self.values
-        if n < 3 or not (total > 0.0).all():
+        total, weighted, _ = self.values
+        if not self.known:
             return None
-        return (n * weighted - k * total) / (n * kk - k * k) / (total / n)
+        mean = np.where(total != 0.0, total / n, 1.0)
+        return (n * weighted - k * total) / (n * kk - k * k) / mean
+
+    def scatter(self) -> np.ndarray:
+        """Standard error of each mean, relative, were the turns independent (5,)."""
+        n = self.sums[0]
+        mean, square = self.values[0] / n, self.values[2] / n
+        variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
+        return np.sqrt(variance) / np.where(mean != 0.0, np.abs(mean), 1.0)
 
 
 def wear_weights(scene: Scene, motion: Motion) -> np.ndarray:
-    """Volume worn off all parts per joule of each time integral of the state [m3/J]."""
+    """What a joule of each time integral of the state counts as (4, m).
+
+    For QV in the contacts of balls and races [1]; for the wear of all parts, of the balls, of
+    balls and races [m3/J].
+    """
     p, b = motion.places, scene.bearing
     ball, race = (_rate(scene, name) for name in (b.ball_material, b.race_material))
     cage = _rate(scene, scene.cage.material) if scene.cage else 0.0
-    weights = np.zeros(p.size - p.qv)
-    weights[: p.pockets - p.qv] = ball + race
-    weights[p.pockets - p.qv : p.land - p.qv] = ball + cage
-    weights[p.land - p.qv] = cage
+    weights = np.zeros((4, p.size - p.qv))
+    contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
+    weights[0, contacts] = 1.0
+    weights[1:, contacts] = np.array([[ball + race], [ball], [ball + race]])
+    weights[1:, pockets] = np.array([[ball + cage], [ball], [ball]])
+    weights[1, p.land - p.qv] = cage
     return weights
 
 
@@ -137,7 +167,7 @@ class Progress:
         )
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclass(frozen=True)
 class Grid:
     """Instants of a run: origin + k dt.
 
@@ -183,7 +213,8 @@ class Run:
         self.weights = wear_weights(scene, motion)
         self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
         self.done = 0
-        self.slopes: np.ndarray | None = None
+        self.trend = Trend()
+        self.snapshot: tuple[np.ndarray, float] = (np.empty(0), motion.time)  # before the last turn
         self.advance(0)  # compiles before the clock of the progress starts
         self.report = Progress(progress, grid.total / grid.points, motion.turn)
 
@@ -210,21 +241,24 @@ class Run:
         """Simulate a window and record it; returns a status."""
         p, y, points = self.motion.places, self.motion.y, self.grid.points
         clear(self.record)
-        trend = Trend()
+        before_last, self.trend = self.trend, Trend()
         self.opened = self.motion.opened()
         for at in range(0, length, points):
             count = min(points, length - at)
+            if at + points >= length:
+                self.snapshot = self.motion.packed(), self.motion.time
             before = y[p.qv :].copy()
+            preload = self.record.whole[PRELOAD]
             status = self.advance(count)
             interrupt.check()
             if status != code.OK:
                 return status
             if count == points:
                 gained = y[p.qv :] - before
-                trend.add(gained[: p.pockets - p.qv].sum(), self.weights @ gained)
-            slopes = trend.slopes()
-            self.report(self.turns, self.slopes if slopes is None else slopes)
-        self.slopes = trend.slopes()
+                pressed = self.record.whole[PRELOAD] - preload
+                self.trend.add(np.array([*self.weights @ gained, pressed]))
+            shown = self.trend if self.trend.known else before_last
+            self.report(self.turns, shown.slopes())
         return code.OK
 
     def counts(self, evaluated: float) -> dict:
@@ -265,7 +299,14 @@ def solve_dynamic(
     start = start_of(scene)
     motion = Motion.of(scene, start.u)
     if restart is not None:
-        motion.unpack(np.asarray(restart["state"], dtype=float), float(restart["time"]))
+        try:
+            motion.unpack(np.asarray(restart["state"], dtype=float), float(restart["time"]))
+        except ValueError as error:
+            with_cage = "without" if scene.cage is None else "with"
+            raise NotAvailable(
+                f"{scene.name}: restart: given a {error}; allowed one that was solved "
+                f"{with_cage} the cage, as this run is"
+            ) from None
         start.kind = f"the end of a run at {motion.time:.6g} s"
     values: dict = {
         "status": motion.settle(),
@@ -288,14 +329,16 @@ def solve_dynamic(
                 stopped = {"status": status, "final_time": motion.time}
                 attrs["residual"] = f"not solved; the run stopped at {motion.time:.6g} s"
                 return values | stopped | run.counts(0.0), attrs
-            settled = is_settled(run.slopes, slow, turns)
+            slopes = run.trend.slopes()
+            settled = is_settled(slopes, slow, turns, scene.model.settled_drift)
             if settled and length == run.grid.window:
                 break
         # Before anything else looks at the end: it would not change the answer, but its last bits.
         final_state = motion.packed()
     values |= window_values(scene, run) | start.scales | run.counts(turns)
-    if run.slopes is not None:
-        values |= {"qv_drift_per_turn": run.slopes[0], "wear_rate_drift_per_turn": run.slopes[1]}
+    if slopes is not None:
+        values |= {"qv_drift_per_turn": slopes[0], "wear_rate_drift_per_turn": slopes[1]}
+    values |= error_estimates(scene, run, slow, turns)
     if run.keep:
         values |= histories(scene, run.log, run.done)
     values |= {"final_state": final_state, "final_time": motion.time}
@@ -307,21 +350,87 @@ def solve_dynamic(
             f"normal balance {residual:.1e} of the contact load, allowed {LARGEST_RESIDUAL:.0e}; "
             f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
         ),
-        "settled": settled_sentence(run.slopes, settled),
+        "settled": settled_sentence(slopes, settled),
         "integrator": f"{scene.model.integrator}, tolerance {run.tolerance:g}",
     }
     return values, attrs
 
 
-def is_settled(slopes: np.ndarray | None, slow: float, turns: float) -> bool:
+def error_estimates(scene: Scene, run: Run, slow: float, turns: float) -> dict:
+    """Estimated numerical errors of a run in time; empty where they cannot be had.
+
+    The end of the last window is run once more with each setting of accuracy changed. That misses
+    what a ball's spin axis takes hundreds of turns for, so the steady state under the thrust alone
+    is asked as well where there is one, and the larger change counts.
+    """
+    motion, m = run.motion, run.motion.run
+    v_r = 0.5 * m.motion.v_r
+    halved = {"motion": m.motion._replace(v_r=v_r), "cage": m.cage._replace(v_r=v_r)}
+    twice = {"rule": parameters.quadrature(scene, refined=2)}
+    looser = min(LOOSER * run.tolerance, 1.0)
+    found = [
+        rerun(scene, motion.variant(**changes), run.snapshot, run.grid, tolerance)
+        for changes, tolerance in (
+            ({}, run.tolerance), (halved, run.tolerance), (twice, run.tolerance), ({}, looser),
+        )
+    ]  # fmt: skip
+    slopes, answers = run.trend.slopes(), [values for values in found if values is not None]
+    if slopes is None or len(answers) < len(found):
+        return {}
+    now, *others = answers
+    parts = [
+        weight * changed(now, other)
+        for weight, other in zip((HALVED, HALVED, 1.0), others, strict=True)
+    ]
+    parts[0] = np.maximum(parts[0], thrust_part(scene))
+    drift = np.abs(slopes) * max(slow, turns) + SCATTER * run.trend.scatter()
+    qv, _, balls, both, preload = drift
+    return summed([*parts, np.array([qv, preload, balls, both])])
+
+
+def thrust_part(scene: Scene) -> np.ndarray:
+    """What half the regularisation changes in the steady state under the thrust alone (4,)."""
+    thrust = thrust_alone(scene)
+    problem, D = ThrustProblem.of(thrust), float(parameters.ball_diameters(scene).mean())
+    if problem.undetermined() != code.OK:
+        return np.zeros(4)
+    halved, _ = problem.perturbed(thrust)
+    one = problem.solve(D)
+    other = halved.solve(D, start=one.u) if one.status == code.OK else one
+    if other.status != code.OK:
+        return np.zeros(4)
+    answers = (steady_answer(thrust, p, D, case) for p, case in ((problem, one), (halved, other)))
+    return HALVED * changed(*answers)
+
+
+def rerun(
+    scene: Scene, motion: Motion, snapshot: tuple[np.ndarray, float], grid: Grid, tolerance: float
+) -> np.ndarray | None:
+    """What `measured` finds over half a turn from a state of motion on; None if it fails."""
+    count = max(1, grid.points // 2)
+    model = replace(
+        scene.model,
+        simulated_turns=count / grid.points, evaluated_turns=None, dynamic_tolerance=tolerance,
+    )  # fmt: skip
+    motion.unpack(*snapshot)
+    with Interrupt() as interrupt:
+        run = Run(replace(scene, model=model), motion, None)
+        if run.window(count, interrupt) != code.OK:
+            return None
+    return measured(window_values(scene, run))
+
+
+def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: float) -> bool:
     """Whether what is left of the drift, over the slow time scale, no longer matters.
 
     Parameters
     ----------
     slow, turns : float
         Slow time scale and length of the window in shaft turns.
+    allowed : float
+        Largest change still to come, relative.
     """
-    return slopes is not None and bool(np.abs(slopes).max() * max(slow, turns) <= SETTLED)
+    return slopes is not None and bool(np.abs(slopes[:2]).max() * max(slow, turns) <= allowed)
 
 
 def settled_sentence(slopes: np.ndarray | None, settled: bool) -> str:

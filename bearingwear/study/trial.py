@@ -23,7 +23,7 @@ from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene
 from bearingwear.model.solve import provenance, solve
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.model.transient import Run, start_of, window_values
+from bearingwear.model.transient import Run, start_of, thrust_alone, window_values
 from bearingwear.model.values import wear_values
 from bearingwear.study.sweeps import Point, TradePlan
 
@@ -166,14 +166,6 @@ def runner(scene: Scene, point: Point) -> Callable[[], dict]:
     if start is None and hertz is None:
         return lambda: solve(trial, "dynamic").values
     return lambda: in_time(trial, start or "steady", hertz == "fit")
-
-
-def thrust_alone(scene: Scene) -> Scene:
-    """The scene without what keeps it from a steady state."""
-    operation = replace(
-        scene.operation, radial_load_N=(0.0, 0.0), rotating_load_N=0.0, tilt_mrad=0.0
-    )
-    return replace(scene, operation=operation)
 
 
 def three_balls(scene: Scene) -> dict:

@@ -246,7 +246,10 @@ def refused(capsys, argv) -> str:
 def test_restart_of_another_scene(setting, key, case, tmp_path, capsys):
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
     line = refused(capsys, [*argv, "--restart", str(case), "--set", setting])
-    assert line.startswith(f"{case}: {key}") and "only wear and model may differ" in line
+    assert (
+        line.startswith(f"{case}: {key}")
+        and "only wear, model and friction.slip_regularisation_m_s may differ" in line
+    )
     assert not (tmp_path / "x.nc").exists()
 
 
@@ -380,8 +383,29 @@ def test_what_was_modelled():
     assert "two translations" in reasons["inner race"]
     assert "fixed in space, radial load that turns" in reasons["loads on the inner race"]
     assert reasons["tilt of the inner race"] == "0.5 mrad about Y, held"
-    assert reasons["lubricant drag"] == "solved" and "guided by the balls" in reasons["cage"]
+    assert (
+        reasons["lubricant drag"].startswith("solved; about")
+        and "guided by the balls" in reasons["cage"]
+    )
     assert told("cage=null")["cage"] == "none in the scene"
+
+
+@pytest.mark.parametrize(
+    "settings, fidelity, cage",
+    [
+        (["operation.rotating_load_N=1"], None, False),
+        (["operation.rotating_load_N=1", "model.cage_results=true"], None, True),
+        (["operation.rotating_load_N=1"], "dynamic", True),
+        (["cage=null"], "dynamic", False),
+        ([], None, False),
+    ],
+)
+def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
+    scene = load_scene(S1, settings)
+    chosen = choice(scene, fidelity)
+    assert chosen.cage == cage and (chosen.reduced(scene).cage is not None) == cage
+    left_out = any("left out" in r for r in chosen.reasons if r.startswith("cage: "))
+    assert left_out == (scene.cage is not None and not cage)
 
 
 @pytest.mark.parametrize(
