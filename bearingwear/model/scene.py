@@ -161,6 +161,7 @@ class Model:
     accuracy: str | float = "standard"
     strips: int = STANDARD.strips
     quadrature: str = STANDARD.quadrature
+    steady_starts: int = STANDARD.steady_starts
     simulated_turns: float = STANDARD.simulated_turns
     evaluated_turns: float | None = None
     history_points_per_turn: int = 20

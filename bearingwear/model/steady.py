@@ -88,22 +88,29 @@ class ThrustProblem:
         """Whether a small disturbance of the state dies out."""
         return bool(self.time_scales(D, case).real.max() < 0.0)
 
-    def other_states(self, D: float, case: ThrustCase) -> list[ThrustCase]:
-        """Steady states other than `case` that the ball settles in from unlike starts.
+    def starts(self, count: int) -> list[np.ndarray]:
+        """So many unlike motions (4,) of a ball, the same ones each time.
 
-        The starts: spinning on either race, lagging behind, and turning about the tangent.
+        First those of a kind of their own: spinning on the outer race, lagging behind, turning
+        about the tangent, spinning on the inner race; then any.
         """
-        tumbling = self.kinematic_start(OUTER_CONTROL)
+        rolling = self.kinematic_start(OUTER_CONTROL)
+        tumbling = rolling.copy()
         tumbling[1:3] = -tumbling[2], 0.0
-        starts = (
-            self.kinematic_start(OUTER_CONTROL),
-            self.kinematic_start(INNER_CONTROL),
-            0.3 * self.kinematic_start(OUTER_CONTROL),
-            tumbling,
-        )
+        kinds = [rolling, 0.3 * rolling, tumbling, self.kinematic_start(INNER_CONTROL)]
+        random = np.random.default_rng(0)
+        spin = np.linalg.norm(rolling[:3])
+        for _ in range(count - len(kinds)):
+            axis = random.normal(size=3)
+            axis *= spin * random.uniform(0.2, 1.5) / np.linalg.norm(axis)
+            kinds.append(np.array([*axis, rolling[3] * random.uniform(0.2, 1.2)]))
+        return kinds[:count]
+
+    def other_states(self, D: float, case: ThrustCase, count: int) -> list[ThrustCase]:
+        """Steady states other than `case` that the ball settles in from unlike starts."""
         found = [case]
         work = workspace(self.rule)
-        for u in starts:
+        for u in self.starts(count):
             delta_a, state = orbit_equilibrium(
                 self.g, D, u[3], self.preload, case.delta_a, cold_start()
             )
@@ -138,7 +145,7 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
     values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):
-        every = [case, *problem.other_states(D, case)]
+        every = [case, *problem.other_states(D, case, scene.model.steady_starts)]
         every.sort(key=lambda c: not problem.stable(D, c))  # the one reached first, if it is stable
         case = every[0]
         attrs["residual"] = residual_sentence(case)

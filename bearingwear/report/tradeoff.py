@@ -238,6 +238,7 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
 
 SIMPLER = (
     ("tier_steady", "race control", "race control for the steady state"),
+    ("tier_steady", "traction", "traction in the normal balance"),
     ("tier", "race control", "race control for the motion in time"),
     ("tier", "steady", "steady, thrust alone"),
     ("tier", "three balls", "three balls in time, thrust alone"),

@@ -13,12 +13,13 @@ from typing import Any
 import yaml
 
 from bearingwear.io.config import load_scene, yaml_number
+from bearingwear.model.accuracy import NAMED
 
 FIRST, SCENE = "first", "scene"
 """A sweep against its own first point; a sweep that starts from the scene as it stands."""
 
 KINDS = ("numerical", "model")
-TIERS = ("race_control", "steady", "three_balls", "no_cage", "dynamic")
+TIERS = ("race_control", "traction", "steady", "three_balls", "no_cage", "dynamic")
 STARTS = ("steady", "race_control", "kinematic")
 HERTZ = ("exact", "fit")
 
@@ -104,10 +105,8 @@ class TradePlan:
     table: tuple[Row, ...]
 
     @classmethod
-    def from_file(
-        cls, path: str | Path, dial: Mapping[str, Mapping[str, Any]] | None = None
-    ) -> "TradePlan":
-        """Read the file; `dial`, if given, takes the place of the settings that stand there.
+    def from_file(cls, path: str | Path) -> "TradePlan":
+        """Read the file; the settings of the dial are those of `model.accuracy`.
 
         Raises
         ------
@@ -120,7 +119,7 @@ class TradePlan:
                 repeats=int(data["repeats"]),
                 seconds=float(data["seconds"]),
                 spread=data["spread"],
-                dial=data["dial"] if dial is None else dial,
+                dial={name: named.keys for name, named in NAMED.items()},
                 references={
                     name: Reference(given["fidelity"], given.get("set", {}), given["check"])
                     for name, given in data["references"].items()

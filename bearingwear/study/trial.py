@@ -13,6 +13,7 @@ from bearingwear.io.netcdf import dataset
 from bearingwear.io.variables import COUNTS, HOUR
 from bearingwear.kernels import status as code
 from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.model.coupled import solve_coupled
 from bearingwear.model.dynamic import Motion, exact_factors, hertz_table
 from bearingwear.model.fidelity import asymmetries, choice
 from bearingwear.model.fitted import fitted_displacement, fitted_factors
@@ -47,6 +48,10 @@ EXTRA = {
     "life_wall_time": ("duration of finding the life, warm, median of the repeats", "s"),
     "simulated_turns": ("shaft turns simulated until settled or used up", "1"),
     "steps": ("steps taken and repeated", "1"),
+    "estimate_total_qv": ("estimated error of QV of the bearing, as the case has it", "1"),
+    "estimate_residual_preload": ("estimated error of the residual preload", "1"),
+    "estimate_wear_rate": ("estimated error of the rate of loss of ball diameter", "1"),
+    "estimate_life": ("estimated error of the wear life", "1"),
     "coriolis_energy_share": ("work of the Coriolis force left out, of the heat", "1"),
     "azimuth_energy_share": ("work of the circumferential force left out, of the heat", "1"),
 }
@@ -111,13 +116,20 @@ def measured(plan: TradePlan, scene: Scene, point: Point) -> dict[str, float]:
     }
     for name in ("simulated_turns", "coriolis_energy_share", "azimuth_energy_share"):
         row[name] = float(values.get(name, np.nan))
+    counted = COUNTS.index(scene.wear.counts)
+    if "qv_error_estimate" in values:
+        row["estimate_total_qv"] = float(values["qv_error_estimate"])
+        row["estimate_residual_preload"] = float(values["residual_preload_error_estimate"])
+        row["estimate_wear_rate"] = float(values["wear_rate_error_estimate"][counted])
     tier = point.special.get("tier", point.fidelity)
     symmetric = not asymmetries(scene) or tier == "race_control"
     if tier in ("steady", "race_control") and symmetric and scene.wear.end_of_life:
         fresh = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=(0.0,)))
         lived, wall, _ = timed(lambda: life(fresh, tier).values, plan)
         if lived["status"] == code.OK:
-            row["life"] = float(lived["life"][COUNTS.index(scene.wear.counts)]) * HOUR
+            row["life"] = float(lived["life"][counted]) * HOUR
+            if "life_error_estimate" in lived:
+                row["estimate_life"] = float(lived["life_error_estimate"][counted])
             row["life_wall_time"] = statistics.median(wall)
     return row
 
@@ -156,6 +168,8 @@ def runner(scene: Scene, point: Point) -> Callable[[], dict]:
     tier = point.special.get("tier", point.fidelity)
     if tier == "race_control":
         return lambda: solve(scene, tier).values
+    if tier == "traction":
+        return lambda: solve_coupled(scene)
     if tier == "steady":
         thrust = thrust_alone(scene)
         return lambda: solve(thrust, tier).values

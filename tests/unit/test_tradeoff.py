@@ -11,6 +11,7 @@ from support import ROOT
 
 from bearingwear.cli import main
 from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.model.accuracy import NAMED
 from bearingwear.study.stack import write
 from bearingwear.study.sweeps import TradePlan
 from bearingwear.study.tradeoff import gathered, pareto
@@ -43,6 +44,8 @@ def made_up(plan, scene, name, failed=()):
         numbers["life"] = np.full(n, np.nan)
     for key in ("coriolis_energy_share", "azimuth_energy_share"):
         numbers[key] = np.full(n, 1e-5)
+    for key in ("total_qv", "residual_preload", "wear_rate", "life"):
+        numbers[f"estimate_{key}"] = 2.0 * share
     values = {key: np.where(status == 0, column, np.nan) for key, column in numbers.items()}
     text = {"label": [p.label for p in points], "settings": [" ".join(p.settings) for p in points]}
     return xr.Dataset(
@@ -104,18 +107,13 @@ def test_a_sweep_changes_its_reference_in_one_thing(plan):
     assert all(math.isnan(p.value) for p in plan.points("mixed_steady"))
 
 
-def test_the_dial_can_be_passed_in():
-    table = {"draft": {"model.strips": 12}}
-    with pytest.raises(ValueError, match="dial: given standard; allowed draft"):
-        TradePlan.from_file(PLAN_FILE, dial=table)
-    table |= {"standard": {"rule": "split 40"}, "reference": {"model.strips": 99}}
-    plan = TradePlan.from_file(PLAN_FILE, dial=table)
+def test_the_dial_is_that_of_the_scenes(plan):
     settings = [point.settings for point in plan.points("dial_steady")]
-    assert settings == [
-        ("model.strips=12",),
-        ("model.quadrature=split", "model.strips=40"),
-        ("model.strips=99",),
-    ]
+    for name, given in zip(("draft", "standard", "reference"), settings, strict=True):
+        keys = dict(text.split("=") for text in given)
+        assert set(keys) == set(NAMED[name].keys)
+        assert int(keys["model.strips"]) == NAMED[name].strips
+        assert float(keys["model.dynamic_tolerance"]) == NAMED[name].dynamic_tolerance
 
 
 @pytest.mark.parametrize(
@@ -128,7 +126,7 @@ def test_the_dial_can_be_passed_in():
         ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "'title': given nothing"),
         ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: given x"),
         ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: given x"),
-        ({"dial": 3}, "tradeoff.yaml: "),
+        ({"scenes": 3}, "tradeoff.yaml: "),
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):

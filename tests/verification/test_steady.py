@@ -119,7 +119,7 @@ def test_balls_settle_from_anywhere(scene, mu):
         for loss in (0.0, 0.5e-6):
             case = problem.solve(problem.g.D0 - loss)
             assert case.status == code.OK
-            assert problem.other_states(problem.g.D0 - loss, case) == []
+            assert problem.other_states(problem.g.D0 - loss, case, 8) == []
 
 
 def test_time_scales_agree_with_integration(scene):
