@@ -44,6 +44,7 @@ from bearingwear.model.values import contact_values, strip_centres
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 LARGEST_RESIDUAL = 1e-6  # of the contact load: what balls and pockets are agreed to, and more
 LOOSER = 10.0  # tolerance of a step, to see what it costs
+TIGHTEST = 1e-4  # tolerance of a step of such a run
 SCATTER = 4.0  # standard errors of a mean: the turns are few and not independent
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
@@ -367,21 +368,21 @@ def error_estimates(scene: Scene, run: Run, slow: float, turns: float) -> dict:
     v_r = 0.5 * m.motion.v_r
     halved = {"motion": m.motion._replace(v_r=v_r), "cage": m.cage._replace(v_r=v_r)}
     twice = {"rule": parameters.quadrature(scene, refined=2)}
-    looser = min(LOOSER * run.tolerance, 1.0)
+    # A change of the regularisation upsets every ball: tight steps through that would take long.
+    tolerance = max(run.tolerance, TIGHTEST)
+    looser = min(LOOSER * tolerance, 1.0)
     found = [
         rerun(scene, motion.variant(**changes), run.snapshot, run.grid, tolerance)
         for changes, tolerance in (
-            ({}, run.tolerance), (halved, run.tolerance), (twice, run.tolerance), ({}, looser),
+            ({}, tolerance), (halved, tolerance), (twice, tolerance), ({}, looser),
         )
     ]  # fmt: skip
     slopes, answers = run.trend.slopes(), [values for values in found if values is not None]
     if slopes is None or len(answers) < len(found):
         return {}
     now, *others = answers
-    parts = [
-        weight * changed(now, other)
-        for weight, other in zip((HALVED, HALVED, 1.0), others, strict=True)
-    ]
+    weights = HALVED, HALVED, math.sqrt(run.tolerance / tolerance)
+    parts = [weight * changed(now, other) for weight, other in zip(weights, others, strict=True)]
     parts[0] = np.maximum(parts[0], thrust_part(scene))
     drift = np.abs(slopes) * max(slow, turns) + SCATTER * run.trend.scatter()
     qv, _, balls, both, preload = drift

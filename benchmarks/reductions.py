@@ -1,0 +1,143 @@
+"""What each reduction of the model saves and what it costs, scene by scene.
+
+`python benchmarks/reductions.py` prints the table of docs/accuracy.md, "What a scene requires", and
+draws docs/figures/reductions.svg. Errors are against the fuller model with the same settings of
+accuracy; times are CPU times of whole solves, compiled code warm, the median of five.
+"""
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from bearingwear.io.config import load_scene
+from bearingwear.model.scene import Scene
+from bearingwear.model.solve import solve
+from bearingwear.report.drawing import frame, in_words, key, new_figure, save
+
+ROOT = Path(__file__).resolve().parents[1]
+FIGURE = ROOT / "docs" / "figures" / "reductions.svg"
+REPEATS = 5
+TURNS = 20
+LEAST = 1e-9  # smaller differences are drawn there
+LIGHT = 1e-3  # density of balls that have hardly any centrifugal force and gyroscopic moment
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """A simpler and a fuller way to solve a scene."""
+
+    name: str
+    reduced: Callable[[Scene], dict]
+    full: Callable[[Scene], dict]
+    scenes: tuple[str, ...]
+
+
+def steady(scene: Scene) -> dict:
+    return solve(scene, "steady").values
+
+
+def in_time(scene: Scene) -> dict:
+    return solve(replace(scene, cage=None), "dynamic").values
+
+
+def with_cage(scene: Scene) -> dict:
+    return solve(scene, "dynamic").values
+
+
+def without_drag(scene: Scene) -> dict:
+    return steady(replace(scene, lubricant=replace(scene.lubricant, drag_density_kg_m3=0.0)))
+
+
+def without_inertia(scene: Scene) -> dict:
+    name = scene.bearing.ball_material
+    light = replace(
+        scene.materials[name], density_kg_m3=LIGHT * scene.materials[name].density_kg_m3
+    )
+    return steady(replace(scene, materials={**scene.materials, name: light}))
+
+
+REDUCTIONS = (
+    Reduction(
+        "one ball, steady", steady, in_time, ("gyro_s1", "gyro_s1_drag", "turbopump", "bearing218")
+    ),
+    Reduction("cage left out", in_time, with_cage, ("gyro_s1", "turbopump", "turbine")),
+    Reduction("drag left out", without_drag, steady, ("gyro_s1_drag",)),
+    Reduction(
+        "centrifugal and gyroscopic left out", without_inertia, steady,
+        ("gyro_s1", "gyro_s1_drag", "turbopump", "bearing218"),
+    ),
+)  # fmt: skip
+MARKS = {
+    "gyro_s1": "o", "gyro_s1_drag": "s", "turbopump": "D", "bearing218": "^", "turbine": "v",
+}  # fmt: skip
+ROTATING = {"gyro_s1": 1.0, "turbopump": 200.0, "turbine": 4000.0}
+
+
+def scene_of(name: str, rotating: bool) -> Scene:
+    load = ROTATING[name] if rotating else 0.0
+    settings = [f"operation.rotating_load_N={load}", f"model.simulated_turns={TURNS}"]
+    return load_scene(ROOT / "config" / "scenes" / f"{name}.yaml", settings)
+
+
+def timed(run: Callable[[], dict]) -> tuple[dict, float]:
+    values, durations = run(), []
+    for _ in range(REPEATS):
+        started = time.process_time()
+        values = run()
+        durations.append(time.process_time() - started)
+    return values, statistics.median(durations)
+
+
+def difference(one: dict, other: dict, name: str) -> float:
+    a, b = np.asarray(one[name]), np.asarray(other[name])
+    return float(np.abs(a / b - 1.0).max())
+
+
+def main() -> None:
+    figure, panels = new_figure(1, 1, 6.4, 3.6)
+    axes = panels[0, 0]
+    print("| left out | scene | times as fast | total QV | loss rate, balls | and races |")
+    print("| --- | --- | ---: | ---: | ---: | ---: |")
+    for k, reduction in enumerate(REDUCTIONS):
+        for name in reduction.scenes:
+            scene = scene_of(name, reduction.full is with_cage)
+            reduced, short = timed(lambda r=reduction, s=scene: r.reduced(s))
+            full, long = timed(lambda r=reduction, s=scene: r.full(s))
+            if reduced["status"] or full["status"]:
+                print(f"| {reduction.name} | {name} | no answer | | | |")
+                continue
+            qv = difference(reduced, full, "total_qv")
+            rates = np.abs(reduced["ball_diameter_loss_rate"] / full["ball_diameter_loss_rate"] - 1)
+            print(
+                f"| {reduction.name} | {name} | {long / short:.2g} | {qv:.1e} "
+                f"| {rates[0]:.1e} | {rates[1]:.1e} |"
+            )
+            axes.plot(
+                long / short, max(qv, LEAST), marker=MARKS[name], color=f"C{k}", linestyle="none"
+            )
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.axvline(1.0, color="0.6", linewidth=0.8)
+    axes.set_xlabel("times as fast as the fuller model")
+    axes.set_ylabel("difference of total QV, relative")
+    handles = [
+        key(r.name, color=f"C{k}", marker="o", linestyle="none") for k, r in enumerate(REDUCTIONS)
+    ]
+    handles += [
+        key(in_words(name), color="0.4", marker=mark, linestyle="none")
+        for name, mark in MARKS.items()
+    ]
+    title = (
+        "One steady ball gives what all give in time, hundreds of times as fast; leaving forces "
+        "out saves nothing"
+    )
+    frame(figure, title, handles, columns=3)
+    save(figure, [FIGURE])
+
+
+if __name__ == "__main__":
+    main()
