@@ -80,6 +80,7 @@ class Sweep:
     against: str
     settings: Mapping[str, Any]
     grid: Mapping[str, list]
+    only: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -136,6 +137,7 @@ class TradePlan:
                         given.get("against", given["from"]),
                         given.get("set", {}),
                         given["grid"],
+                        tuple(given.get("only", data["scenes"])),
                     )
                     for name, given in data["sweeps"].items()
                 },
@@ -165,6 +167,8 @@ class TradePlan:
             _known(sweep.kind, KINDS, f"{where}.kind")
             _known(sweep.base, (*self.references, SCENE), f"{where}.from")
             _known(sweep.against, (*self.references, FIRST), f"{where}.against")
+            for scene in sweep.only:
+                _known(scene, self.scenes, f"{where}.only")
             self.points(name)
         for row in self.table:
             _known(row.sweep, self.sweeps, "table.sweep")
@@ -202,8 +206,12 @@ class TradePlan:
             (scene, name)
             for scene, bench in self.scenes.items()
             for name in (*bench.references, *self.sweeps)
-            if name in bench.references or self.sweeps[name].against in (*bench.references, FIRST)
+            if name in bench.references or self._takes_part(scene, self.sweeps[name])
         ]
+
+    def _takes_part(self, scene: str, sweep: Sweep) -> bool:
+        references = self.scenes[scene].references
+        return scene in sweep.only and sweep.against in (*references, FIRST)
 
     def points(self, name: str) -> list[Point]:
         """The points of a sweep; of a reference, itself and what checks it."""

@@ -209,7 +209,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "unknown integrator": (
         GOOD + "model: {integrator: euler}\n", "model.integrator", ("runge_kutta",)),
     "no tolerance": (
-        GOOD + "model: {dynamic_tolerance: 0}\n", "model.dynamic_tolerance", ("> 0",)),
+        GOOD + "model: {dynamic_tolerance: 0}\n", "model.dynamic_tolerance", ("from 1.0e-9 to 1",)),
     "no land stiffness": (
         GOOD + "model: {land_stiffness_factor: 0}\n", "model.land_stiffness_factor", ("> 0",)),
     "steady under radial load": (
