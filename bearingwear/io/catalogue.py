@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import math
 import os
 import re
@@ -155,7 +156,7 @@ def scene_text(
         return f"  {name}: {value}  {origin.note}"
 
     lines = [
-        f"name: {name}",
+        f"name: {json.dumps(name)}",  # quoted: 7008, true and null are names, too
         "description: >-",
         f"  Bearing of {bore:g} mm bore and {outside:g} mm outside diameter, written by "
         "`bearingwear new`.",

@@ -69,6 +69,12 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
         assert re.search(rf"^  {key.split('.')[1]}: \S+  # assumed: ", text, re.M) and key in told
 
 
+@pytest.mark.parametrize("name", ["7008", "true", "null", "1.0e-5"])
+def test_names_that_yaml_takes_for_something_else(name, tmp_path):
+    assert new(tmp_path / f"{name}.yaml", *SIZE) == 0
+    assert load_scene(tmp_path / f"{name}.yaml").name == name.replace(".", "_")
+
+
 def test_ceramic_balls(tmp_path):
     assert new(tmp_path / "a.yaml", *SIZE, "--ball-material", "silicon_nitride") == 0
     scene = load_scene(tmp_path / "a.yaml")
