@@ -5,7 +5,7 @@ JOBS ?= 2
 BIN := .venv/bin
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test bench venv clean
+.PHONY: study test test-slurm bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -16,6 +16,10 @@ test: $(STAMP)
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
+
+test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
+	$(BIN)/python -m pytest -rs -m cluster
 
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py
