@@ -144,6 +144,8 @@ def test_a_study_on_slurm(slurm, new_project):
     # four cases and a life went through the queue; what takes a second stayed out of it
     states = call("squeue", "-h", "-t", "all", "-o", "%T").split()
     assert states == 5 * ["COMPLETED"]
+    names = call("squeue", "-h", "-t", "all", "-o", "%k")
+    assert "solve" in names and "fixed_position-mu0.080-loss0.50" in names
     assert here.run().status == 0
     assert project.results() == here.results()
     again = project.run("-n")
