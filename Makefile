@@ -5,7 +5,7 @@ JOBS ?= 2
 BIN := .venv/bin
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test bench venv clean
+.PHONY: study test test-slurm bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -17,6 +17,10 @@ test: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
 
+test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
+	$(BIN)/python -m pytest -rs -m cluster
+
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py
 
@@ -25,6 +29,8 @@ venv: $(STAMP)
 $(STAMP): # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[test]'
+	# only its own test needs this, which is skipped without it
+	-$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[cf]'
 	rm -f .venv/installed-*
 	touch $@
 

@@ -270,8 +270,6 @@ def _entry(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Entry:
     if data.shape != shape:
         raise ValueError(f"{variable.name} has shape {data.shape}, not {shape}")
     attrs: dict[str, Any] = {"long_name": variable.long_name}
-    if variable.standard_name:
-        attrs["standard_name"] = variable.standard_name
     if variable.units:
         attrs["units"] = variable.units
     if variable.flags:

@@ -1,4 +1,4 @@
-"""Commands of the report: figure, tables, compare, tables-tradeoff, docs-tradeoff."""
+"""Commands of the report: figure, tables, tables-dynamic, tables-tradeoff, docs-tradeoff."""
 
 from __future__ import annotations
 
@@ -46,18 +46,19 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     option = add("running-average", _running_average, "wear rates as they settle", "CASE.nc")
     option("--reference", metavar="FILE.csv", type=Path, help="values of others to draw as well")
 
-    compare = commands.add_parser(
-        "compare", help="set cases solved in time beside the steady ones, as CSV and Markdown"
+    in_time = commands.add_parser(
+        "tables-dynamic",
+        help="set cases solved in time beside the steady ones, as CSV and Markdown",
     )
-    for parser in (dynamic, compare):
+    for parser in (dynamic, in_time):
         parser.add_argument("study", metavar="STUDY.nc", type=Path)
         parser.add_argument("dynamic", metavar="DYNAMIC.nc", type=Path)
     dynamic.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     dynamic.set_defaults(run=_dynamic)
-    compare.add_argument(
+    in_time.add_argument(
         "-o", "--output", required=True, nargs=2, metavar=("ALL.csv", "SUMMARY.md"), type=Path
     )
-    compare.set_defaults(run=_compare)
+    in_time.set_defaults(run=_tables_dynamic)
 
     trade = figures.add_parser("tradeoff", help="wall time against error")
     trade.add_argument("which", metavar="WHICH", help="overview, steady, in_time, ...")
@@ -164,7 +165,7 @@ def _running_average(given: argparse.Namespace) -> int:
     return 0
 
 
-def _compare(given: argparse.Namespace) -> int:
+def _tables_dynamic(given: argparse.Namespace) -> int:
     from bearingwear.report.comparison import write_comparison
 
     write_comparison(*_both_ways(given), *given.output)

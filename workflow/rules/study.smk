@@ -98,7 +98,7 @@ rule compare:
     message:
         "{wildcards.scene}: tables of cases solved in time"
     shell:
-        "bearingwear compare {input.study} {input.dynamic} -o {output.all} {output.summary} > {log} 2>&1"
+        "bearingwear tables-dynamic {input.study} {input.dynamic} -o {output.all} {output.summary} > {log} 2>&1"
 
 
 # Comes last and fails, each time anew, if a case or a life could not be solved.
