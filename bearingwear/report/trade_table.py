@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.io.netcdf import CaseFileError
 from bearingwear.report.tradeoff import chosen
-from bearingwear.study.sweeps import Row, TradePlan
+from bearingwear.study.sweeps import FIRST, Row, TradePlan
 
 BEGIN, END = "<!-- tradeoff: begin -->", "<!-- tradeoff: end -->"
 COMMAND = "bearingwear docs-tradeoff results/tradeoff/tradeoff.nc docs/accuracy.md"
@@ -65,7 +65,9 @@ def cells(trade: xr.Dataset, row: Row) -> list[float]:
 def section(plan: TradePlan, row: Row) -> str:
     """Which part of the table a row belongs to."""
     sweep = plan.sweeps[row.sweep]
-    return "model" if sweep.kind == "model" else sweep.against
+    if sweep.kind == "model":
+        return "model"
+    return sweep.base if sweep.against == FIRST else sweep.against
 
 
 def markdown(trade: xr.Dataset, plan: TradePlan) -> str:
