@@ -140,10 +140,29 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
         ) as opened:
             found = opened.load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
-        raise CaseFileError(
-            f"{os.fspath(path)}: given a damaged file ({reason(error)}); allowed a result file"
-        ) from None
+        raise damaged(path, error) from None
     if not str(found.attrs.get("source", "")).startswith(SOURCE):
+        raise foreign(path)
+    return found
+
+
+def header(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Global attributes of a result file; its values are not read.
+
+    Raises
+    ------
+    CaseFileError
+        As `load`.
+    """
+    import netCDF4
+
+    readable(path)
+    try:
+        with netCDF4.Dataset(path) as file:
+            found = {name: file.getncattr(name) for name in file.ncattrs()}
+    except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
+        raise damaged(path, error) from None
+    if not str(found.get("source", "")).startswith(SOURCE):
         raise foreign(path)
     return found
 
@@ -168,6 +187,13 @@ def readable(path: str | os.PathLike[str]) -> None:
         raise CaseFileError(f"{name}: given an empty file; allowed a result file")
     if start != b"\x89HDF\r\n\x1a\n":
         raise foreign(path)
+
+
+def damaged(path: str | os.PathLike[str], error: BaseException) -> CaseFileError:
+    """The error for a file that netCDF cannot read."""
+    return CaseFileError(
+        f"{os.fspath(path)}: given a damaged file ({reason(error)}); allowed a result file"
+    )
 
 
 def foreign(path: str | os.PathLike[str]) -> CaseFileError:

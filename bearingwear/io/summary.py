@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.io.netcdf import SOURCE, CaseFileError, foreign, readable
+from bearingwear.io.netcdf import SOURCE, damaged, foreign, readable
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 
@@ -91,10 +91,7 @@ def summary(path: str | os.PathLike[str]) -> str:
             else:
                 lines = _study(file)
     except (OSError, RuntimeError, IndexError, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(
-            f"{os.fspath(path)}: given a damaged file ({reason}); allowed a result file"
-        ) from None
+        raise damaged(path, error) from None
     return "\n".join(line.rstrip() for line in lines)
 
 

@@ -1,0 +1,82 @@
+"""Looks over what earlier runs have left, before a run relies on it.
+
+Snakemake believes that a file is good if it is there, and up to date if it is not older than what
+it was made from. Neither holds after a full disk, a broken transfer or a clock that was set back.
+"""
+
+import json
+import os
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from bearingwear.study.grid import Case
+
+SET_ASIDE = ".damaged"
+"""Suffix a file gets that cannot be used, so that nothing is deleted and its place is free."""
+
+
+def survey(paths: Iterable[str]) -> Iterator[str]:
+    """Set aside results that cannot be used, and take back dates that lie in the future.
+
+    What is set aside is then missing, so that a run makes it anew. A result from the future would
+    pass for newer than whatever is made from now on; it is dated now. What it was made from is
+    compared by contents (`made_from` in the rules), not by date.
+
+    Parameters
+    ----------
+    paths : iterable of str
+        Files of a study, of which any may be missing; damage is looked for in those that end in
+        `.nc`.
+
+    Yields
+    ------
+    str
+        One line for each damaged file, and one for all dates.
+
+    Raises
+    ------
+    OSError
+        A file that cannot be renamed or dated.
+    """
+    now, redated = time.time(), 0
+    for path in filter(os.path.lexists, paths):
+        fault = damage(path) if path.endswith(".nc") else None
+        if fault:
+            os.replace(path, path + SET_ASIDE)
+            yield f"{fault}; set aside as {path}{SET_ASIDE}, to be made anew"
+        elif os.path.getmtime(path) > now:
+            os.utime(path, (now, now))
+            redated += 1
+    if redated:
+        yield f"{redated} results are dated in the future; now dated as of today"
+
+
+def damage(path: str) -> str | None:
+    """Why a result file of a study cannot be used, on one line; None if it can.
+
+    It is opened, not read to its end; whoever reads the values does that.
+    """
+    from bearingwear.io.netcdf import CaseFileError, header
+
+    try:
+        found = header(path)
+        is_case = Path(path).parent.name in ("cases", "dynamic")
+        if is_case and (held := _case_id(found)) != Path(path).stem:
+            return f"{path}: holds the case {held}" if held else f"{path}: not a case of a study"
+    except CaseFileError as error:
+        return str(error)
+    return None
+
+
+def _case_id(attributes: dict) -> str | None:
+    """Id of the case that a file holds; None if it holds none."""
+    try:
+        scene = json.loads(attributes["scene"])
+        return Case(
+            scene["operation"]["preload_method"],
+            float(scene["friction"]["ball_race"]),
+            float(scene["wear"]["ball_diameter_loss_um"]),
+        ).id
+    except (KeyError, TypeError, ValueError, RecursionError):
+        return None
