@@ -32,13 +32,23 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             # netCDF4 says only "Permission denied" for all that can go wrong here
             part.open("wb").close()
             os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
-            yield part
+            try:
+                yield part
+            except RuntimeError:
+                _append(part)
+                raise
             os.replace(part, path)
         finally:
             with contextlib.suppress(OSError):
                 part.unlink(missing_ok=True)
-    except (OSError, RuntimeError, UnicodeError) as error:  # HDF5 fails with a RuntimeError
+    except (OSError, RuntimeError, UnicodeError) as error:
         raise OutputError(f"{path}: cannot be written ({reason(error)})") from None
+
+
+def _append(part: Path) -> None:
+    """HDF5 fails with a RuntimeError that does not say why; a plain write to a full disk does."""
+    with part.open("ab") as file:
+        file.write(bytes(1_000_000))
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -20,14 +20,15 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
     """Set aside results that cannot be used, and take back dates that lie in the future.
 
     What is set aside is then missing, so that a run makes it anew. A result from the future would
-    pass for newer than whatever is made from now on; it is dated now. What it was made from is
-    compared by contents (`made_from` in the rules), not by date.
+    pass for newer than whatever is made from now on, and nothing can be made from an input of the
+    future: Snakemake refuses what is older than its input. Both are dated now; whether a result
+    still fits its inputs is told by their contents (`made_from` in the rules).
 
     Parameters
     ----------
     paths : iterable of str
-        Files of a study, of which any may be missing; damage is looked for in those that end in
-        `.nc`.
+        Results and inputs of a study, of which any may be missing. Damage is looked for in those
+        that end in `.nc`.
 
     Yields
     ------
@@ -39,17 +40,17 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
     OSError
         A file that cannot be renamed or dated.
     """
-    now, redated = time.time(), 0
+    redated = 0
     for path in filter(os.path.lexists, paths):
         fault = damage(path) if path.endswith(".nc") else None
         if fault:
             os.replace(path, path + SET_ASIDE)
             yield f"{fault}; set aside as {path}{SET_ASIDE}, to be made anew"
-        elif os.path.getmtime(path) > now:
-            os.utime(path, (now, now))
+        elif os.path.getmtime(path) > time.time():
+            os.utime(path)
             redated += 1
     if redated:
-        yield f"{redated} results are dated in the future; now dated as of today"
+        yield f"{redated} files were dated in the future, and are now dated as of today"
 
 
 def damage(path: str) -> str | None:

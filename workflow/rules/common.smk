@@ -21,19 +21,19 @@ try:
 except ValueError as error:
     sys.exit(str(error))
 
-# Jobs on a cluster read this file as well, while results come and go.
-if workflow.is_main_process:
-    try:
-        for line in survey(PLAN.results()):
-            print(line, file=sys.stderr)
-    except OSError as error:
-        sys.exit(f"{error.filename}: cannot be set aside or dated ({error.strerror})")
-
 # Inputs of the rules, so that an edit (not a touch) of the code behind a result makes it anew.
 SCENE = "config/scenes/{scene}.yaml"
 SOLVER = [os.path.relpath(path) for path in SOLVER_SOURCES]
 STUDY = [os.path.relpath(path) for path in bearingwear.study.SOURCES]
 REPORT = [os.path.relpath(path) for path in bearingwear.report.SOURCES]
+
+# Jobs on a cluster read this file as well, while results come and go.
+if workflow.is_main_process:
+    try:
+        for line in survey([*PLAN.results(), *PLAN.inputs(), *SOLVER, *STUDY, *REPORT]):
+            print(line, file=sys.stderr)
+    except OSError as error:
+        sys.exit(f"{error.filename}: cannot be set aside or dated ({error.strerror})")
 
 # The command of this very environment, whether or not it is activated.
 shell.prefix(
