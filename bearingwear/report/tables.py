@@ -1,7 +1,9 @@
 """The numbers of a study as a CSV table, and the few that matter as Markdown."""
 
 import csv
+import html
 import itertools
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -99,7 +101,7 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
             )
     parts = [
         f"# {scene['name']}",
-        scene.get("description", ""),
+        plain_text(scene.get("description", "")),
         "## What wear does",
         markdown_table(
             "preload method | friction | QV (mW) at " + first + " | at " + last
@@ -117,6 +119,11 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
     ]  # fmt: skip
     write_text(path, "\n\n".join(part for part in parts if part) + "\n")
+
+
+def plain_text(text: str) -> str:
+    """A text of somebody else, for Markdown: nothing in it is markup or HTML."""
+    return re.sub(r"([\\`*_~#|\[\]])", r"\\\1", html.escape(text, quote=False))
 
 
 def markdown_table(header: str, rows: Iterable[list[str]]) -> str:

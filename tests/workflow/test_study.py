@@ -273,17 +273,13 @@ def test_cases_solved_in_time(new_project):
 
 def test_a_killed_run_goes_on(first_run, new_project):
     project, target = new_project(), "results/gyro_s1/study.nc"
-    process = subprocess.Popen(
-        project.command(target), cwd=project.root, env=project.environment,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
-    )  # fmt: skip
-    cases = project.case(WORN).parent
+    process = project.start(target)
     deadline = time.monotonic() + 60.0
-    while len(list(cases.glob("[!.]*.nc"))) < 4 and time.monotonic() < deadline:
+    while len(project.cases()) < 4 and time.monotonic() < deadline:
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    assert 4 <= len(list(cases.glob("[!.]*.nc"))) < 8
+    assert 4 <= len(project.cases()) < 8
     assert project.run("--unlock").status == 0
     run = project.run("--rerun-incomplete", target)
     assert run.status == 0 and run.jobs["solve"] < 8, run.text
