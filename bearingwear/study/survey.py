@@ -16,8 +16,14 @@ SET_ASIDE = ".damaged"
 """Suffix a file gets that cannot be used, so that nothing is deleted and its place is free."""
 
 
+ABANDONED = 60.0
+"""Age at which a file that is still being written was left so by a process that was killed [s]."""
+
+
 def survey(paths: Iterable[str]) -> Iterator[str]:
     """Set aside results that cannot be used, and take back dates that lie in the future.
+
+    Parts of files that nobody writes any more are removed.
 
     What is set aside is then missing, so that a run makes it anew. A result from the future would
     pass for newer than whatever is made from now on, and nothing can be made from an input of the
@@ -38,10 +44,15 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
     Raises
     ------
     OSError
-        A file that cannot be renamed or dated.
+        A file that cannot be renamed, dated or removed.
     """
+    there = list(filter(os.path.lexists, paths))
+    for folder in {Path(path).parent for path in there}:
+        for part in folder.glob(".*.part"):
+            if time.time() - part.stat().st_mtime > ABANDONED:
+                part.unlink()
     redated = 0
-    for path in filter(os.path.lexists, paths):
+    for path in there:
         fault = damage(path) if path.endswith(".nc") else None
         if fault:
             os.replace(path, path + SET_ASIDE)

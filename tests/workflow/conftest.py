@@ -9,9 +9,9 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -58,11 +58,11 @@ class Project:
     def command(self, *arguments: str, jobs: int = 2) -> list[str]:
         return [sys.executable, "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]
 
-    def run(self, *arguments: str, jobs: int = 2, **options: Any) -> "Run":
-        """Run Snakemake in the copy; options are those of `subprocess.run`."""
+    def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
+        """Run Snakemake in the copy, by another program if a prefix is given."""
         done = subprocess.run(
-            self.command(*arguments, jobs=jobs), cwd=self.root, env=self.environment,
-            capture_output=True, text=True, timeout=300, **options,
+            [*prefix, *self.command(*arguments, jobs=jobs)], cwd=self.root, env=self.environment,
+            capture_output=True, text=True, timeout=300,
         )  # fmt: skip
         return Run(done.returncode, done.stdout + done.stderr)
 
