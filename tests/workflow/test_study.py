@@ -192,8 +192,14 @@ def test_a_broken_scene_stops_with_one_line(new_project):
             "loss500.00: wear.ball_diameter_loss_um: given 500; allowed a number < 200",
         ),
         (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
+        (["studies", 0, "scenes"], ["../scenes/gyro_s1"], "'../scenes/gyro_s1' does not match"),
         (["studies", 0, "frictoin"], [0.1], "frictoin"),
         (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
+        (
+            ["dynamic"],
+            [{**ONE_CASE, "model": {"simulated_turns": "1; touch results"}}],
+            "loss0.00: model.simulated_turns: given '1; touch results', text, not a number",
+        ),
         (
             ["dynamic"],
             [{**ONE_CASE, "model": {"simulated_turns": 0}}],
@@ -206,8 +212,10 @@ def test_a_broken_scene_stops_with_one_line(new_project):
         "too many digits",
         "worn away",
         "no scene",
+        "a path",
         "unknown key",
         "not studied",
+        "a command",
         "no turns",
     ],
 )
