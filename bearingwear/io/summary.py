@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.io.netcdf import SOURCE, damaged, foreign, readable
+from bearingwear.io.netcdf import SOURCE, CaseFileError, damaged, foreign, readable
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 
@@ -90,7 +90,9 @@ def summary(path: str | os.PathLike[str]) -> str:
                 lines = _case(file)
             else:
                 lines = _study(file)
-    except (OSError, RuntimeError, IndexError, KeyError) as error:
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, CaseFileError):
+            raise
         raise damaged(path, error) from None
     return "\n".join(line.rstrip() for line in lines)
 
