@@ -4,8 +4,10 @@ Snakemake believes that a file is good if it is there, and up to date if it is n
 it was made from. Neither holds after a full disk, a broken transfer or a clock that was set back.
 """
 
+import contextlib
 import json
 import os
+import re
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -14,7 +16,6 @@ from bearingwear.study.grid import Case
 
 SET_ASIDE = ".damaged"
 """Suffix a file gets that cannot be used, so that nothing is deleted and its place is free."""
-
 
 ABANDONED = 60.0
 """Age at which a file that is still being written was left so by a process that was killed [s]."""
@@ -46,11 +47,9 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
     OSError
         A file that cannot be renamed, dated or removed.
     """
-    there = list(filter(os.path.lexists, paths))
-    for folder in {Path(path).parent for path in there}:
-        for part in folder.glob(".*.part"):
-            if time.time() - part.stat().st_mtime > ABANDONED:
-                part.unlink()
+    paths = list(paths)
+    _remove_abandoned(paths)
+    there = filter(os.path.lexists, paths)
     redated = 0
     for path in there:
         fault = damage(path) if path.endswith(".nc") else None
@@ -62,6 +61,18 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
             redated += 1
     if redated:
         yield f"{redated} files were dated in the future, and are now dated as of today"
+
+
+def _remove_abandoned(paths: Iterable[str]) -> None:
+    """Remove what writers of these files left when they were killed."""
+    ours = set(map(Path, paths))
+    for folder in {path.parent for path in ours}:
+        for part in folder.glob(".*.part"):
+            name = re.fullmatch(r"\.(.+)\.\d+\.part", part.name)
+            if name and folder / name[1] in ours:
+                with contextlib.suppress(FileNotFoundError):  # just now finished
+                    if time.time() - part.stat().st_mtime > ABANDONED:
+                        part.unlink()
 
 
 def damage(path: str) -> str | None:
