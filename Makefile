@@ -5,7 +5,7 @@ JOBS ?= 2
 BIN := .venv/bin
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test test-slurm bench venv clean
+.PHONY: study test test-slurm test-faults bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -20,6 +20,9 @@ test: $(STAMP)
 test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
 	$(BIN)/python -m pytest -rs -m cluster
+
+test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
+	$(BIN)/python -m pytest -m faults
 
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py

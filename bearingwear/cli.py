@@ -144,7 +144,8 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
 
 def _run(given: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
-    from bearingwear.io.netcdf import CaseFileError, OutputError
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.io.whole import OutputError
     from bearingwear.model.fidelity import NotAvailable
     from bearingwear.model.scene import SceneError
 
@@ -219,7 +220,7 @@ def _scene(given: argparse.Namespace) -> Scene:
 
 def _check_output(path: Path, scene: str) -> None:
     """Refuse, before anything is solved, an output that must not be replaced."""
-    from bearingwear.io.netcdf import OutputError
+    from bearingwear.io.whole import OutputError
 
     try:
         if path.exists():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 import os
@@ -12,8 +11,8 @@ from pathlib import Path
 
 from bearingwear.io.commands import BALL_MATERIALS, OPTIONS
 from bearingwear.io.config import SceneError, allowed, scene_from_dict, schema_at, yaml_number
-from bearingwear.io.netcdf import OutputError
 from bearingwear.io.strict_yaml import data_of
+from bearingwear.io.whole import OutputError, write_text
 from bearingwear.model.scene import most_balls
 
 MATERIALS = {
@@ -231,22 +230,9 @@ def write_scene(
     if path.suffix not in (".yaml", ".yml") or not name:
         raise OutputError(f"{path}: given this name; allowed NAME.yaml, its name that of the scene")
     text, assumed = scene_text(name, bore, outside, given, ball_material, preload_method)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        if os.path.lexists(path):
-            raise OutputError(f"{path}: is there already, and is not replaced; allowed a new name")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_text(text, encoding="utf-8")
-            os.replace(part, path)
-        finally:
-            with contextlib.suppress(OSError):
-                part.unlink(missing_ok=True)
-    except OutputError:
-        raise
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise OutputError(f"{path}: cannot be written ({reason})") from None
+    if os.path.lexists(path):
+        raise OutputError(f"{path}: is there already, and is not replaced; allowed a new name")
+    write_text(path, text)
     return assumed
 
 

@@ -89,15 +89,21 @@ def _show(given: argparse.Namespace) -> int:
     if Path(given.file).suffix in (".yaml", ".yml"):
         from bearingwear.io.config import load_scene
 
-        print(scene_summary(load_scene(given.file)))
+        text = scene_summary(load_scene(given.file))
     else:
-        print(summary(given.file))
+        text = summary(given.file)
+    _print(text)
     return OK
+
+
+def _print(text: str) -> None:
+    """Names in a file of somebody else may hold what a terminal obeys."""
+    print("\n".join("".join(c if c.isprintable() else "?" for c in s) for s in text.split("\n")))
 
 
 def _compare(given: argparse.Namespace) -> int:
     from bearingwear.io.difference import difference
 
     text, same = difference(given.first, given.second, given.tolerance)
-    print(text)
+    _print(text)
     return OK if same else DIFFERENT

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bearingwear.io.netcdf import SOURCE, CaseFileError, foreign, readable
+from bearingwear.io.netcdf import SOURCE, CaseFileError, damaged, foreign, readable
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 
@@ -100,11 +100,10 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
             if not str(getattr(file, "source", "")).startswith(SOURCE):
                 raise foreign(path)
             yield file
-    except (OSError, RuntimeError, IndexError, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(
-            f"{os.fspath(path)}: given a damaged file ({reason}); allowed a result file"
-        ) from None
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, CaseFileError):
+            raise
+        raise damaged(path, error) from None
 
 
 def kind_of(file: Any) -> str:

@@ -211,12 +211,13 @@ def _trade_figure(given: argparse.Namespace) -> int:
 
 
 def _trade_tables(given: argparse.Namespace) -> int:
+    from bearingwear.io.whole import write_text
     from bearingwear.report.trade_table import markdown, write_points
 
     trade, plan = _loaded(given.trade, point=()), _plan(given.plan)
     everything, summary = given.output
     write_points(trade, everything)
-    summary.write_text(markdown(trade, plan), encoding="utf-8")
+    write_text(summary, markdown(trade, plan))
     return 0
 
 

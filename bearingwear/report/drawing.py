@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.lines import Line2D
 
+from bearingwear.io.whole import whole_file
 from bearingwear.kernels.status import OK
 
 STYLE = Path(__file__).with_name("style.mplstyle")
@@ -39,9 +40,9 @@ def new_figure(
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     """Write a figure in the format that each suffix names; no clock time goes in."""
     for path in map(Path, paths):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        metadata = {"Date": None} if path.suffix == ".svg" else {}
-        figure.savefig(path, metadata=metadata)
+        kind = path.suffix.removeprefix(".")
+        with whole_file(path) as part:
+            figure.savefig(part, format=kind, metadata={"Date": None} if kind == "svg" else {})
 
 
 def methods(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:

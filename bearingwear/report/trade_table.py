@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.netcdf import CaseFileError
+from bearingwear.io.whole import whole_file, write_text
 from bearingwear.report.tradeoff import chosen
 from bearingwear.study.sweeps import FIRST, Row, TradePlan
 
@@ -33,9 +34,7 @@ def write_points(trade: xr.Dataset, path: str | Path) -> None:
     """Every point, a row each."""
     order = ("scene", "sweep", "kind", "against", "label", "settings")
     rest = [str(name) for name in trade if name not in (*order, "sweep_title")]
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         units = {name: str(trade[name].attrs.get("units", "")) for name in rest}
         table.writerow([*order, *(f"{n} ({u})" if u else n for n, u in units.items())])
@@ -173,7 +172,7 @@ def write_block(text: str, docs: str | Path) -> None:
         new = before + text.rstrip("\n") + rest.partition(END)[2]
     else:
         new = old.rstrip("\n") + "\n\n" + text
-    docs.write_text(new, encoding="utf-8")
+    write_text(docs, new)
 
 
 def differences(trade: xr.Dataset, plan: TradePlan, docs: str | Path) -> list[str]:

@@ -60,6 +60,7 @@ def _wear_life(given: argparse.Namespace) -> int:
 
 
 def _verdict(given: argparse.Namespace) -> int:
+    from bearingwear.io.whole import write_text
     from bearingwear.study.verdict import verdict
 
     checked, unsolved = verdict(given.files)
@@ -67,8 +68,7 @@ def _verdict(given: argparse.Namespace) -> int:
         lines = [f"{len(unsolved)} of {checked} not solved:", *unsolved]
         sys.stderr.write("\n  ".join(lines) + "\n")
         return 3
-    given.output.parent.mkdir(parents=True, exist_ok=True)
-    given.output.write_text(f"all {checked} solved and verified\n", encoding="utf-8")
+    write_text(given.output, f"all {checked} solved and verified\n")
     return 0
 
 

@@ -49,6 +49,7 @@ rule trade:
         sweep=r"[a-z0-9_]+",
     threads: workflow.resource_settings.cores or 1  # a cluster has no total: one each
     params:
+        made_from=made_from(trade_scene, *SOLVER, *TRADE_SOURCES),
         points=trade_points,
         plan=TRADE_PLAN,
     message:
@@ -69,6 +70,8 @@ rule gather_tradeoff:
         "results/tradeoff/tradeoff.nc",
     log:
         "logs/tradeoff/tradeoff.log",
+    params:
+        made_from=made_from(*TRADED_SOURCES),
     message:
         "accuracy against time: gather the sweeps"
     shell:
@@ -92,6 +95,8 @@ rule figure_tradeoff:
         "logs/tradeoff/{figure}.log",
     wildcard_constraints:
         figure="|".join(TRADE_FIGURES),
+    params:
+        made_from=made_from(*REPORT),
     message:
         "accuracy against time: figure {wildcards.figure}"
     shell:
@@ -114,6 +119,8 @@ rule table_tradeoff:
         ),
     log:
         "logs/tradeoff/tables.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "accuracy against time: tables"
     shell:
@@ -132,6 +139,8 @@ rule check_tradeoff:
         "results/tradeoff/check.txt",
     log:
         "logs/tradeoff/check.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "accuracy against time: compare with docs/accuracy.md"
     shell:
