@@ -20,7 +20,7 @@ from bearingwear.kernels.summary import COLUMNS, HEAT, MAJOR, QV, TRACK, contact
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
-from bearingwear.model.estimate import HALVED, changed, measured, summed
+from bearingwear.model.estimate import DOUBLED, changed, measured, summed
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values, wear_values
@@ -233,7 +233,7 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     other = np.array(
         [g.n_balls * finer[..., QV].sum() / n, now[1], *rates["ball_diameter_loss_rate"]]
     )
-    values |= summed([HALVED * changed(now, other)])
+    values |= summed([DOUBLED * changed(now, other)])
     return values, {
         "residual": f"normal balance {residual:.1e} of the contact load; "
         f"allowed {LARGEST_RESIDUAL:.0e}"

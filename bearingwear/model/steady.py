@@ -14,7 +14,7 @@ from bearingwear.kernels.steady import Preload, drag_force, orbit_equilibrium, s
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
-from bearingwear.model.estimate import HALVED, changed, summed
+from bearingwear.model.estimate import DOUBLED, HALVED, changed, summed
 from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values, wear_values
 
@@ -172,11 +172,11 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
     """Estimated numerical errors of a solved state; empty where they cannot be had."""
     now = steady_answer(scene, problem, D, case)
     parts = []
-    for other in problem.perturbed(scene):
+    for weight, other in zip((HALVED, DOUBLED), problem.perturbed(scene), strict=True):
         near = other.solve(D, start=case.u)
         if near.status != code.OK:
             return {}
-        parts.append(HALVED * changed(now, steady_answer(scene, other, D, near)))
+        parts.append(weight * changed(now, steady_answer(scene, other, D, near)))
     return summed(parts)
 
 

@@ -432,7 +432,7 @@ def test_life_is_never_solved_in_time():
 
 
 def test_averaged_turns():
-    assert load_scene(S1).model.averaged_turns == 10.0
+    assert load_scene(S1).model.averaged_turns == 20.0
     assert load_scene(S1, ["model.simulated_turns=3"]).model.averaged_turns == 1.5
     assert load_scene(S1, ["model.evaluated_turns=4"]).model.averaged_turns == 4.0
 
