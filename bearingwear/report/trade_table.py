@@ -120,8 +120,7 @@ of the normal forces are left out of the motion; the energy account books their 
 {booked(trade)}.
 
 **Estimated errors against true ones**, of all points that carry an estimate, sweeps to the extremes
-included; what the reference itself is not sure of (its own estimate, and its check) is taken off the
-error
+included; what the reference itself is not sure of (its own estimate, and its check) is taken off
 
 {estimates(trade)}
 {END}
