@@ -10,6 +10,7 @@ OUTSIDE_HERTZ_RANGE = 6
 UNVERIFIED = 7
 CRITERION_NOT_REACHED = 8
 BEYOND_GROOVE = 9
+BELOW_ROUNDING = 10
 
 STATUS_NAMES = (
     "ok",
@@ -22,6 +23,7 @@ STATUS_NAMES = (
     "unverified",
     "criterion_not_reached",
     "beyond_groove",
+    "below_rounding",
 )
 
 STATUS_SENTENCES = {
@@ -35,4 +37,6 @@ STATUS_SENTENCES = {
     "unverified": "the answer failed the check made after the solve",
     "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
     "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
+    "below_rounding": "slip is smoothed so finely (slip_regularisation_m_s) or so small against the "
+    "surface speeds that rounding hides it",
 }
