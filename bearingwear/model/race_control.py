@@ -1,7 +1,7 @@
 """Jones-Harris race control for any load: equilibrium of balls and race, slip as an estimate."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from bearingwear.kernels.equilibrium import (
     static_displacement,
     thrust_equilibrium,
 )
-from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
+from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Motion
 from bearingwear.kernels.race import ROW, axial_stiffness, race_equilibrium, stored_state
 from bearingwear.kernels.steady import LARGEST_AXIS, workspace
@@ -69,11 +69,11 @@ class RaceControlProblem:
         """Azimuth of the balls solved; the first stands at +Z [rad]."""
         return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
 
-    def balance(self, laws: np.ndarray) -> Balance:
-        """Equilibrium with the given controlling race of each ball (n,)."""
+    def balance(self, laws: np.ndarray, Omega: float = 0.0) -> Balance:
+        """Equilibrium with the given law (n,), of ORBIT at the rate Omega [rad/s]."""
         m = self.motion
         if len(self.D) == 1:
-            load = BallLoad(int(laws[0]), 0.0, m.omega_i, m.omega_o, 0.0, 0.0)
+            load = BallLoad(int(laws[0]), Omega, m.omega_i, m.omega_o, 0.0, 0.0)
             delta_a, state = thrust_equilibrium(
                 self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
             )
@@ -84,7 +84,7 @@ class RaceControlProblem:
         loads = np.column_stack(
             [
                 laws,
-                np.zeros(len(laws)),
+                np.full(len(laws), Omega),
                 np.full(len(laws), m.omega_i),
                 np.full(len(laws), m.omega_o),
                 *np.zeros((2, len(laws))),
@@ -95,7 +95,7 @@ class RaceControlProblem:
         first = 0 if self.constant_force else 1
         if self.constant_force and self.F[0] > 0.0:
             # Worn balls: start where the thrust alone would press the race to.
-            load = BallLoad(int(laws[0]), 0.0, m.omega_i, m.omega_o, 0.0, 0.0)
+            load = BallLoad(int(laws[0]), Omega, m.omega_i, m.omega_o, 0.0, 0.0)
             delta[0], _ = thrust_equilibrium(
                 self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
             )
@@ -104,6 +104,24 @@ class RaceControlProblem:
         )
         states = [stored_state(row) for row in rows]
         return Balance(status, delta, states, axial_stiffness(stiffness), self.unbalanced(states))
+
+    def reason(self) -> int:
+        """Status of a scene that has no equilibrium under race control.
+
+        The same balls without the friction forces that carry their gyroscopic moments hang on
+        springs and have an equilibrium, or are loose.
+        """
+        m, alpha0 = self.motion, self.g.alpha0
+        k = race_control(
+            OUTER_CONTROL, m.omega_i, m.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0
+        )
+        without = self.balance(np.full(len(self.D), ORBIT), k.Omega)
+        if without.status == code.NOT_CONVERGED and any(
+            not (state.Q_i > 0.0 and 0.0 < state.alpha_i < 0.5 * math.pi)
+            for state in without.states
+        ):
+            return code.RACE_UNSEATED
+        return code.NO_RACE_CONTROL if without.status == code.OK else without.status
 
     def unbalanced(self, states: list[BallState]) -> float:
         """Force left on the inner race, summed anew from the balls' forces [N]."""
@@ -141,7 +159,10 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
     if balance.status == code.NOT_CONVERGED:
         # Where the outer race cannot carry the gyroscopic moments there is no such equilibrium.
         laws = np.full(len(problem.D), INNER_CONTROL)
-        return problem.balance(laws), laws
+        balance = problem.balance(laws)
+        if balance.status == code.NOT_CONVERGED:
+            balance = replace(balance, status=problem.reason())
+        return balance, laws
     while True:
         failed = [
             j

@@ -77,11 +77,66 @@ class Family:
 
 
 @dataclass(frozen=True)
+class Axis:
+    """Points along a key of a scene."""
+
+    key: str
+    log: bool
+    values: tuple[float, ...]
+
+    @classmethod
+    def of_block(cls, given: Mapping[str, Any], where: str) -> "Axis":
+        """From `{key: operation.preload_N, log: [1, 10], points: 5}`.
+
+        Raises
+        ------
+        ValueError
+        """
+        draw = Draw.of_block({k: v for k, v in given.items() if k not in ("key", "points")}, where)
+        n = int(given["points"])
+        if n < 2 or draw.scale is None:
+            raise ValueError(f"{where}: given {dict(given)}; allowed two ends, 2 points or more")
+        low, high = draw.ends
+        shares = [k / (n - 1) for k in range(n)]
+        if draw.scale == "log":
+            values = [low * (high / low) ** share for share in shares]
+        else:
+            values = [low + (high - low) * share for share in shares]
+        return cls(given["key"], draw.scale == "log", tuple(values))
+
+
+@dataclass(frozen=True)
+class Map:
+    """Steady states over two axes."""
+
+    title: str
+    settings: Mapping[str, Any]
+    x: Axis
+    y: Axis
+    limits: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Branch:
+    """Steady states followed along an axis, both ways."""
+
+    title: str
+    settings: Mapping[str, Any]
+    along: Axis
+
+
+LIMITS = ("contact", "gyroscopic_slip", "skid")
+
+
+@dataclass(frozen=True)
 class ExtremesPlan:
     """Everything in config/extremes.yaml."""
 
     scene: str
     families: Mapping[str, Family]
+    maps: Mapping[str, Map]
+    limits: Mapping[str, float]
+    branches: Mapping[str, Branch]
 
     @classmethod
     def from_file(cls, path: str | Path) -> "ExtremesPlan":
@@ -94,13 +149,42 @@ class ExtremesPlan:
         """
         try:
             data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-            return cls(data["scene"], _families(data["families"]))
+            return cls(
+                data["scene"],
+                _families(data["families"]),
+                {name: _map(name, given) for name, given in data["maps"].items()},
+                {name: float(data["limits"][name]) for name in LIMITS[1:]},
+                {
+                    name: Branch(
+                        given["title"],
+                        given.get("set", {}),
+                        Axis.of_block(given["along"], f"branches.{name}.along"),
+                    )
+                    for name, given in data["branches"].items()
+                },
+            )
         except (OSError, TypeError, AttributeError, yaml.YAMLError) as error:
             raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
         except KeyError as error:
             raise ValueError(f"{path}: {error}: given nothing") from None
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
+
+    def jobs(self) -> list[tuple[str, str]]:
+        """Kind and name of everything to solve."""
+        return [
+            (kind, name)
+            for kind, blocks in (
+                ("families", self.families),
+                ("maps", self.maps),
+                ("branches", self.branches),
+            )
+            for name in blocks
+        ]
+
+    def text(self, kind: str, name: str) -> str:
+        """All that decides a job, to see when it changes."""
+        return repr((self.scene, getattr(self, kind)[name], self.limits))
 
     def base(self, folder: str | Path = "config/scenes") -> dict[str, Any]:
         """The scene that all start from, as plain data."""
@@ -122,6 +206,19 @@ def _families(data: Mapping[str, Any]) -> dict[str, Family]:
             draw[key] = Draw.of_block(block, f"{where}.draw.{key}")
         families[name] = Family(given["tier"], int(given["scenes"]), draw)
     return families
+
+
+def _map(name: str, given: Mapping[str, Any]) -> Map:
+    where = f"maps.{name}"
+    for limit in given["limits"]:
+        _known(limit, LIMITS, f"{where}.limits")
+    return Map(
+        given["title"],
+        given.get("set", {}),
+        Axis.of_block(given["x"], f"{where}.x"),
+        Axis.of_block(given["y"], f"{where}.y"),
+        tuple(given["limits"]),
+    )
 
 
 def _known(given: Any, allowed: Any, where: str) -> None:
