@@ -59,9 +59,7 @@ def moved_forces(g, D, load, A1, A2, X1, X2):
     """`other_forces`, axial and radially outward, with the ball centre at (X1, X2) [N]."""
     l_i = math.sqrt((A1 - X1) ** 2 + (A2 - X2) ** 2)
     l_o = math.sqrt(X1 * X1 + X2 * X2)
-    P_x, P_r, _ = other_forces(
-        g, D, load, X2, (A1 - X1) / l_i, (A2 - X2) / l_i, X1 / l_o, X2 / l_o
-    )
+    P_x, P_r, _ = other_forces(g, D, load, X2, (A1 - X1) / l_i, (A2 - X2) / l_i, X1 / l_o, X2 / l_o)
     return P_x, P_r
 
 
@@ -297,7 +295,8 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
         state = ball_equilibrium(g, D, load, A1, A2, state)
         if state.status == NOT_CONVERGED:
             break
-        # Beside a large centrifugal force, a step that is small for the grooves is none for a spring.
+        # Beside a large centrifugal force, a step that is small for the grooves is none for the
+        # spring.
         if abs(step) <= 1e-11 * g.BD and (
             abs(state.F_ix - P) <= 1e-12 * P or abs(step) <= 1e-16 * g.BD
         ):

@@ -221,7 +221,7 @@ def rounding(g, D, mu, state, u, J):
 
 @jit
 def usable(state):
-    """Status of a ball equilibrium: OK only with both contacts within the grooves (circles here)."""
+    """Status of a ball equilibrium: OK only with both contacts closed, within the grooves."""
     if state.status == OK and not (state.Q_i > 0.0 and state.Q_o > 0.0):
         return CONTACT_LOST
     if state.status == OK and not (

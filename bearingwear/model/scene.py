@@ -347,6 +347,7 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
         )
 
+
 def _check_model(scene: Scene) -> None:
     if scene.model.cage_results and scene.cage is None:
         raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))

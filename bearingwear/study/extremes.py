@@ -19,7 +19,8 @@ TIERS = ("race_control", "steady", "dynamic")
 
 SPECIAL = (
     "ball_diameter_mm", "pitch_ratio", "fill", "loss_ratio", "stress_GPa", "speed_m_s",
-    "outer_ratio", "radial_ratio", "rotating_ratio", "cage", "pocket_clearance_ratio", "guide_clearance_ratio",
+    "outer_ratio", "radial_ratio", "rotating_ratio", "cage", "pocket_clearance_ratio",
+    "guide_clearance_ratio",
 )  # fmt: skip
 """Values drawn that are no keys of a scene; `bearingwear.study.stress` says what they stand for."""
 
