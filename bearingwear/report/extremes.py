@@ -81,7 +81,7 @@ def stress_map(found: xr.Dataset) -> Figure:
         axes.pcolormesh(x_edges, y_edges, cells, cmap=cmap, rasterized=True)
         handles.append(Patch(color=ENDS.get(name, "black"), label=in_words(name)))
     for limit, (colour, text) in LIMITS.items():
-        if f"boundary_{limit}" not in found:
+        if f"boundary_{limit}" not in found or not np.isfinite(found[f"boundary_{limit}"]).any():
             continue
         line = {"color": colour, "linewidth": 2.0}
         axes.plot(x, found[f"boundary_{limit}"], **line)
@@ -96,10 +96,10 @@ def stress_map(found: xr.Dataset) -> Figure:
     axes.set_xlim(x_edges[0], x_edges[-1])
     axes.set_ylim(max(y_edges[0], 0.0), y_edges[-1])
     verified, total = int((status == OK).sum()), status.size
-    title = f"{found.attrs['title']}: {verified} of {total} points verified, the others named"
+    title = f"{found.attrs['shown']}: {verified} of {total} points verified, the others named"
     if np.isin(status, [STATUS_NAMES.index(n) for n in ("not_converged", "unverified")]).any():
         title = (
-            f"{found.attrs['title']}: {verified} of {total} points verified, not all others named"
+            f"{found.attrs['shown']}: {verified} of {total} points verified, not all others named"
         )
     frame(figure, title, handles, columns=3)
     return figure
@@ -132,7 +132,7 @@ def branches(found: xr.Dataset) -> Figure:
     handles = [
         key({"anew": "found anew (life)"}.get(way, f"followed {way}"), **WAYS[way]) for way in ways
     ]
-    frame(figure, f"{found.attrs['title']}: {verdict(found)}", handles, columns=3)
+    frame(figure, f"{found.attrs['shown']}: {verdict(found)}", handles, columns=3)
     return figure
 
 

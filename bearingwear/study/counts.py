@@ -33,10 +33,13 @@ def counted(paths: Iterable[str | Path]) -> xr.Dataset:
         A file of another kind.
     """
     rows: list[dict] = []
+    shared: dict = {}
     for path in map(Path, paths):
         dataset = load(path)
         if dataset.attrs.get("kind") not in ("families", "maps"):
             raise CaseFileError(f"{path}: no random scenes and no map of the extremes")
+        kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
+        shared = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}
         status = dataset["status"].values.ravel()
         said = dataset["wrong"].values.ravel().astype(str)
         crashed = np.char.startswith(said, "crashed")
@@ -67,5 +70,5 @@ def counted(paths: Iterable[str | Path]) -> xr.Dataset:
         variables[key] = (dims, np.array(column, dtype=object if text else np.int64))
     return xr.Dataset(
         variables,
-        attrs={"title": "How scenes of the extremes end", "ends": " ".join(STATUS_NAMES)},
+        attrs=shared | {"title": "How scenes of the extremes end", "ends": " ".join(STATUS_NAMES)},
     )

@@ -9,14 +9,17 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.config import scene_from_dict
+from bearingwear.io.netcdf import dataset
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model import parameters
+from bearingwear.model.fidelity import choice
+from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene, SceneError, most_balls
-from bearingwear.model.solve import solved
+from bearingwear.model.solve import provenance, solved
 from bearingwear.model.steady import ThrustProblem, steady_values
 from bearingwear.study.extremes import Axis, Branch, ExtremesPlan, Map, changed
 
@@ -161,6 +164,15 @@ def solved_values(scene: Scene, tier: str) -> dict[str, Any]:
     return solved(scene, tier, None, None)[0]
 
 
+def written_by(scene: Mapping[str, Any], attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes of a file, with the versions that a case file has."""
+    one = scene_from_dict(dict(scene))
+    made = dataset(Result({"status": code.OK}, provenance(one, choice(one, "race_control"))))
+    kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
+    shared = {key: made.attrs[key] for key in (*kept, "numba_version") if key in made.attrs}
+    return shared | {"title": f"Extremes: {attrs['kind']}, {attrs['name']}"} | dict(attrs)
+
+
 # Random scenes
 
 
@@ -196,7 +208,7 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
     }
     return xr.Dataset(
         {"status": ("trial", status), "wrong": ("trial", wrong)} | columns,
-        attrs={"kind": "families", "name": name, "tier": of.tier, "seed": seed},
+        attrs=written_by(base, {"kind": "families", "name": name, "tier": of.tier, "seed": seed}),
     )
 
 
@@ -269,16 +281,16 @@ def steady_map(plan: ExtremesPlan, name: str) -> xr.Dataset:
     return xr.Dataset(
         variables,
         {"x": list(of.x.values), "y": list(of.y.values)},
-        attrs={
-            "kind": "maps", "name": name, "title": of.title, "x_key": of.x.key, "y_key": of.y.key,
+        attrs=written_by(base, {
+            "kind": "maps", "name": name, "shown": of.title, "x_key": of.x.key, "y_key": of.y.key,
             "x_log": int(of.x.log), "y_log": int(of.y.log),
-        },
+        }),
     )  # fmt: skip
 
 
 def crossing(axis: Axis, found: list[float], at: Callable[[float], float]) -> float:
-    """Where along an axis a number changes sign for the first time, by bisection; NaN if never."""
-    for k in range(len(found) - 1):
+    """Where along an axis a number changes sign for the last time, by bisection; NaN if never."""
+    for k in range(len(found) - 2, -1, -1):
         if found[k] * found[k + 1] < 0.0:
             break
     else:
@@ -370,8 +382,8 @@ def branch(plan: ExtremesPlan, name: str) -> xr.Dataset:
         {"status": (("way", "point"), status)}
         | {key: (("way", "point"), column) for key, column in columns.items()}
         | {"along": ("point", list(of.along.values))},
-        attrs={
-            "kind": "branches", "name": name, "title": of.title, "key": of.along.key,
+        attrs=written_by(base, {
+            "kind": "branches", "name": name, "shown": of.title, "key": of.along.key,
             "log": int(of.along.log), "ways": "up down anew",
-        },
+        }),
     )  # fmt: skip
