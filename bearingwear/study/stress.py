@@ -202,10 +202,11 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
             continue
         status[k] = found["status"]
         wrong[k] = "; ".join(wrongs(scene, of.tier, found))
-    columns = {
-        key: ("trial", np.array([str(values[key]) for values in drawn], dtype=object))
-        for key in of.draw
-    }
+    columns = {}
+    for key in of.draw:
+        column = [values[key] for values in drawn]
+        text = isinstance(column[0], str)
+        columns[key] = ("trial", np.array(column, dtype=object if text else float))
     return xr.Dataset(
         {"status": ("trial", status), "wrong": ("trial", wrong)} | columns,
         attrs=written_by(base, {"kind": "families", "name": name, "tier": of.tier, "seed": seed}),
