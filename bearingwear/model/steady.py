@@ -143,6 +143,8 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
         every.sort(key=lambda c: not problem.stable(D, c))  # the one reached first, if it is stable
         case = every[0]
         attrs["residual"] = residual_sentence(case)
+        if case.held:
+            attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
         values |= {"status": case.status} | steady_values(scene, problem, D, case)
         eigenvalues = problem.time_scales(D, case)
         values |= {
