@@ -5,7 +5,7 @@ JOBS ?= 2
 BIN := .venv/bin
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test test-slurm test-faults bench venv clean
+.PHONY: study test test-slurm test-faults fuzz bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -23,6 +23,15 @@ test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and m
 
 test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
 	$(BIN)/python -m pytest -m faults
+
+# 100 000 steady and race-control solves and 300 short runs in time of random scenes, about an hour; exit 3 if one is wrong.
+FUZZ := steady:25000 steady_stress:35000 race_control:20000 race_control_stress:20000 dynamic:150 dynamic_stress:150
+SEED ?= 2
+fuzz: $(STAMP)
+	set -e; for f in $(FUZZ); do \
+	  $(BIN)/bearingwear extremes families $${f%:*} --scenes $${f#*:} --seed $(SEED) -o results/fuzz/$${f%:*}.nc; done
+	$(BIN)/bearingwear gather-extremes $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc) -o results/fuzz/fuzz.nc
+	$(BIN)/bearingwear tables-extremes results/fuzz/fuzz.nc -o results/fuzz/fuzz.md
 
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py

@@ -263,6 +263,15 @@ STATE = _table(
         comment=ESTIMATE,
     ),
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
+    Variable(
+        "equilibrium_rounding", (), "1", "what rounding of places can make of equilibrium_residual"
+    ),
+    Variable(
+        "friction_rounding", (), "1", "what rounding of the speeds can make of friction_residual"
+    ),
+    Variable(
+        "power_rounding", (), "1", "what rounding of the speeds can make of power_balance_error"
+    ),
 )
 
 # Histories that are means over the interval which ends at the instant.

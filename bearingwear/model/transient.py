@@ -317,6 +317,8 @@ def solve_dynamic(
         "initial_axial_displacement": motion.buffers.rest[0],
     }
     attrs: dict = {"residual": "not solved", "start": start.kind}
+    if values["status"] == code.NOT_CONVERGED:
+        values["status"] = motion.why()
     if values["status"] != code.OK:
         return values, attrs
     slow = start.scales.get("slow_time_scale", 0.0) / motion.turn
@@ -329,6 +331,8 @@ def solve_dynamic(
             turns = length / run.grid.points
             status = run.window(length, interrupt)
             if status != code.OK:
+                if status == code.NOT_CONVERGED:
+                    status = motion.why()
                 stopped = {"status": status, "final_time": motion.time}
                 attrs["residual"] = f"not solved; the run stopped at {motion.time:.6g} s"
                 return values | stopped | run.counts(0.0), attrs

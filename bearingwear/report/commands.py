@@ -1,4 +1,4 @@
-"""Commands of the report: figure, tables, tables-dynamic, tables-tradeoff, docs-tradeoff."""
+"""Commands of the report: figure, tables, and those of the studies beside it."""
 
 from __future__ import annotations
 
@@ -65,6 +65,18 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     trade.add_argument("trade", metavar="TRADEOFF.nc", type=Path)
     trade.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     trade.set_defaults(run=_trade_figure)
+
+    extremes = figures.add_parser("extremes", help="a map or branches far beyond the study")
+    extremes.add_argument("file", metavar="FILE.nc", type=Path)
+    extremes.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    extremes.set_defaults(run=_extremes_figure)
+
+    ends = commands.add_parser(
+        "tables-extremes", help="write how scenes of the extremes end; exit 3 if one is wrong"
+    )
+    ends.add_argument("counts", metavar="EXTREMES.nc", type=Path)
+    ends.add_argument("-o", "--output", required=True, metavar="TABLE.md", type=Path)
+    ends.set_defaults(run=_extremes_table)
 
     numbers = commands.add_parser(
         "tables-tradeoff", help="write what each simplification costs, as CSV and Markdown"
@@ -233,6 +245,26 @@ def _trade_docs(given: argparse.Namespace) -> int:
         sys.stderr.write(f"{line}\n")
     print(f"{given.docs}: {len(found)} numbers differ" if found else f"{given.docs}: agrees")
     return 3 if found else 0
+
+
+def _extremes_figure(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import load
+    from bearingwear.report.drawing import save
+    from bearingwear.report.extremes import figure_of
+
+    save(figure_of(load(given.file)), given.output)
+    return 0
+
+
+def _extremes_table(given: argparse.Namespace) -> int:
+    from bearingwear.report.extremes import write_table
+
+    counts = _loaded(given.counts, set=(), end=())
+    wrong = write_table(counts, given.output)
+    if wrong:
+        first = next(text for text in counts["first_wrong"].values if text)
+        sys.stderr.write(f"{given.counts}: {wrong} wrong, the first: {first}\n")
+    return 3 if wrong else 0
 
 
 def _plan(path: Path) -> TradePlan:

@@ -1,4 +1,4 @@
-"""Commands of the study: gather, wear-life, verdict, tradeoff, gather-tradeoff."""
+"""Commands of the study: gather, wear-life, verdict, and of the studies beside it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 PLAN = Path("config/tradeoff.yaml")
+EXTREMES = Path("config/extremes.yaml")
 
 
 def add_parser(commands: argparse._SubParsersAction) -> None:
@@ -38,7 +39,23 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     traded.add_argument("files", nargs="+", metavar="POINTS.nc", type=Path)
     traded.set_defaults(run=_gather_tradeoff)
 
-    for parser in (gather, life, verdict, trade, traded):
+    extremes = commands.add_parser(
+        "extremes", help="solve scenes far beyond the study: random ones, a map, or branches"
+    )
+    extremes.add_argument("kind", metavar="KIND", help="families, maps or branches")
+    extremes.add_argument("name", metavar="NAME", help="a name under that")
+    extremes.add_argument("--plan", type=Path, default=EXTREMES, metavar="FILE.yaml")
+    extremes.add_argument(
+        "--scenes", type=int, metavar="N", help="random scenes, if not the plan's"
+    )
+    extremes.add_argument("--seed", type=int, default=1, metavar="N", help="of random scenes")
+    extremes.set_defaults(run=_extremes)
+
+    stressed = commands.add_parser("gather-extremes", help="count how scenes of the extremes ended")
+    stressed.add_argument("files", nargs="+", metavar="FILE.nc", type=Path)
+    stressed.set_defaults(run=_gather_extremes)
+
+    for parser in (gather, life, verdict, trade, traded, extremes, stressed):
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -93,4 +110,34 @@ def _gather_tradeoff(given: argparse.Namespace) -> int:
     from bearingwear.study.tradeoff import gathered
 
     write(gathered(given.files), given.output)
+    return 0
+
+
+def _extremes(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.extremes import ExtremesPlan
+    from bearingwear.study.stack import write
+    from bearingwear.study.stress import branch, family, steady_map
+
+    try:
+        plan = ExtremesPlan.from_file(given.plan)
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None
+    if (given.kind, given.name) not in plan.jobs():
+        raise CaseFileError(f"{given.plan}: has no {given.name} under {given.kind}")
+    if given.kind == "families":
+        found = family(plan, given.name, given.scenes, given.seed)
+    elif given.kind == "maps":
+        found = steady_map(plan, given.name)
+    else:
+        found = branch(plan, given.name)
+    write(found, given.output)
+    return 0
+
+
+def _gather_extremes(given: argparse.Namespace) -> int:
+    from bearingwear.study.counts import counted
+    from bearingwear.study.stack import write
+
+    write(counted(given.files), given.output)
     return 0
