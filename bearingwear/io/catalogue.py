@@ -230,7 +230,7 @@ def write_scene(
     if path.suffix not in (".yaml", ".yml") or not name:
         raise OutputError(f"{path}: given this name; allowed NAME.yaml, its name that of the scene")
     text, assumed = scene_text(name, bore, outside, given, ball_material, preload_method)
-    if os.path.lexists(path):
+    if "\0" not in str(path) and os.path.lexists(path):
         raise OutputError(f"{path}: is there already, and is not replaced; allowed a new name")
     write_text(path, text)
     return assumed

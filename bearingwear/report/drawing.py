@@ -11,6 +11,7 @@ import matplotlib.figure
 import numpy as np
 import xarray as xr
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
 
 from bearingwear.io.whole import whole_file
 from bearingwear.kernels.status import OK
@@ -38,7 +39,16 @@ def new_figure(
 
 
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
-    """Write a figure in the format that each suffix names; no clock time goes in."""
+    """Write a figure in the format that each suffix names; no clock time goes in.
+
+    Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
+    of a logarithmic axis need it, and get plain numbers here.
+    """
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatter):
+                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_minor_formatter(NullFormatter())
     for path in map(Path, paths):
         kind = path.suffix.removeprefix(".")
         with whole_file(path) as part:

@@ -199,7 +199,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "no turns evaluated": (
         GOOD + "model: {evaluated_turns: 0}\n", "model.evaluated_turns", ("> 0",)),
     "more turns evaluated than simulated": (
-        GOOD + "model: {evaluated_turns: 20.5}\n", "model.evaluated_turns", ("20.5", "<= 20")),
+        GOOD + "model: {evaluated_turns: 40.5}\n", "model.evaluated_turns", ("40.5", "<= 40")),
     "half a point": (
         GOOD + "model: {history_points_per_turn: 0.5}\n",
         "model.history_points_per_turn", ("whole number",)),

@@ -27,6 +27,7 @@ from bearingwear.model.fidelity import NotAvailable, choice, choice_for_life
 
 S1 = scene_file("gyro_s1")
 BALLS, TURN = 9, 0.002
+TWENTY = ["--set", "model.simulated_turns=20"]
 HAS_SOLVER = hasattr(transient, "solve_dynamic")
 
 
@@ -72,7 +73,9 @@ def solver(monkeypatch):
 
 
 def solve(output, *more) -> int:
-    return main(["solve", str(S1), "-o", str(output), "--fidelity", "dynamic", *more])
+    turns = [] if "model.simulated_turns" in " ".join(map(str, more)) else TWENTY
+    argv = ["solve", str(S1), "-o", str(output), "--fidelity", "dynamic", *turns, *more]
+    return main(argv)
 
 
 @pytest.fixture

@@ -34,10 +34,6 @@ localrules:
     extremes,
 
 
-def extremes_text(wildcards):
-    return EXTREMES.text(wildcards.kind, wildcards.name)
-
-
 # All random scenes of a family, all points of a map, or all of a branch, in one job.
 rule stress:
     input:
@@ -51,7 +47,7 @@ rule stress:
         kind="families|maps|branches",
         name=r"[a-z0-9_]+",
     params:
-        text=extremes_text,
+        text=lambda wildcards: EXTREMES.text(wildcards.kind, wildcards.name),
         plan=EXTREMES_PLAN,
     message:
         "extremes: {wildcards.kind}, {wildcards.name}"

@@ -27,18 +27,10 @@ localrules:
     tradeoff,
 
 
-def trade_scene(wildcards):
-    return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"
-
-
-def trade_points(wildcards):
-    return TRADE.text(wildcards.bench, wildcards.sweep)
-
-
 # All points of one sweep on one scene. Takes every core, so that nothing else is timed with it.
 rule trade:
     input:
-        scene=trade_scene,
+        scene=lambda wildcards: f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml",
         sources=SOLVER + TRADE_SOURCES,
     output:
         "results/tradeoff/points/{bench}-{sweep}.nc",
@@ -50,7 +42,7 @@ rule trade:
     threads: workflow.resource_settings.cores or 1  # a cluster has no total: one each
     params:
         made_from=made_from(trade_scene, *SOLVER, *TRADE_SOURCES),
-        points=trade_points,
+        points=lambda wildcards: TRADE.text(wildcards.bench, wildcards.sweep),
         plan=TRADE_PLAN,
     message:
         "accuracy against time: {wildcards.bench}, {wildcards.sweep}"
