@@ -25,6 +25,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         One line: no permission, a full disk, a name that cannot be.
     """
     path = Path(path)
+    if "\0" in str(path):
+        raise OutputError(f"{path}: cannot be written (no character 0 in a name)")
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         try:

@@ -116,3 +116,7 @@ def spread_studies(wildcards):
 
 def spread_friction(wildcards):
     return PLAN.spreads[wildcards.spread].friction
+
+
+def trade_scene(wildcards):
+    return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"

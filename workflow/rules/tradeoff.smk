@@ -30,7 +30,7 @@ localrules:
 # All points of one sweep on one scene. Takes every core, so that nothing else is timed with it.
 rule trade:
     input:
-        scene=lambda wildcards: f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml",
+        scene=trade_scene,
         sources=SOLVER + TRADE_SOURCES,
     output:
         "results/tradeoff/points/{bench}-{sweep}.nc",
