@@ -163,8 +163,10 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
     # which for one spring k_i behind another k_o is k_o (k_i + k_o)^-1 k_i.
     k11, k12, k22 = i11 + o11, i12 + o12, i22 + o22
     det = k11 * k22 - k12 * k12
-    u1, u2 = (k22 * i11 - k12 * i12) / det, (k11 * i12 - k12 * i11) / det
-    v1, v2 = (k22 * i12 - k12 * i22) / det, (k11 * i22 - k12 * i12) / det
+    u1 = u2 = v1 = v2 = 0.0  # of a ball that touches nothing
+    if det > 0.0:
+        u1, u2 = (k22 * i11 - k12 * i12) / det, (k11 * i12 - k12 * i11) / det
+        v1, v2 = (k22 * i12 - k12 * i22) / det, (k11 * i22 - k12 * i12) / det
     return BallState(
         status, X1, X2, math.atan2(s_i, c_i), math.atan2(s_o, c_o), Q_i, Q_o, hertz_i, hertz_o,
         Q_i * s_i + T_i * c_i, Q_i * c_i - T_i * s_i,
