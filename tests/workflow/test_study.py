@@ -132,7 +132,9 @@ def test_an_edited_solver_source_solves_anew(solved):
 
 
 def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
-    solved.edit("bearingwear/study/stack.py", "import os\n", "import os  # edited\n")
+    solved.edit(
+        "bearingwear/study/stack.py", "import numpy as np\n", "import numpy as np  # edited\n"
+    )
     planned = solved.run("-n")
     assert planned.jobs["gather"] == planned.jobs["wear_life"] == 2
     assert "solve" not in planned.jobs
