@@ -53,12 +53,16 @@ def _in_words(figure: Figure) -> dict[str, str | None]:
     axes = figure.axes
 
     def distinct(texts: Iterable[str]) -> str:
-        return ", ".join(dict.fromkeys(" ".join(text.split("\n")) for text in texts if text))
+        return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
 
-    shown = f"{distinct(a.get_ylabel() for a in axes)} against {distinct(a.get_xlabel() for a in axes)}"
+    up, along = distinct(a.get_ylabel() for a in axes), distinct(a.get_xlabel() for a in axes)
     panels = distinct(a.get_title(loc="left") for a in axes)
     keys = distinct(text.get_text() for legend in figure.legends for text in legend.get_texts())
-    parts = (shown, f"Panels: {panels}" if panels else "", f"Legend: {keys}" if keys else "")
+    parts = (
+        f"{up} against {along}",
+        f"Panels: {panels}" if panels else "",
+        f"Legend: {keys}" if keys else "",
+    )
     return {
         "Title": figure.get_suptitle().replace("\n", " "),
         "Description": ". ".join(part for part in parts if part),

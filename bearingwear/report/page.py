@@ -82,7 +82,7 @@ def write_page(
     results, design = list(results), list(design)
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     sections = _sections(datasets)
-    across = []
+    across: list[Drawing] = []
     for figure in _drawings(results):
         owner = sections.get(figure.path.parent.parent)
         (owner.figures if owner else across).append(figure)
@@ -166,9 +166,12 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
         raise CaseFileError(f"{file}: cannot be read ({reason}); allowed an SVG figure") from None
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
     description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
-    for parent in list(root.iter()):  # the page has the message beside the figure
-        for child in [child for child in parent if child.get("id") == MESSAGE]:
-            parent.remove(child)
+    # The page has the message beside the figure. Its glyphs stay: later texts use them, too.
+    for parent in list(root.iter()):
+        for place, child in enumerate(parent):
+            if child.get("id") == MESSAGE:
+                parent[place] = ET.Element(child.tag)
+                parent[place].extend(child.iter(f"{{{SVG}}}defs"))
     return Drawing(
         file,
         message,
@@ -212,7 +215,8 @@ def _largest_errors(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, float
         ("wear_rate_error_estimate", "rate of wear"),
         ("life_error_estimate", "life"),
     ):
-        known = [float(abs(d[name]).max()) for d in datasets if name in d and d[name].notnull().any()]
+        known = [float(abs(one[name]).max()) for one in datasets if name in one]
+        known = [error for error in known if np.isfinite(error)]
         if known:
             yield words, 100.0 * max(known)
 
@@ -260,5 +264,3 @@ def _title(file: Path) -> str:
     """The title of a Markdown file."""
     first = file.read_text(encoding="utf-8").partition("\n")[0]
     return first.removeprefix("# ") if first.startswith("# ") else file.stem
-
-

@@ -3,6 +3,7 @@
 import os
 import shlex
 import sys
+from glob import glob
 
 from snakemake.utils import validate
 
@@ -93,3 +94,13 @@ def spread_studies(wildcards):
 
 def spread_friction(wildcards):
     return PLAN.spreads[wildcards.spread].friction
+
+
+def design_results(wildcards):
+    # no part of rule all; but what is there is kept up to date
+    folder = "results/*/design"
+    return sorted(
+        file
+        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png")
+        for file in glob(f"{folder}/{kind}")
+    )

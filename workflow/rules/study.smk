@@ -111,6 +111,7 @@ rule verdict:
         lives=PLAN.lives(),
         tables=PLAN.tables(),
         figures=PLAN.figures(),
+        page="results/report/index.html",
     output:
         "results/verdict.txt",
     log:
