@@ -30,7 +30,6 @@ class Life(NamedTuple):
     counts: str  # what counts in the scene
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
-    solved: bool
 
     @property
     def counted(self) -> float:
@@ -68,7 +67,6 @@ def lives_of(dataset: xr.Dataset) -> list[Life]:
                     counts,
                     float(error[ways.index(counts)]),
                     end,
-                    status in (OK, CRITERION_NOT_REACHED),
                 )
             )
     return found

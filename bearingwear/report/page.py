@@ -13,6 +13,7 @@ from urllib.parse import quote
 import jinja2
 import numpy as np
 import xarray as xr
+from markupsafe import Markup
 
 from bearingwear.io.netcdf import CaseFileError, load
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
@@ -67,8 +68,7 @@ def write_page(
     docs : iterable of path
         Markdown to append, a section each.
     design : iterable of path
-        Markdown and figures of a design study. The first line of text of the first Markdown file
-        is then the answer.
+        Markdown and figures of a design study. Its first sentence is then the headline.
     path : path
         The page.
 
@@ -117,8 +117,12 @@ def write_page(
         ],
         keys=list(_keys([section.scene for section in sections.values()])),
         versions=_versions(datasets.values()),
-        docs=[(file, _title(file), to_html(_body(file), 1, file.parent)) for file in docs],
-        html=lambda file: to_html(_body(file, from_heading=True), 2),
+        docs=[
+            (file, title, to_html(body, 1, file.parent))
+            for file in docs
+            for title, body in [_titled(file)]
+        ],
+        html=lambda file: to_html(_tables(file), 2),
     )
     write_text(path, text)
 
@@ -193,15 +197,16 @@ def _small(root: ET.Element) -> str:
 
 def _design(files: Sequence[Path]) -> dict[str, Any] | None:
     """Headline, texts and figures of a design study, if there is one."""
-    texts = [_body(file) for file in files if file.suffix == ".md"]
+    texts = [_titled(file)[1] for file in files if file.suffix == ".md"]
     figures = list(_drawings(files))
     if not texts and not figures:
         return None
-    lines = (line.strip() for text in texts for line in text.splitlines())
-    headline = next((line for line in lines if line and line[0] not in "#|-*>"), "")
+    html = [to_html(text, 2) for text in texts]
+    first = next((one.partition("<p>")[2].partition("</p>")[0] for one in html if "<p>" in one), "")
+    sentence, stop, _ = " ".join(first.split()).partition(". ")
     return {
-        "headline": headline,
-        "texts": [to_html(text.replace(headline, "", 1), 2) for text in texts],
+        "headline": Markup(sentence + stop.strip()).striptags() if first else "",
+        "texts": html,
         "figures": figures,
     }
 
@@ -248,19 +253,21 @@ def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:
     return [one for k, one in enumerate(found) if one not in found[:k]]
 
 
-def _body(file: Path, from_heading: bool = False) -> str:
-    """A Markdown file without its title, or from its first heading below that."""
+def _text(file: Path) -> str:
     try:
-        text = file.read_text(encoding="utf-8")
+        return file.read_text(encoding="utf-8")
     except (OSError, UnicodeError) as error:
-        raise CaseFileError(f"{file}: cannot be read ({error})") from None
-    if from_heading:
-        return text[max(text.find("\n## "), 0) :]
+        raise CaseFileError(f"{file}: cannot be read ({' '.join(str(error).split())})") from None
+
+
+def _titled(file: Path) -> tuple[str, str]:
+    """Title of a Markdown file, or the file's name, and the rest of it."""
+    text = _text(file)
     first, _, rest = text.partition("\n")
-    return rest if first.startswith("# ") else text
+    return (first[2:], rest) if first.startswith("# ") else (file.stem, text)
 
 
-def _title(file: Path) -> str:
-    """The title of a Markdown file."""
-    first = file.read_text(encoding="utf-8").partition("\n")[0]
-    return first.removeprefix("# ") if first.startswith("# ") else file.stem
+def _tables(file: Path) -> str:
+    """A scene's Markdown from its first heading below the title on; the page has the rest."""
+    text = _text(file)
+    return text[max(text.find("\n## "), 0) :]
