@@ -47,7 +47,7 @@ rule trade:
     wildcard_constraints:
         bench=r"[a-z0-9_]+",
         sweep=r"[a-z0-9_]+",
-    threads: workflow.cores or 1
+    threads: workflow.resource_settings.cores or 1  # a cluster has no total: one each
     params:
         points=trade_points,
         plan=TRADE_PLAN,
