@@ -229,7 +229,9 @@ def _largest_errors(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, float
 def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
     """Rows of the table of scenes: key, a value for each, whether they differ."""
     flat = [dict(_flat(scene)) for scene in scenes]
-    for name in dict.fromkeys(name for values in flat for name in values):
+    names = list(dict.fromkeys(name for values in flat for name in values))
+    blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
+    for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
         if name not in ("name", "description"):
             row = [values.get(name, "–") for values in flat]
             yield name, row, len(set(row)) > 1
