@@ -103,6 +103,22 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     )
     tables.set_defaults(run=_tables)
 
+    page = commands.add_parser("report", help="write one HTML page of everything a study found")
+    page.add_argument(
+        "results", nargs="+", metavar="FILE", type=Path,
+        help="study.nc, wear_life.nc and dynamic.nc of scenes, their tables (.md) and figures "
+        "(.svg, and .png for heavy ones); the answer is about the first scene",
+    )  # fmt: skip
+    page.add_argument(
+        "--docs", nargs="*", default=[], metavar="FILE.md", type=Path, help="texts to append"
+    )
+    page.add_argument(
+        "--design", nargs="*", default=[], metavar="FILE", type=Path,
+        help="tables (.md) and figures of a design study; its first sentence is the answer",
+    )  # fmt: skip
+    page.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=Path)
+    page.set_defaults(run=_page)
+
 
 def _friction(given: argparse.Namespace) -> int:
     from bearingwear.report import figures
@@ -208,6 +224,13 @@ def _tables(given: argparse.Namespace) -> int:
     cases, summary = given.output
     write_cases(study, cases)
     write_summary(study, lives, summary)
+    return 0
+
+
+def _page(given: argparse.Namespace) -> int:
+    from bearingwear.report.page import write_page
+
+    write_page(given.results, given.docs, given.design, given.output)
     return 0
 
 

@@ -23,6 +23,8 @@ RACES = {"inner": {"linestyle": "-", "marker": "o"}, "outer": {"linestyle": "--"
 BOTH = {"linestyle": ":", "marker": "^"}
 DASHES = ("-", "--", ":", "-.")
 CHARACTERS_PER_INCH = 14
+MESSAGE = "message"
+"""Name, in an SVG, of the group with the title."""
 FAILED = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 2.0}
 
 Figure = matplotlib.figure.Figure
@@ -41,6 +43,7 @@ def new_figure(
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     """Write a figure in the format that each suffix names; no clock time goes in.
 
+    An SVG says in its `title` and `description` what the figure states and shows.
     Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
     of a logarithmic axis need it, and get plain numbers here.
     """
@@ -52,7 +55,29 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     for path in map(Path, paths):
         kind = path.suffix.removeprefix(".")
         with whole_file(path) as part:
-            figure.savefig(part, format=kind, metadata={"Date": None} if kind == "svg" else {})
+            figure.savefig(part, format=kind, metadata=_in_words(figure) if kind == "svg" else {})
+
+
+def _in_words(figure: Figure) -> dict[str, str | None]:
+    """Message and contents of a figure, for who cannot see it."""
+    axes = figure.axes
+
+    def distinct(texts: Iterable[str]) -> str:
+        return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
+
+    up, along = distinct(a.get_ylabel() for a in axes), distinct(a.get_xlabel() for a in axes)
+    panels = distinct(a.get_title(loc="left") for a in axes)
+    keys = distinct(text.get_text() for legend in figure.legends for text in legend.get_texts())
+    parts = (
+        f"{up} against {along}",
+        f"Panels: {panels}" if panels else "",
+        f"Legend: {keys}" if keys else "",
+    )
+    return {
+        "Title": figure.get_suptitle().replace("\n", " "),
+        "Description": ". ".join(part for part in parts if part),
+        "Date": None,
+    }
 
 
 def methods(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
@@ -144,7 +169,7 @@ def failed_keys(any_failed: bool) -> list[Line2D]:
 def frame(figure: Figure, title: str, handles: list[Line2D], columns: int) -> None:
     """Title above and legend below the panels, where they hide nothing."""
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
-    figure.suptitle("\n".join(lines_of_a_title(title, width)))
+    figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 

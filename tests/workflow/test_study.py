@@ -76,6 +76,9 @@ def test_a_run_makes_everything_and_then_nothing(first_run):
         for suffix in ("svg", "png"):
             there = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}
             assert there == {f"{name}.{suffix}" for name in names}
+    page = results["report/index.html"].decode()
+    assert page.count("<img ") == len(list((project.root / "results").rglob("*.svg"))) == 10
+    assert "Draw it again: <code>snakemake -f results/gyro_s1/figures/fig09_slip.svg" in page
     assert results["verdict.txt"] == b"all 15 solved and verified\n"  # 10 cases, 5 lives
     again = project.run()
     assert again.status == 0 and "Nothing to be done" in again.text
@@ -86,6 +89,29 @@ def test_the_same_bytes_twice(first_run, solved):
     run = solved.run("--forceall")
     assert run.status == 0 and run.jobs["solve"] == 10
     assert solved.results() == before
+
+
+def test_the_report_of_the_jobs(solved):
+    run = solved.run("--report", "report.html")
+    assert run.status == 0, run.text
+    report = (solved.root / "report.html").read_text(encoding="utf-8")
+    for category in ("across scenes", "gyro_s1_drag", "the page of everything"):
+        assert category in report
+    assert "Slip (race minus ball) over the contact ellipses" in report  # a caption
+
+
+def test_an_edited_page_draws_nothing_anew(solved):
+    solved.edit("bearingwear/report/page.html", "The same source", "One source")
+    assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
+
+
+def test_a_design_study_comes_into_the_page(solved):
+    folder = solved.root / "results/gyro_s1/design/tables"
+    folder.mkdir(parents=True)
+    (folder / "design.md").write_text("# gyro_s1\n\nTake a spring. It lasts.\n", encoding="utf-8")
+    page = solved.root / "results/report/index.html"
+    assert solved.run("results/report/index.html").status == 0
+    assert "<h1>Take a spring.</h1>" in page.read_text(encoding="utf-8")
 
 
 def test_one_point_again(solved):

@@ -3,6 +3,7 @@
 import os
 import shlex
 import sys
+from glob import glob
 
 from snakemake.utils import validate
 
@@ -120,3 +121,13 @@ def spread_friction(wildcards):
 
 def trade_scene(wildcards):
     return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"
+
+
+def design_results(wildcards):
+    # no part of rule all; but what is there is kept up to date
+    folder = "results/*/design"
+    return sorted(
+        file
+        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png")
+        for file in glob(f"{folder}/{kind}")
+    )

@@ -121,6 +121,7 @@ rule verdict:
         lives=PLAN.lives(),
         tables=PLAN.tables(),
         figures=PLAN.figures(),
+        page="results/report/index.html",
     output:
         "results/verdict.txt",
     log:
