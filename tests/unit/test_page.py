@@ -2,6 +2,7 @@
 
 import base64
 import math
+import pathlib
 import xml.etree.ElementTree as ET
 from urllib.parse import unquote_to_bytes, urlsplit
 
@@ -115,7 +116,7 @@ def check_self_contained(text):
 
 def test_the_page_is_one_file(results, made):
     tree = check_self_contained(made(*results, "--docs", *DOCS))
-    drawn = sum(Path(path).read_text(encoding="utf-8").count("\n![") for path in DOCS)
+    drawn = sum(pathlib.Path(path).read_text(encoding="utf-8").count("\n![") for path in DOCS)
     assert len([node for node in tree.iter("img")]) == 3 + drawn
     said = words(tree)
     assert "4 of 4 lives solved and verified" in said and "8 of 8 cases" in said
