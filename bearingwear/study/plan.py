@@ -11,6 +11,8 @@ import yaml
 from bearingwear.io.config import for_life, load_scene
 from bearingwear.study.grid import Case, Grid, grids
 
+PAGE = "results/report/index.html"
+
 
 @dataclass(frozen=True)
 class Spread:
@@ -232,7 +234,7 @@ class Plan:
         """Every file of the study."""
         parts = (self.cases, self.dynamic_cases, self.studies, self.dynamics, self.lives)
         named = [path for part in parts for path in part()]
-        return [*named, *self.tables(), *self.figures(), "results/verdict.txt"]
+        return [*named, *self.tables(), *self.figures(), PAGE, "results/verdict.txt"]
 
     def _scene_figures(self, scene: str) -> list[str]:
         grid = self.grids[scene]

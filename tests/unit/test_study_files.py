@@ -395,7 +395,7 @@ def test_names_are_text_in_figures(folder, name, tmp_path, monkeypatch):
     outputs = [str(tmp_path / f"figure.{suffix}") for suffix in ("svg", "png")]
     assert main(["figure", name, *arguments, "-o", *outputs]) == 0
     drawn = ElementTree.parse(outputs[0])
-    assert not [node for node in drawn.iter() if "script" in str(node.tag)]
+    assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
 
 
 def test_description_is_text_in_the_summary(folder, tmp_path):

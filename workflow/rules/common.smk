@@ -27,11 +27,14 @@ SCENE = "config/scenes/{scene}.yaml"
 SOLVER = [os.path.relpath(path) for path in SOLVER_SOURCES]
 STUDY = [os.path.relpath(path) for path in bearingwear.study.SOURCES]
 REPORT = [os.path.relpath(path) for path in bearingwear.report.SOURCES]
+PAGE_SOURCES = [os.path.relpath(path) for path in bearingwear.report.PAGE_SOURCES]
+PAGE_DOCS = ["docs/verification.md", "docs/accuracy.md"]
 
 # Jobs on a cluster read this file as well, while results come and go.
 if workflow.is_main_process:
     try:
-        for line in survey([*PLAN.results(), *PLAN.inputs(), *SOLVER, *STUDY, *REPORT]):
+        sources = [*SOLVER, *STUDY, *REPORT, *PAGE_SOURCES, *PAGE_DOCS]
+        for line in survey([*PLAN.results(), *PLAN.inputs(), *sources]):
             print(line, file=sys.stderr)
     except OSError as error:
         sys.exit(f"{error.filename}: cannot be set aside or dated ({error.strerror})")

@@ -1,7 +1,5 @@
 # The page of everything, for people. `snakemake --report` makes the one for provenance.
 
-PAGE_SOURCES = [os.path.relpath(path) for path in bearingwear.report.PAGE_SOURCES]
-
 
 localrules:
     page,
@@ -15,7 +13,7 @@ rule page:
         dynamics=PLAN.dynamics(),
         tables=[table for table in PLAN.tables() if table.endswith(".md")],
         figures=PLAN.figures(),
-        docs=["docs/verification.md", "docs/accuracy.md"],
+        docs=PAGE_DOCS,
         design=design_results,
         sources=REPORT + PAGE_SOURCES,
     output:
@@ -28,9 +26,7 @@ rule page:
     log:
         "logs/page.log",
     params:
-        made_from=made_from(
-            *REPORT, *PAGE_SOURCES, "docs/verification.md", "docs/accuracy.md"
-        ),
+        made_from=made_from(*REPORT, *PAGE_SOURCES, *PAGE_DOCS),
     message:
         "the page of everything"
     shell:
