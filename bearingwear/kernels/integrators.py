@@ -20,7 +20,13 @@ import numpy as np
 from bearingwear.kernels.cage import CAGE, angular_velocity, turn
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.coupling import System, add_cage_powers, factorise, solve, system
-from bearingwear.kernels.motion import BALL, ball_blocks, motion_rates
+from bearingwear.kernels.motion import (
+    BALL,
+    ball_blocks,
+    keep_places,
+    motion_rates,
+    restore_places,
+)
 from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 
 ROSENBROCK, RUNGE_KUTTA = 0, 1
@@ -82,6 +88,7 @@ class Stages(NamedTuple):
     error: np.ndarray  # (size,)
     before: np.ndarray  # (3 n + 2,) see `contacts_now`, at both ends of a step
     after: np.ndarray  # (3 n + 2,)
+    kept: np.ndarray  # (10 n + 11,) see motion.keep_places
     system: System
 
 
@@ -90,7 +97,7 @@ def stages(n, size):
     """Buffers for n balls and states of so many numbers in all."""
     return Stages(
         np.zeros((6, size)), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size),
-        np.zeros(3 * n + 2), np.zeros(3 * n + 2), system(n),
+        np.zeros(3 * n + 2), np.zeros(3 * n + 2), np.zeros(10 * n + 11), system(n),
     )  # fmt: skip
 
 
@@ -297,6 +304,7 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
     located = False
     depth = EVENT_DEPTH * min(run.cage.ramp_pocket, run.cage.ramp_land)
     most = MOST_STEPS * max(1.0, (end - time) / longest)
+    keep_places(b, w.kept)
     while status == OK and time < end:
         if accepted + rejected > most:
             status = TOO_STIFF
@@ -327,6 +335,7 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
             y[:] = w.new
             rebase(y, run, b, places, w.f)
             w.before[:] = w.after
+            keep_places(b, w.kept)
             accepted += 1
             events += count
             located = False
@@ -343,5 +352,7 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
             if not h > 1e-15 * max(end, 1e-9) or math.isnan(error):
                 status = NOT_CONVERGED if trial == OK else trial
                 break
+            # A step that failed leaves places that mislead.
+            restore_places(b, w.kept)
             status = motion_rates(time, y, run, b, w.f, places)
     return Tally(status, time, h, accepted, rejected, evaluations, events)

@@ -277,6 +277,29 @@ def equilibrium_with_cage(time, y, run, b, places):
 
 
 @jit
+def keep_places(b, kept):
+    """Copy where balls, race and cage contacts were found into `kept` (10 n + 11,)."""
+    s, n = b.s, b.r.size
+    for j in range(n):
+        kept[10 * j : 10 * j + 2] = s.X[j]
+        kept[10 * j + 2 : 10 * j + 10] = b.extra[j]
+    kept[10 * n : 10 * n + 3] = s.delta
+    kept[10 * n + 3 :] = b.land
+
+
+@jit
+def restore_places(b, kept):
+    """The opposite of `keep_places`: the next equilibrium starts there."""
+    s, n = b.s, b.r.size
+    for j in range(n):
+        s.X[j] = kept[10 * j : 10 * j + 2]
+        b.extra[j] = kept[10 * j + 2 : 10 * j + 10]
+    s.delta[:] = kept[10 * n : 10 * n + 3]
+    b.land[:] = kept[10 * n + 3 :]
+    s.factors[:, :, 2] = 0.0  # known
+
+
+@jit
 def motion_rates(time, y, run, b, dy, places):
     """Time derivative of the states of balls and cage and of the integrals.
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.cage import (
@@ -25,7 +26,9 @@ from bearingwear.kernels.motion import (
     Account,
     Run,
     account,
+    agreed_equilibrium,
     buffers,
+    contacts_at,
     load_at,
     motion_rates,
 )
@@ -201,17 +204,34 @@ class Motion:
         """The cage about to be towed: every ball in the middle of its pocket, the cage slower.
 
         Its centre hangs below the axis by half of its clearance. A cage that floats in the middle
-        and turns with the balls would touch nothing, ever.
+        and turns with the balls would touch nothing, ever. Where that place squeezes it, because
+        load or tilt moves the balls out of their plane, it starts where it is squeezed least.
         """
-        p = self.places
-        self.rates()  # finds where the balls are
+        p, b, run = self.places, self.buffers, self.run
+        agreed_equilibrium(self.time, self.y, run._replace(cage=run.cage._replace(present=False)), b, p)  # where the balls are
         z = self.y[p.cage : p.cage + CAGE]
         z[:] = 0.0
-        cage = self.run.cage
+        cage = run.cage
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
-        z[0] = self.buffers.s.X[:, 0].mean()
+        z[0] = b.s.X[:, 0].mean()
         z[2] = -0.5 * room
-        z[9] = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, 3].mean()
+        if cage.land == INNER_LAND:
+            z[1:3] += b.s.delta[1:]
+        pose = np.array([0, 1, 2, 6, 7, 8])
+        middle = z[pose]
+
+        def squeezed(shift: np.ndarray) -> float:
+            z[pose] = middle + shift * scale
+            contacts_at(self.y, run, b, p, 1.0)
+            return float(b.cage.sums[ELASTIC])
+
+        scale = np.zeros(6)
+        energy = squeezed(scale)
+        if energy > 0.0:
+            scale[:] = b.cage.approach.max()
+            scale[3:] /= cage.radius
+            squeezed(minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x)
+        z[9:] = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, 3].mean() * b.cage.R[:, 0]
 
     @property
     def turn(self) -> float:
