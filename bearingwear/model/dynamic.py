@@ -26,9 +26,9 @@ from bearingwear.kernels.motion import (
     Account,
     Run,
     account,
-    agreed_equilibrium,
     buffers,
     contacts_at,
+    free_equilibrium,
     load_at,
     motion_rates,
 )
@@ -208,7 +208,7 @@ class Motion:
         load or tilt moves the balls out of their plane, it starts where it is squeezed least.
         """
         p, b, run = self.places, self.buffers, self.run
-        agreed_equilibrium(self.time, self.y, run._replace(cage=run.cage._replace(present=False)), b, p)  # where the balls are
+        free_equilibrium(self.time, self.y, run, b)
         z = self.y[p.cage : p.cage + CAGE]
         z[:] = 0.0
         cage = run.cage
@@ -222,7 +222,7 @@ class Motion:
 
         def squeezed(shift: np.ndarray) -> float:
             z[pose] = middle + shift * scale
-            contacts_at(self.y, run, b, p, 1.0)
+            contacts_at(self.y, run, b, p)
             return float(b.cage.sums[ELASTIC])
 
         scale = np.zeros(6)
