@@ -299,9 +299,9 @@ def joint_equilibrium(time, y, run, b, places):
             done = largest <= 1e-10 * g.BD
         else:
             share *= 0.5
-            if share * largest <= 1e-10 * g.BD:
+            if share * largest <= 1e-15 * g.BD:
                 # Rounding allows no more, or there is no way down.
-                if size > 1e-9 * load:
+                if size > 1e-7 * load:
                     return NOT_CONVERGED
                 share, done = 0.0, True
         s.X[:, :] = X + share * dX

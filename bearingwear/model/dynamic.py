@@ -41,6 +41,7 @@ from bearingwear.model.scene import Scene
 HERTZ_INTERVALS = 64
 LIGHT_IMPACT = 1e-3  # of the cage's surface speed
 RAMP = 0.2  # of the depth of a light impact
+LIGHT_LOAD = 0.01  # of the largest load of a ball: so lightly seated are balls almost off
 CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
 FIRST_STEP = 1e-4  # of a shaft turn
 STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
@@ -271,7 +272,8 @@ class Motion:
         if status not in (code.OK, code.NOT_CONVERGED):
             return int(status)
         states = [stored_state(row) for row in rows]
-        if any(not (s.Q_i > 0.0 and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states):
+        light = LIGHT_LOAD * max(s.Q_i for s in states)
+        if any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states):
             return code.RACE_UNSEATED
         return code.NOT_CONVERGED
 
