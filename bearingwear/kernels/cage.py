@@ -269,9 +269,21 @@ def cage_contacts(cage, z, y_balls, stride, D0, D, mass, r, X1, delta, omega_i, 
         )  # fmt: skip
         # The normal turns as the ball moves across it in the pocket.
         a, nn, turning = (a0, a1, a2), (n0, n1, n2), F / offset
-        for u in range(3):
-            for v in range(3):
-                K[u, v] += turning * ((1.0 if u == v else 0.0) - a[u] * a[v] - nn[u] * nn[v])
+        # And with it the contact point, where the surfaces have other speeds: friction turns.
+        W = math.sqrt(slip * slip + cage.v_r * cage.v_r)
+        drift, s = cage.mu * F * R_b / (W * offset), (s0 / W, s1 / W, s2 / W)
+        o0, o1, o2 = wx - w0, wy - w1, wz - w2  # of the cage against the ball
+        for v in range(3):
+            t = (
+                (1.0 if v == 0 else 0.0) - a0 * a[v] - n0 * nn[v],
+                (1.0 if v == 1 else 0.0) - a1 * a[v] - n1 * nn[v],
+                (1.0 if v == 2 else 0.0) - a2 * a[v] - n2 * nn[v],
+            )
+            c0, c1, c2 = cross(o0, o1, o2, t[0], t[1], t[2])
+            c = (c0, c1, c2)
+            along = c0 * s[0] + c1 * s[1] + c2 * s[2]
+            for u in range(3):
+                K[u, v] += turning * t[u] - drift * (c[u] - along * s[u])
         C[1, 1] += c_n * cp * cp
         C[1, 2] += c_n * cp * sp
         C[2, 1] += c_n * cp * sp
