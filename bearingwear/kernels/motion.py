@@ -27,7 +27,7 @@ from bearingwear.kernels.ellipse import Rule, most_points, place
 from bearingwear.kernels.linear import solve_in_place
 from bearingwear.kernels.params import Contact, Geometry, Motion
 from bearingwear.kernels.quasistatic import Suspension, move, settle, suspension, sweep
-from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.status import BEYOND_GROOVE, NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
 from bearingwear.kernels.steady import LARGEST_AXIS, drag_force
 
 MOST_TRIALS = 200  # of an equilibrium with a cage, which usually takes three
@@ -107,6 +107,7 @@ class Account(NamedTuple):
     turning: int  # sum of m r^2 2 Omega dOmega/dt, for the Coriolis term [J]
     azimuth: int  # sum of Omega dU/dpsi: the circumferential force left out [J]
     load: int  # delta . dF/dt of the loads that change [J]
+    hertz: int  # elastic energy from Hertz factors that change with the contact angle [J]
     cage_heat: int  # friction heat of pockets and land [J]
     damping: int  # of pockets and land [J]
     pocket_torque: int  # angular impulse of the pockets on the cage [N m s]
@@ -123,7 +124,7 @@ def account(n, with_cage):
     i = pockets + n
     return Account(
         cage, qv, pockets, i, i + 1, i + 2, i + 3, i + 4, i + 5, i + 6, i + 7, i + 8, i + 9,
-        i + 10, i + 11,
+        i + 10, i + 11, i + 12,
     )  # fmt: skip
 
 
@@ -396,6 +397,8 @@ def motion_rates(time, y, run, b, dy, places):
                 continue
             if contact.a >= LARGEST_AXIS * R:
                 return OUTSIDE_HERTZ_RANGE
+            if contact.cos_a < 0.0:
+                return BEYOND_GROOVE
             c = slip_of(contact, w_x, w_y, w_z, W, r)
             if rule.split:
                 t, weight = place(rule, contact, R, c, m.v_r, b.t, b.weight)
@@ -443,6 +446,7 @@ def motion_rates(time, y, run, b, dy, places):
     dy[p.drag] = drag
     dy[p.turning] = turning
     dy[p.azimuth] = azimuth
+    dy[p.hertz] = 0.0  # see integrators.stiffened
     theta, rate = m.omega_i * time, m.omega_i * run.F_rot
     dy[p.load] = -rate * (s.delta[1] * math.cos(theta) + s.delta[2] * math.sin(theta))
     return OK

@@ -365,6 +365,7 @@ class Motion:
             "elastic": 0.4 * (s.factors[:, :, 0] * d**2.5).sum() + cage.sums[ELASTIC],
             "coriolis": -(orbit.sum() - y[p.turning]),
             "azimuth": -y[p.azimuth],
+            "hertz": -y[p.hertz],
         }
 
     def _held(self) -> np.ndarray:
