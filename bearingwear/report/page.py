@@ -16,6 +16,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.report.answer import answer, lives_of
 from bearingwear.report.drawing import MESSAGE, scene_of
@@ -23,6 +24,7 @@ from bearingwear.report.markup import to_html
 
 TEMPLATE = Path(__file__).with_name("page.html")
 LIFE_FIGURE = "wear_life"  # that of the first scene stands with the answer
+FIGURES = (".svg", ".png")
 HEAVY = 300_000  # bytes of an SVG beyond which its PNG is taken, if there is one
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
@@ -77,9 +79,9 @@ def write_page(
     CaseFileError, OutputError
         One line.
     """
-    from bearingwear.io.whole import write_text
-
     results, design = list(results), list(design)
+    _check_kinds(results, (".nc", ".md", *FIGURES))
+    _check_kinds(design, (".md", *FIGURES))
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     sections = _sections(datasets)
     across: list[Drawing] = []
@@ -125,6 +127,15 @@ def write_page(
         html=lambda file: to_html(_tables(file), 2),
     )
     write_text(path, text)
+
+
+def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
+    """Refuse what would silently be missing on the page."""
+    for file in files:
+        if file.suffix not in suffixes:
+            raise CaseFileError(
+                f"{file}: given the suffix {file.suffix!r}; allowed {', '.join(suffixes)}"
+            )
 
 
 def _is_life(dataset: xr.Dataset) -> bool:
