@@ -270,11 +270,10 @@ def _trade_docs(given: argparse.Namespace) -> int:
 
 
 def _extremes_figure(given: argparse.Namespace) -> int:
-    from bearingwear.io.netcdf import load
     from bearingwear.report.drawing import save
     from bearingwear.report.extremes import figure_of
 
-    save(figure_of(load(given.file)), given.output)
+    save(figure_of(given.file), given.output)
     return 0
 
 
