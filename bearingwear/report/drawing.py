@@ -205,6 +205,11 @@ def percent(value: float) -> str:
     return f"{100.0 * value:.0f} %" if np.isfinite(value) else "– %"
 
 
+def percent_in_text(value: float) -> str:
+    """A ratio as a percentage with two digits, in one piece; a dash where it is not known."""
+    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"
+
+
 def from_zero(axes: Any) -> None:
     """Let the ordinate start at zero, with room above for the marks."""
     top = axes.get_ylim()[1]
