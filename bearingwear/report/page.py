@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
+from bearingwear.io.keys import leaves
 from bearingwear.io.netcdf import CaseFileError, load
 from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
@@ -239,7 +240,7 @@ def _largest_errors(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, float
 
 def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
     """Rows of the table of scenes: key, a value for each, whether they differ."""
-    flat = [dict(_flat(scene)) for scene in scenes]
+    flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
     names = list(dict.fromkeys(name for values in flat for name in values))
     blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
     for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
@@ -248,16 +249,12 @@ def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bo
             yield name, row, len(set(row)) > 1
 
 
-def _flat(data: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    for name, value in data.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        elif isinstance(value, float):
-            yield prefix + name, f"{value:.6g}"
-        elif isinstance(value, list):
-            yield prefix + name, ", ".join(map(str, value))
-        else:
-            yield prefix + name, "–" if value is None else str(value)
+def _value(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    return "–" if value is None else str(value)
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:
