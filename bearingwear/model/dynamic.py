@@ -255,11 +255,13 @@ class Motion:
         """Equilibrium at this instant; the status of the attempt."""
         return motion_rates(self.time, self.y, self.run, self.buffers, self.dy, self.places)
 
-    def why(self) -> int:
-        """Status that names why no equilibrium was found, from the last state that had one.
+    def why(self, status: int) -> int:
+        """The status; if no equilibrium was found, one that names why, where there is one.
 
-        Balls and race alone, without the cage, from a safe start.
+        From the last state that had one: balls and race alone, without the cage, from a safe start.
         """
+        if status != code.NOT_CONVERGED:
+            return status
         run, b, n = self.run, self.buffers, len(self.run.D)
         Omega, psi = self.balls[:, 3].copy(), self.balls[:, 4].copy()
         loads = np.zeros((n, 6))

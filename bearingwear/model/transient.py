@@ -30,6 +30,7 @@ from bearingwear.kernels.record import (
     run_on,
 )
 from bearingwear.kernels.summary import QV
+from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.kernels.wear import archard_rate
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, Motion
@@ -59,6 +60,7 @@ class Start:
     u: np.ndarray  # (4,) or (n, 4)
     kind: str
     scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], where known
+    case: ThrustCase | None = None  # the steady state under the thrust alone, where there is one
 
 
 def thrust_alone(scene: Scene) -> Scene:
@@ -81,7 +83,7 @@ def start_of(scene: Scene) -> Start:
                 "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
                 "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
             }
-            return Start(case.u, "the steady state under the thrust alone", scales)
+            return Start(case.u, "the steady state under the thrust alone", scales, case)
     values, _ = solve_race_control(scene)
     if "orbit_speed" in values:
         u = np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])
@@ -312,13 +314,11 @@ def solve_dynamic(
             ) from None
         start.kind = f"the end of a run at {motion.time:.6g} s"
     values: dict = {
-        "status": motion.settle(),
+        "status": motion.why(motion.settle()),
         "ball_diameter_loss": motion.run.g.D0 - motion.run.D,
         "initial_axial_displacement": motion.buffers.rest[0],
     }
     attrs: dict = {"residual": "not solved", "start": start.kind}
-    if values["status"] == code.NOT_CONVERGED:
-        values["status"] = motion.why()
     if values["status"] != code.OK:
         return values, attrs
     slow = start.scales.get("slow_time_scale", 0.0) / motion.turn
@@ -331,9 +331,7 @@ def solve_dynamic(
             turns = length / run.grid.points
             status = run.window(length, interrupt)
             if status != code.OK:
-                if status == code.NOT_CONVERGED:
-                    status = motion.why()
-                stopped = {"status": status, "final_time": motion.time}
+                stopped = {"status": motion.why(status), "final_time": motion.time}
                 attrs["residual"] = f"not solved; the run stopped at {motion.time:.6g} s"
                 return values | stopped | run.counts(0.0), attrs
             slopes = run.trend.slopes()
@@ -345,7 +343,7 @@ def solve_dynamic(
     values |= window_values(scene, run) | start.scales | run.counts(turns)
     if slopes is not None:
         values |= {"qv_drift_per_turn": slopes[0], "wear_rate_drift_per_turn": slopes[1]}
-    values |= error_estimates(scene, run, slow, turns)
+    values |= error_estimates(scene, run, start, slow, turns)
     if run.keep:
         values |= histories(scene, run.log, run.done)
     values |= {"final_state": final_state, "final_time": motion.time}
@@ -363,13 +361,16 @@ def solve_dynamic(
     return values, attrs
 
 
-def error_estimates(scene: Scene, run: Run, slow: float, turns: float) -> dict:
+def error_estimates(scene: Scene, run: Run, start: Start, slow: float, turns: float) -> dict:
     """Estimated numerical errors of a run in time; empty where they cannot be had.
 
     The end of the last window is run once more with each setting of accuracy changed. That misses
     what a ball's spin axis takes hundreds of turns for, so the steady state under the thrust alone
     is asked as well where there is one, and the larger change counts.
     """
+    slopes = run.trend.slopes()
+    if slopes is None:
+        return {}
     motion, m = run.motion, run.motion.run
     v_r = 0.5 * m.motion.v_r
     halved = {"motion": m.motion._replace(v_r=v_r), "cage": m.cage._replace(v_r=v_r)}
@@ -383,30 +384,29 @@ def error_estimates(scene: Scene, run: Run, slow: float, turns: float) -> dict:
             ({}, tolerance), (halved, tolerance), (twice, tolerance), ({}, looser),
         )
     ]  # fmt: skip
-    slopes, answers = run.trend.slopes(), [values for values in found if values is not None]
-    if slopes is None or len(answers) < len(found):
+    answers = [values for values in found if values is not None]
+    if len(answers) < len(found):
         return {}
     now, *others = answers
     weights = HALVED, DOUBLED, math.sqrt(run.tolerance / tolerance)
     parts = [weight * changed(now, other) for weight, other in zip(weights, others, strict=True)]
-    parts[0] = np.maximum(parts[0], thrust_part(scene))
+    parts[0] = np.maximum(parts[0], thrust_part(scene, start.case))
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + SCATTER * run.trend.scatter()
     qv, _, balls, both, preload = drift
     return summed([*parts, np.array([qv, preload, balls, both])])
 
 
-def thrust_part(scene: Scene) -> np.ndarray:
+def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
     """What half the regularisation changes in the steady state under the thrust alone (4,)."""
+    if case is None or case.status != code.OK:
+        return np.zeros(4)
     thrust = thrust_alone(scene)
     problem, D = ThrustProblem.of(thrust), float(parameters.ball_diameters(scene).mean())
-    if problem.undetermined() != code.OK:
-        return np.zeros(4)
     halved, _ = problem.perturbed(thrust)
-    one = problem.solve(D)
-    other = halved.solve(D, start=one.u) if one.status == code.OK else one
+    other = halved.solve(D, start=case.u)
     if other.status != code.OK:
         return np.zeros(4)
-    answers = (steady_answer(thrust, p, D, case) for p, case in ((problem, one), (halved, other)))
+    answers = (steady_answer(thrust, p, D, c) for p, c in ((problem, case), (halved, other)))
     return HALVED * changed(*answers)
 
 

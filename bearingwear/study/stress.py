@@ -9,17 +9,15 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.config import scene_from_dict
-from bearingwear.io.netcdf import dataset
+from bearingwear.io.netcdf import common_attributes
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model import parameters
-from bearingwear.model.fidelity import choice
-from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene, SceneError, most_balls
-from bearingwear.model.solve import provenance, solved
+from bearingwear.model.solve import solved
 from bearingwear.model.steady import ThrustProblem, steady_values
 from bearingwear.study.extremes import Axis, Branch, ExtremesPlan, Map, changed
 
@@ -164,12 +162,11 @@ def solved_values(scene: Scene, tier: str) -> dict[str, Any]:
     return solved(scene, tier, None, None)[0]
 
 
-def written_by(scene: Mapping[str, Any], attrs: Mapping[str, Any]) -> dict[str, Any]:
+def described(attrs: Mapping[str, Any]) -> dict[str, Any]:
     """Attributes of a file, with the versions that a case file has."""
-    one = scene_from_dict(dict(scene))
-    made = dataset(Result({"status": code.OK}, provenance(one, choice(one, "race_control"))))
+    common = common_attributes()
     kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
-    shared = {key: made.attrs[key] for key in (*kept, "numba_version") if key in made.attrs}
+    shared = {key: common[key] for key in (*kept, "numba_version")}
     return shared | {"title": f"Extremes: {attrs['kind']}, {attrs['name']}"} | dict(attrs)
 
 
@@ -209,7 +206,7 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
         columns[key] = ("trial", np.array(column, dtype=object if text else float))
     return xr.Dataset(
         {"status": ("trial", status), "wrong": ("trial", wrong)} | columns,
-        attrs=written_by(base, {"kind": "families", "name": name, "tier": of.tier, "seed": seed}),
+        attrs=described({"kind": "families", "name": name, "tier": of.tier, "seed": seed}),
     )
 
 
@@ -282,7 +279,7 @@ def steady_map(plan: ExtremesPlan, name: str) -> xr.Dataset:
     return xr.Dataset(
         variables,
         {"x": list(of.x.values), "y": list(of.y.values)},
-        attrs=written_by(base, {
+        attrs=described({
             "kind": "maps", "name": name, "shown": of.title, "x_key": of.x.key, "y_key": of.y.key,
             "x_log": int(of.x.log), "y_log": int(of.y.log),
         }),
@@ -383,7 +380,7 @@ def branch(plan: ExtremesPlan, name: str) -> xr.Dataset:
         {"status": (("way", "point"), status)}
         | {key: (("way", "point"), column) for key, column in columns.items()}
         | {"along": ("point", list(of.along.values))},
-        attrs=written_by(base, {
+        attrs=described({
             "kind": "branches", "name": name, "shown": of.title, "key": of.along.key,
             "log": int(of.along.log), "ways": "up down anew",
         }),
