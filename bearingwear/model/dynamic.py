@@ -256,11 +256,12 @@ class Motion:
         return motion_rates(self.time, self.y, self.run, self.buffers, self.dy, self.places)
 
     def why(self, status: int) -> int:
-        """The status; if no equilibrium was found, one that names why, where there is one.
+        """The status; where it gives no reason, one that does, if there is one.
 
-        From the last state that had one: balls and race alone, without the cage, from a safe start.
+        From the last state that had an equilibrium: balls and race alone, without the cage, from a
+        safe start.
         """
-        if status != code.NOT_CONVERGED:
+        if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
         run, b, n = self.run, self.buffers, len(self.run.D)
         Omega, psi = self.balls[:, 3].copy(), self.balls[:, 4].copy()
@@ -268,16 +269,18 @@ class Motion:
         loads[:, 0], loads[:, 1] = ORBIT, Omega
         load_at(run, self.time, b.F)
         rows, delta = np.empty((n, ROW)), b.rest.copy()
-        status, *_ = race_equilibrium(
+        alone, *_ = race_equilibrium(
             run.g, run.D, loads, psi, b.F, run.tilt, run.first, delta, rows
         )
-        if status not in (code.OK, code.NOT_CONVERGED):
-            return int(status)
+        if alone not in (code.OK, code.NOT_CONVERGED):
+            return int(alone)
         states = [stored_state(row) for row in rows]
         light = LIGHT_LOAD * max(s.Q_i for s in states)
         if any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states):
             return code.RACE_UNSEATED
-        return code.NOT_CONVERGED
+        if status == code.NOT_CONVERGED and alone == code.OK and run.cage.present:
+            return code.CAGE_JAMMED
+        return status
 
     def opened(self) -> tuple[float, np.ndarray, dict[str, float], float]:
         """Time, integrals, energies and the cage's angular momentum now."""
