@@ -36,12 +36,12 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.race import ROW, race_equilibrium, stored_state
 from bearingwear.model import parameters
 from bearingwear.model.impact import land_damping, pocket_damping
+from bearingwear.model.race_control import unseated
 from bearingwear.model.scene import Scene
 
 HERTZ_INTERVALS = 64
 LIGHT_IMPACT = 1e-3  # of the cage's surface speed
 RAMP = 0.2  # of the depth of a light impact
-LIGHT_LOAD = 0.01  # of the largest load of a ball: so lightly seated are balls almost off
 CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
 FIRST_STEP = 1e-4  # of a shaft turn
 STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
@@ -274,9 +274,7 @@ class Motion:
         )
         if alone not in (code.OK, code.NOT_CONVERGED):
             return int(alone)
-        states = [stored_state(row) for row in rows]
-        light = LIGHT_LOAD * max(s.Q_i for s in states)
-        if any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states):
+        if unseated([stored_state(row) for row in rows]):
             return code.RACE_UNSEATED
         if status == code.NOT_CONVERGED and alone == code.OK and run.cage.present:
             return code.CAGE_JAMMED

@@ -20,7 +20,7 @@ from bearingwear.model.values import contact_values, wear_values
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
-UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED)
+UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED, code.CONTACT_LOST)
 SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
 

@@ -214,7 +214,7 @@ class Run:
         scene: Scene,
         motion: Motion,
         progress: Callable[[str], None] | None,
-        tolerance: float,
+        tolerance: float | None = None,
     ):
         model, p, n = scene.model, motion.places, len(motion.run.D)
         self.motion = motion
@@ -223,7 +223,7 @@ class Run:
         self.log = history(grid.total if self.keep else 0, n)
         self.record = record(n, motion.run.rule, strip_centres(scene), p.size - p.qv)
         self.method = INTEGRATORS[model.integrator]
-        self.tolerance = tolerance
+        self.tolerance = tolerance or model.dynamic_tolerance
         self.weights = wear_weights(scene, motion)
         self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
         self.done = 0
