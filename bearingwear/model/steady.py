@@ -130,14 +130,18 @@ class ThrustProblem:
                 self.g, D, self.motion, self.motion.v_r, self.preload, delta_a, state, u,
                 self.rule, work, 1e-9, 300,
             )  # fmt: skip
-            scale = np.abs(u).max()
-            if status == code.OK and all(
-                np.abs(u - other.u).max() > SAME_STATE * scale for other in found
-            ):
+            # Newton may go on from a state that had not settled to one that is known.
+            if status == code.OK and is_new(u, found):
                 other = self.solve(D, start=u)
-                if other.status == code.OK:
+                if other.status == code.OK and is_new(other.u, found):
                     found.append(other)
         return found[1:]
+
+
+def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
+    """Whether a motion (4,) is none of the states found."""
+    near = SAME_STATE * np.abs(u).max()
+    return all(np.abs(u - case.u).max() > near for case in found)
 
 
 def solve_steady(scene: Scene) -> tuple[dict, dict]:

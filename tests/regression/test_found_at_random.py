@@ -22,3 +22,5 @@ def test_ends_as_it_should(found):
     assert STATUS_NAMES[values["status"]] == found["status"]
     if found["status"] == "ok":
         assert stress.wrongs(scene, found["tier"], values) == []
+    if "states" in found:
+        assert values["steady_state_count"] == found["states"]
