@@ -167,11 +167,19 @@ def write_table(counts: xr.Dataset, path: Path) -> int:
         rows.append(
             [
                 f"{in_words(one['name'].item())}, {KINDS[one['kind'].item()]}",
-                *(f"{int(one[key])}" for key in ("trials", "verified", "refused")),
+                f"{int(one['trials'])}",
+                f"{int(one['verified'])}",
+                f"{int(one['several'])}, by {float(one['largest_other_qv']):.0e} of QV"
+                if one["several"]
+                else "0",
+                f"{int(one['refused'])}",
                 ", ".join(reasons) or "–",
                 *(f"{int(one[key])}" for key in ("unnamed", "wrong")),
             ]
         )
-    header = "scenes | solved | verified | refused | for what reason | without a reason | wrong"
+    header = (
+        "scenes | solved | verified | of these with several states | refused | for what reason | "
+        "without a reason | wrong"
+    )
     write_text(path, markdown_table(header, rows) + "\n")
     return int(counts["wrong"].sum())

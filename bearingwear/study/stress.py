@@ -179,13 +179,15 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
     Returns
     -------
     Dataset
-        Over `trial`: status (-1: no such bearing, refused before any solve), the keys drawn, and
-        `wrong`: what is wrong, empty where nothing is.
+        Over `trial`: status (-1: no such bearing, refused before any solve), the keys drawn,
+        `wrong`: what is wrong, empty where nothing is; `states`: steady states found (0 where none
+        or not asked for), and `other_qv`: by what share QV differs most among them.
     """
     of, base = plan.families[name], plan.base()
     count = of.scenes if count is None else count
     status = np.full(count, -1, dtype=np.int8)
     wrong = np.full(count, "", dtype=object)
+    states, other_qv = np.zeros(count, dtype=np.int8), np.zeros(count)
     drawn = list(of.drawn(seed, count))
     for k, values in enumerate(drawn):
         try:
@@ -199,7 +201,10 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
             continue
         status[k] = found["status"]
         wrong[k] = "; ".join(wrongs(scene, of.tier, found))
-    columns = {}
+        if found["status"] == code.OK and of.tier == "steady":
+            qv = found["steady_state_total_qv"]
+            states[k], other_qv[k] = len(qv), np.abs(qv / qv[0] - 1.0).max()
+    columns = {"states": ("trial", states), "other_qv": ("trial", other_qv)}
     for key in of.draw:
         column = [values[key] for values in drawn]
         text = isinstance(column[0], str)
