@@ -136,7 +136,7 @@ rule check_tradeoff:
     message:
         "accuracy against time: compare with docs/accuracy.md"
     shell:
-        "bearingwear docs-tradeoff {input.trade} {input.docs} --plan {input.plan} --check 2>&1 | tee {log} > {output}"
+        "bearingwear docs-tradeoff {input.trade} {input.docs} --plan {input.plan} --check > {log} 2>&1 && cp {log} {output}"
 
 
 rule tradeoff:
