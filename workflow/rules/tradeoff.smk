@@ -39,7 +39,7 @@ rule trade:
     wildcard_constraints:
         bench=r"[a-z0-9_]+",
         sweep=r"[a-z0-9_]+",
-    threads: workflow.resource_settings.cores or 1  # a cluster has no total: one each
+    threads: workflow.resource_settings.cores or 1  # one in the profile for a cluster
     params:
         made_from=made_from(trade_scene, *SOLVER, *TRADE_SOURCES),
         points=lambda wildcards: TRADE.text(wildcards.bench, wildcards.sweep),
