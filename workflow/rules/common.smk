@@ -50,7 +50,7 @@ onstart:
     # A group of jobs that a cluster ends early is recorded as if each of them had ended, and an
     # outdated result of one that never began would then pass for new.
     for job in workflow.dag.needrun_jobs():
-        if workflow.dag.get_job_group(job):
+        if workflow.dag.get_job_group(job) and not workflow.touch:
             for path in filter(os.path.lexists, job.output):
                 os.remove(path)
 
