@@ -3,9 +3,11 @@
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
+import functools
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from types import MappingProxyType
 
 PRELOAD_METHODS = ("constant_force", "fixed_position")
 
@@ -99,10 +101,15 @@ class Grid:
             tuple(sorted(float(value) for value in ball_diameter_loss_um)),
         )
 
-    def cases(self) -> dict[str, Case]:
+    def cases(self) -> Mapping[str, Case]:
         """Every case of the grid by its id."""
-        points = itertools.product(self.preload_method, self.friction, self.ball_diameter_loss_um)
-        return {case.id: case for case in itertools.starmap(Case, points)}
+        return _cases(self)
+
+
+@functools.cache  # the rules look up each of their jobs
+def _cases(grid: Grid) -> Mapping[str, Case]:
+    points = itertools.product(grid.preload_method, grid.friction, grid.ball_diameter_loss_um)
+    return MappingProxyType({case.id: case for case in itertools.starmap(Case, points)})
 
 
 def grids(blocks: Sequence[Mapping], key: str = "studies") -> dict[str, Grid]:

@@ -33,6 +33,11 @@ CONFIG = {
     "figures": {"worn_loss_um": 0.5, "friction": [0.08]},
 }
 
+PROFILE = (
+    "--workflow-profile", "workflow/profiles/slurm", "--slurm-no-account",
+    "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "10",
+)  # fmt: skip
+
 # No accounting, or its client would be waited for for ever; jobs stay known to squeue for an hour.
 SETTINGS = """\
 ClusterName=bearingwear
@@ -131,22 +136,57 @@ def call(*argv) -> str:
     return done.stdout
 
 
-def test_a_study_on_slurm(slurm, new_project):
-    project, here = new_project(), new_project()
-    for one in (project, here):
-        one.configure(CONFIG)
-    run = project.run(
-        "--workflow-profile", "workflow/profiles/slurm", "--slurm-no-account",
-        "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "10",
-    )  # fmt: skip
+def queued(form: str) -> list[str]:
+    """What squeue says of all jobs there were since the cluster started, the newest first."""
+    return call("squeue", "-h", "-t", "all", "-S", "-i", "-o", form).splitlines()
+
+
+@pytest.fixture(scope="module")
+def on_slurm(slurm, new_project):
+    """The study solved on the cluster, and what Snakemake said."""
+    project = new_project()
+    project.configure(CONFIG)
+    return project, project.run(*PROFILE)
+
+
+def test_a_study_on_slurm(on_slurm, new_project):
+    project, run = on_slurm
     assert run.status == 0, run.text
     assert run.jobs["solve"] == 4 and run.jobs["wear_life"] == 1
-    # four cases and a life went through the queue; what takes a second stayed out of it
-    states = call("squeue", "-h", "-t", "all", "-o", "%T").split()
-    assert states == 5 * ["COMPLETED"]
-    names = call("squeue", "-h", "-t", "all", "-o", "%k")
-    assert "solve" in names and "fixed_position-mu0.080-loss0.50" in names
+    # four cases were one job, a life another; what takes a second stayed out of the queue
+    asked = [line.split() for line in queued("%T %l %C %m %j")]
+    # a minute a case is asked for, but memory and cores of one case
+    assert [line[:-1] for line in asked] == [
+        ["COMPLETED", "1:00", "1", "1000M"],
+        ["COMPLETED", "4:00", "1", "1000M"],
+    ]
+    here = new_project()
+    here.configure(CONFIG)
     assert here.run().status == 0
     assert project.results() == here.results()
     again = project.run("-n")
     assert "Nothing to be done" in again.text
+
+
+def test_a_group_that_is_ended_keeps_its_finished_cases(on_slurm):
+    project, _ = on_slurm
+    project.edit("config/scenes/gyro_s1.yaml", "preload_N: 7", "preload_N: 8")
+    before = {path: path.read_bytes() for path in project.cases()}
+    run = project.start(*PROFILE)
+    try:
+        for _ in range(1200):
+            with suppress(FileNotFoundError):  # the old ones go
+                found = {path: path.read_bytes() for path in project.cases()}
+                if done := dict(found.items() - before.items()):
+                    break
+            time.sleep(0.05)
+        call("scancel", queued("%A")[0])
+        assert run.wait(120) == 1
+    finally:
+        run.send_signal(signal.SIGINT)
+    assert 0 < len(done) < 4
+    # whatever else is there is of before, and must not pass for new
+    rest = project.run()
+    assert rest.status == 0, rest.text
+    assert rest.jobs["solve"] == 4 - len(done)
+    assert done.items() <= {path: path.read_bytes() for path in project.cases()}.items()

@@ -18,7 +18,8 @@ validate(config, "../schemas/config.schema.yaml")
 # What is wrong beyond the schema stops here, with one line and no traceback.
 try:
     PLAN = Plan.from_config(config)
-    PLAN.check_scenes()
+    if workflow.is_main_process:  # not again in each job: it takes a millisecond a case
+        PLAN.check_scenes()
 except ValueError as error:
     sys.exit(str(error))
 
@@ -43,6 +44,15 @@ if workflow.is_main_process:
 shell.prefix(
     f'bearingwear() ( exec {shlex.quote(sys.executable)} -m bearingwear "$@" ); '
 )
+
+
+onstart:
+    # A group of jobs that a cluster ends early is recorded as if each of them had ended, and an
+    # outdated result of one that never began would then pass for new.
+    for job in workflow.dag.needrun_jobs():
+        if workflow.dag.get_job_group(job) and not workflow.touch:
+            for path in filter(os.path.lexists, job.output):
+                os.remove(path)
 
 
 wildcard_constraints:
