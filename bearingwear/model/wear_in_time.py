@@ -146,15 +146,32 @@ class WearInTime:
             scene = self.worn_scene(worn)
         except SceneError:
             return Node(time, worn, code.CRITERION_NOT_REACHED)
-        restarts = [None] if before is None else [before.end, None]
-        for restart in restarts:
-            values, _ = solve_dynamic(scene, restart=restart)
-            if values["status"] == code.OK:
-                break
-        found = Node(time, worn, values["status"], restart is not None, values)
+        if before is not None:
+            values, _ = solve_dynamic(scene, restart=before.end)
+        if before is None or values["status"] != code.OK:
+            values = self.begun(scene)
+            before = None
+        found = Node(time, worn, values["status"], before is not None, values)
         if found.status == code.OK:
             found.rates = self.rates(values)
         return found
+
+    def begun(self, scene: Scene) -> dict[str, Any]:
+        """A run from a start of its own; with a cage after `life_run_in_turns`.
+
+        A cage takes hundreds of turns to forget how it started, and seems settled long before.
+        """
+        restart = None
+        if scene.cage is not None and self.model.life_run_in_turns > 0.0:
+            turns = self.model.life_run_in_turns
+            run_in = replace(
+                self.model, simulated_turns=turns, evaluated_turns=turns, settled_drift=0.0
+            )
+            values, _ = solve_dynamic(replace(scene, model=run_in))
+            if values["status"] != code.OK:
+                return values
+            restart = {"state": values["final_state"], "time": values["final_time"]}
+        return solve_dynamic(scene, restart=restart)[0]
 
     def rates(self, values: dict[str, Any]) -> np.ndarray:
         """Rates of what wears, from the averages of a run."""
