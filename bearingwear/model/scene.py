@@ -181,7 +181,7 @@ class Model:
     settled_drift: float = STANDARD.settled_drift
     land_stiffness_factor: float = 1.0
     life_steps: int = 12
-    life_run_in_turns: float = 600.0
+    life_run_in_turns: float = 200.0
     tolerance: float = STANDARD.tolerance
 
     @property

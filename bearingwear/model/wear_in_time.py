@@ -58,6 +58,7 @@ class Node:
     status: int
     carried_on: bool = False
     values: dict[str, Any] = field(default_factory=dict)
+    residual: str = "not solved"
     rates: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     @property
@@ -147,16 +148,18 @@ class WearInTime:
         except SceneError:
             return Node(time, worn, code.CRITERION_NOT_REACHED)
         if before is not None:
-            values, _ = solve_dynamic(scene, restart=before.end)
+            values, attrs = solve_dynamic(scene, restart=before.end)
         if before is None or values["status"] != code.OK:
-            values = self.begun(scene)
+            values, attrs = self.begun(scene)
             before = None
-        found = Node(time, worn, values["status"], before is not None, values)
+        found = Node(
+            time, worn, int(values["status"]), before is not None, values, attrs["residual"]
+        )
         if found.status == code.OK:
             found.rates = self.rates(values)
         return found
 
-    def begun(self, scene: Scene) -> dict[str, Any]:
+    def begun(self, scene: Scene) -> tuple[dict, dict]:
         """A run from a start of its own; with a cage after `life_run_in_turns`.
 
         A cage takes hundreds of turns to forget how it started, and seems settled long before.
@@ -167,11 +170,11 @@ class WearInTime:
             run_in = replace(
                 self.model, simulated_turns=turns, evaluated_turns=turns, settled_drift=0.0
             )
-            values, _ = solve_dynamic(replace(scene, model=run_in))
+            values, attrs = solve_dynamic(replace(scene, model=run_in))
             if values["status"] != code.OK:
-                return values
+                return values, attrs
             restart = {"state": values["final_state"], "time": values["final_time"]}
-        return solve_dynamic(scene, restart=restart)[0]
+        return solve_dynamic(scene, restart=restart)
 
     def rates(self, values: dict[str, Any]) -> np.ndarray:
         """Rates of what wears, from the averages of a run."""
@@ -399,7 +402,11 @@ def solve_life_in_time(
     values = steady_life(scene)
     course = way.march(float(values.get("steady_life", math.nan)))
     values |= {"status": course.status, "end_criterion": course.criterion}
-    attrs = {"solves": len(course.nodes), "steady_life_of": steady_told(scene)}
+    attrs = {
+        "solves": len(course.nodes),
+        "steady_life_of": steady_told(scene),
+        "residual": f"of the last run: {course.nodes[-1].residual}",
+    }
     if course.solved:
         values |= ends(way, course) | histories(way, course)
         values |= steady_time_to_loss(scene, values["loss_at_end"])
@@ -416,7 +423,8 @@ def ends(way: WearInTime, course: CourseInTime) -> dict:
     if course.status == code.OK and last.time > 0.0:
         time = np.array([node.time for node in solved])
         rate = np.array([way.end_rate(node, course.criterion) for node in solved])
-        error[way.count] = integration_error(time, rate) / rate[-1] + course.unsure
+        at_end = 0.5 * (rate[-2] + rate[-1])
+        error[way.count] = integration_error(time, rate) / at_end + course.unsure
         by_runs = [
             node.values.get("wear_rate_error_estimate", [math.nan] * 2)[way.count]
             for node in solved

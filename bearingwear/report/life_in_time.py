@@ -107,8 +107,13 @@ def _cubed(exponent: int) -> str:
 def ended_by(life: xr.Dataset) -> str:
     """What ended a life, in words; the status where nothing did."""
     status = int(life["status"])
-    names = life["end_criterion"].attrs["flag_meanings"].split()
-    return in_words(names[int(life["end_criterion"])] if status == OK else STATUS_NAMES[status])
+    return criterion(life, "end_criterion") if status == OK else in_words(STATUS_NAMES[status])
+
+
+def criterion(life: xr.Dataset, name: str) -> str:
+    """A criterion of a life in words, without its unit."""
+    met = life[name].attrs["flag_meanings"].split()[int(life[name])]
+    return in_words(met.removesuffix("_mm").removesuffix("_um"))
 
 
 def _message(life: xr.Dataset) -> str:
@@ -148,7 +153,6 @@ def write_lives(lives: Sequence[tuple[str, xr.Dataset]], path: str | Path) -> No
 def _numbers(life: xr.Dataset) -> list[str]:
     """A row of the table."""
     k = counted(life)
-    names = life["end_criterion"].attrs["flag_meanings"].split()
 
     def one(name: str, scale: float = 1.0) -> str:
         value = float(life[name]) if name in life else float("nan")
@@ -164,9 +168,7 @@ def _numbers(life: xr.Dataset) -> list[str]:
         pockets = life["history_pocket_worn_volume"].values[-1].sum()
         land = life["history_land_worn_volume"].values[-1]
         cage = f"{1e15 * pockets:.4g}, {1e15 * land:.4g}"
-    steady = "–"
-    if "steady_life" in life:
-        steady = in_words(names[int(life["steady_end_criterion"])])
+    steady = criterion(life, "steady_end_criterion") if "steady_life" in life else "–"
     return [
         f"{float(life['life'][k]):.4g}",
         f"{float(life['life_error_bound'][k]):.2g}",
