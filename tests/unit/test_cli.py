@@ -125,7 +125,7 @@ def test_life(tmp_path, capsys):
 
 
 def test_failed_life(tmp_path, monkeypatch):
-    def lived(scene):
+    def lived(scene, fidelity, progress):
         return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": 4})
 
     monkeypatch.setattr(life_model, "life", lived)
