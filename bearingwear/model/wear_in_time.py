@@ -286,7 +286,10 @@ class WearInTime:
         return b, crossing[1], b.time - crossing[0]
 
     def horizon(self, node: Node, steady: float) -> float:
-        """About when the life ends [s]: the steady life, or what wears as fast as so far."""
+        """About when the life ends [s]: the steady life, or what wears as fast as so far.
+
+        Infinite where nothing that wears leads to an end.
+        """
         um = self.end.ball_diameter_loss_um
         largest = LARGEST_LOSS * self.scene.bearing.ball_diameter_mm * parameters.MM
         limits = [largest if um is None else um * parameters.UM]
@@ -297,8 +300,8 @@ class WearInTime:
         )
         with np.errstate(divide="ignore", invalid="ignore"):
             times = node.time * (np.array(limits) - then) / (now - then)
-        times = np.where(now > then, times, math.nan)
-        return float(np.nanmin([steady, *times]))
+        known = [time for time in (steady, *times[now > then]) if time > 0.0]
+        return float(min(known, default=math.inf))
 
     def march(self, steady: float) -> "CourseInTime":
         """From the present wear to the first criterion, or to where the solver or the range ends.
@@ -323,6 +326,8 @@ class WearInTime:
         guess = Node(1.0, start.rates, code.OK)
         for _ in range(MOST_STEPS * steps):
             horizon = self.horizon(nodes[-1] if len(nodes) > 1 else guess, steady)
+            if math.isinf(horizon):
+                break
             self.tell(nodes[-1], horizon)
             found = self.step(nodes, nodes[-1].time + horizon / steps)
             if found.status != code.OK:

@@ -1,7 +1,6 @@
 """Wear life in time: against the steady life, its accounts, its end by ball or cage."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -198,5 +197,5 @@ def test_integration_error():
 def test_progress_is_told(scene):
     said = []
     s = scene("gyro_s1", ALONE | {"model.life_steps": 2})
-    life(replace(s), "dynamic", said.append)
+    life(s, "dynamic", said.append)
     assert len(said) >= 2 and all("um lost" in line for line in said)
