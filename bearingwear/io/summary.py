@@ -271,7 +271,8 @@ def _in_time(file: Any) -> list[str]:
     names = file["steady_end_criterion"].flag_meanings.split()
     status = STATUS_NAMES[int(_values(file, "steady_status"))]
     end = names[int(_values(file, "steady_end_criterion"))]
-    lines = ["", _row(f"steady, {file.steady_life_of}", "")]
+    of = getattr(file, "steady_life_of", "?")
+    lines = ["", _row(f"steady, {of}", "")]
     lines += [*_rows(file, BESIDE), _row("ended by", "", end if status == "ok" else status)]
     if "history_ball_worn_volume" not in file.variables:
         return lines
