@@ -55,13 +55,21 @@ def solve(
     return dataset(solved(checked, fidelity, state, progress))
 
 
-def life(scene: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> xr.Dataset:
+def life(
+    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+    fidelity: str | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> xr.Dataset:
     """Wear life of one scene.
 
     Parameters
     ----------
     scene : path, dict or Scene
         With at least one criterion under `wear.end_of_life`.
+    fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
+        Overrides `model.fidelity` of the scene.
+    progress : callable, optional
+        Given one line of text at each step of a life in time.
 
     Returns
     -------
@@ -76,4 +84,4 @@ def life(scene: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> xr.Datase
     checked = for_life(as_scene(scene))
     from bearingwear.model.life import life as lived
 
-    return dataset(lived(checked))
+    return dataset(lived(checked, fidelity, progress))

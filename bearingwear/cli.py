@@ -96,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
             help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
         )
         setting.completer = _scene_keys  # type: ignore[attr-defined]
-    for sub in (solve, check):
+    for sub in (solve, life, check):
         sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
     solve.add_argument(
         "--restart",
@@ -206,7 +206,8 @@ def _life(given: argparse.Namespace) -> int:
     scene = for_life(_scene(given), given.scene)
     from bearingwear.model.life import life
 
-    return _finish(life(scene), given)
+    result = life(scene, given.fidelity, lambda text: _tell(f"{given.scene}: {text}"))
+    return _finish(result, given)
 
 
 def _scene(given: argparse.Namespace) -> Scene:

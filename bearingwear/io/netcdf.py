@@ -222,7 +222,7 @@ def _entries(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     for name, variable in table.items():
         if name in values or variable.always:
             solved[name] = _entry(variable, values.get(name), sizes)
-            if in_time and name in values and (method := _cell_methods(variable)):
+            if in_time and not is_life and name in values and (method := _cell_methods(variable)):
                 solved[name].attrs["cell_methods"] = method
     used = {dim for entry in solved.values() for dim in entry.dims}
     entries = {

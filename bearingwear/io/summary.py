@@ -77,6 +77,22 @@ CAGE = (
     ("mean_pocket_torque", "mean pocket torque", "uN m", 1e6),
     ("mean_land_torque", "mean land torque", "uN m", 1e6),
 )
+BESIDE = (
+    ("steady_life", "steady life", "h", 1.0),
+    ("steady_loss_at_end", "loss at its end", "um", 1e6),
+    ("steady_time_to_loss", "its time to the loss above", "h", 1.0),
+)
+WORN = (
+    ("history_ball_worn_volume", "one ball", "um3", 1e18),
+    ("history_pocket_worn_volume", "one pocket", "um3", 1e18),
+    ("history_worn_diameter", "diameter of one ball", "um", 1e6),
+)
+WORN_WHOLE = (
+    ("history_land_worn_volume", "guiding land", "um3", 1e18),
+    ("history_groove_depth", "both grooves, depth", "um", 1e6),
+    ("history_pocket_clearance", "pocket clearance then", "mm", 1e3),
+    ("history_guide_clearance", "guide clearance then", "mm", 1e3),
+)
 STUDY = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
 
 
@@ -245,6 +261,35 @@ def _life(file: Any) -> list[str]:
         for name, label, unit, factor in HISTORY:
             values = np.atleast_1d(_values(file, name, factor))
             lines.append(_row(label, unit, _number(values[0]), _number(values[-1])))
+    return lines + _in_time(file)
+
+
+def _in_time(file: Any) -> list[str]:
+    """What a life that was followed in time says beyond a steady one."""
+    if "steady_status" not in file.variables:
+        return []
+    names = file["steady_end_criterion"].flag_meanings.split()
+    status = STATUS_NAMES[int(_values(file, "steady_status"))]
+    end = names[int(_values(file, "steady_end_criterion"))]
+    of = getattr(file, "steady_life_of", "?")
+    lines = ["", _row(f"steady, {of}", "")]
+    lines += [*_rows(file, BESIDE), _row("ended by", "", end if status == "ok" else status)]
+    if "history_ball_worn_volume" not in file.variables:
+        return lines
+    lines += ["", _row("worn since the start", "", "mean", "least", "most")]
+    for name, label, unit, factor in WORN:
+        if name in file.variables:
+            last = _values(file, name, factor)[-1]
+            numbers = map(_number, (_mean(last), float(last.min()), float(last.max())))
+            lines.append(_row(label, unit, *numbers))
+    races = _values(file, "history_race_worn_volume", 1e18)[-1]
+    rows = zip(("inner race", "outer race"), ("um3", "um3"), races, strict=True)
+    lines += [_row(label, unit, _number(value)) for label, unit, value in rows]
+    lines += [
+        _row(label, unit, _number(float(_values(file, name, factor)[-1])))
+        for name, label, unit, factor in WORN_WHOLE
+        if name in file.variables
+    ]
     return lines
 
 

@@ -23,6 +23,8 @@ CRITERIA = (
     "gyroscopic_slip_share",
     "skid_ratio",
     "ball_diameter_loss_um",
+    "pocket_clearance_mm",
+    "guide_clearance_mm",
     "none",
 )
 BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
@@ -172,6 +174,9 @@ STATE = _table(
     Variable("ball_wear_rate", BALL, "m3 s-1", "wear rate of one ball", always=True),
     Variable("race_wear_rate", RACE, "m3 s-1", "wear rate of the whole race", always=True),
     Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets", averaged=True),
+    Variable(
+        "pocket_wear_rate", BALL, "m3 s-1", "wear rate of the cage in one pocket", averaged=True
+    ),
     Variable(
         "cage_land_wear_rate",
         (),
@@ -380,6 +385,8 @@ DYNAMIC = _table(
 CASE = STATE | DYNAMIC
 
 STEP, STEP_RACE, STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
+STEP_BALL = ("step", "ball")
+OF_STEADY = "of what of the scene has a steady life, see the attribute steady_life_of"
 
 LIFE = _table(
     STATUS,
@@ -435,4 +442,92 @@ LIFE = _table(
     ),
     Variable("history_ball_wear_rate", STEP, "m3 s-1", "wear rate of one ball"),
     Variable("history_race_wear_rate", STEP_RACE, "m3 s-1", "wear rate of the whole race"),
+    # of a life in time alone
+    Variable(
+        "history_status", STEP, "", "whether the run in time was solved", "i1", flags=STATUS_NAMES
+    ),
+    Variable(
+        "history_start",
+        STEP,
+        "",
+        "where the run in time began",
+        "i1",
+        flags=("start_anew", "end_of_the_step_before"),
+    ),
+    Variable("history_simulated_turns", STEP, "1", "shaft turns simulated"),
+    Variable(
+        "history_worn_diameter",
+        STEP_BALL,
+        "m",
+        "worn off the diameter of one ball since the start",
+    ),
+    Variable("history_groove_depth", STEP, "m", "depth worn into both grooves since the start"),
+    Variable(
+        "history_ball_worn_volume", STEP_BALL, "m3", "volume worn off one ball since the start"
+    ),
+    Variable(
+        "history_race_worn_volume", STEP_RACE, "m3", "volume worn off the race since the start"
+    ),
+    Variable(
+        "history_pocket_worn_volume",
+        STEP_BALL,
+        "m3",
+        "volume worn off the cage in one pocket since the start",
+    ),
+    Variable(
+        "history_land_worn_volume",
+        STEP,
+        "m3",
+        "volume worn off the cage at its guiding land since the start",
+    ),
+    Variable("history_each_ball_wear_rate", STEP_BALL, "m3 s-1", "wear rate of each ball"),
+    Variable(
+        "history_pocket_wear_rate", STEP_BALL, "m3 s-1", "wear rate of the cage in one pocket"
+    ),
+    Variable("history_land_wear_rate", STEP, "m3 s-1", "wear rate of the cage at its guiding land"),
+    Variable(
+        "history_pocket_clearance", STEP, "m", "diametral clearance of pocket and most worn ball"
+    ),
+    Variable("history_guide_clearance", STEP, "m", "diametral clearance of cage and guiding land"),
+    Variable(
+        "steady_status",
+        (),
+        "",
+        "whether there is a steady life to compare with",
+        "i1",
+        flags=STATUS_NAMES,
+        comment=OF_STEADY,
+    ),
+    Variable(
+        "steady_life",
+        (),
+        "h",
+        "time to the end of life by the steady model",
+        scale=HOUR,
+        comment=OF_STEADY,
+    ),
+    Variable(
+        "steady_end_criterion",
+        (),
+        "",
+        "the criterion that the steady life meets first",
+        "i1",
+        flags=CRITERIA,
+        comment=OF_STEADY,
+    ),
+    Variable(
+        "steady_loss_at_end",
+        (),
+        "m",
+        "loss of ball diameter at the end of the steady life",
+        comment=OF_STEADY,
+    ),
+    Variable(
+        "steady_time_to_loss",
+        (),
+        "h",
+        "time that the steady model takes to loss_at_end",
+        scale=HOUR,
+        comment=OF_STEADY,
+    ),
 )

@@ -82,24 +82,32 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     """Decide the tier that a wear life is made of, which takes a great many solves.
 
+    A life in time takes a run at every step, so it is followed only where it is asked for.
+
     Raises
     ------
     NotAvailable
-        Where the tier asked for cannot solve this scene, or takes too long for a life.
+        Where the tier asked for cannot solve this scene, or sees no end of its life.
     """
     wanted = fidelity or scene.model.fidelity
-    if scene.model.cage_results:
-        raise NotAvailable(
-            f"{scene.name}: model.cage_results: given true; allowed false, since a life is not "
-            "solved in time"
-        )
-    if wanted == "dynamic":
-        raise _refusal(scene, wanted, "a life is not solved in time", "steady, race_control")
     found = " and ".join(asymmetries(scene))
-    if wanted == "auto" and found:
-        why = f"{found}: no steady state exists, and a life is not solved in time"
-        return _chosen(scene, "race_control", why)
-    return choice(scene, fidelity)
+    if wanted == "auto" and found and not scene.model.cage_results:
+        why = f"{found}: no steady state exists, and a life in time was not asked for"
+        chosen = _chosen(scene, "race_control", why)
+    else:
+        chosen = choice(scene, fidelity)
+    end = scene.wear.end_of_life
+    limits = [] if end is None else sorted(end.criteria.keys() - end.without_cage.criteria.keys())
+    if not limits or (chosen.tier == "dynamic" and chosen.cage):
+        return chosen
+    if end is not None and not end.without_cage.criteria:
+        raise NotAvailable(
+            f"{scene.name}: wear.end_of_life: given limits of the cage alone, which a life of "
+            f"fidelity {chosen.tier} does not see wearing; allowed another criterion, or fidelity "
+            "dynamic"
+        )
+    told = f"limits of the cage: {', '.join(limits)} not watched, since its wear is not solved"
+    return replace(chosen, reasons=(*chosen.reasons, told))
 
 
 def _refusal(scene: Scene, wanted: str, problem: str, others: str) -> NotAvailable:

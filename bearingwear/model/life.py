@@ -33,6 +33,8 @@ CRITERIA = (
     "gyroscopic_slip_share",
     "skid_ratio",
     "ball_diameter_loss_um",
+    "pocket_clearance_mm",
+    "guide_clearance_mm",
     "none",
 )
 FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
@@ -283,7 +285,9 @@ class Marcher:
         return Course(states, times, error, len(CRITERIA) - 1, status, self.solves)
 
 
-def life(scene: Scene, fidelity: str | None = None) -> Result:
+def life(
+    scene: Scene, fidelity: str | None = None, progress: Callable[[str], None] | None = None
+) -> Result:
     """Wear life of a scene from its present loss of ball diameter on.
 
     Parameters
@@ -292,6 +296,8 @@ def life(scene: Scene, fidelity: str | None = None) -> Result:
         With `wear.end_of_life`.
     fidelity : str, optional
         Overrides `model.fidelity` of the scene.
+    progress : callable, optional
+        Given one line of text at each step of a life in time; others are done by then.
 
     Returns
     -------
@@ -321,6 +327,13 @@ def life(scene: Scene, fidelity: str | None = None) -> Result:
         )
     chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
+    if chosen.tier == "dynamic":
+        # its kernels take long to load, and the others do without
+        from bearingwear.model.wear_in_time import solve_life_in_time
+
+        values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
+        elapsed = time.perf_counter() - started
+        return Result(values, attrs | provenance(scene, chosen), elapsed)
     with Interrupt():
         if chosen.tier == "steady":
             course = course_of(scene, steady_states(scene))
@@ -371,6 +384,11 @@ def life_values(scene: Scene, course: Course) -> dict:
         "loss_at_end": states[-1].loss,
         "history_time": np.array(course.times),
     }
+    return values | history_values(states)
+
+
+def history_values(states: list[WearState]) -> dict:
+    """Result variables of the states along a life."""
     columns = {
         "ball_diameter_loss": "loss",
         "residual_preload": "preload",
@@ -384,6 +402,7 @@ def life_values(scene: Scene, course: Course) -> dict:
         "ball_wear_rate": "ball_rate",
         "race_wear_rate": "race_rate",
     }
-    for name, attribute in columns.items():
-        values[f"history_{name}"] = np.array([getattr(s, attribute) for s in states])
-    return values
+    return {
+        f"history_{name}": np.array([getattr(s, attribute) for s in states])
+        for name, attribute in columns.items()
+    }

@@ -89,6 +89,7 @@ class Cage:
     width_mm: float
     pocket_clearance_mm: float
     guide_clearance_mm: float
+    worn_share: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,18 +123,28 @@ class Lubricant:
 
 @dataclass(frozen=True, kw_only=True)
 class EndOfLife:
-    """Criteria of which the first that is met ends the life; None where one does not apply."""
+    """Criteria of which the first that is met ends the life; None where one does not apply.
+
+    The clearances are limits of the cage, which a life in time alone sees wearing.
+    """
 
     preload_fraction: float | None = None
     gyroscopic_slip_share: float | None = None
     skid_ratio: float | None = None
     ball_diameter_loss_um: float | None = None
+    pocket_clearance_mm: float | None = None
+    guide_clearance_mm: float | None = None
 
     @property
     def criteria(self) -> dict[str, float]:
         """The criteria that apply."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
+
+    @property
+    def without_cage(self) -> EndOfLife:
+        """The criteria that ask nothing of a cage."""
+        return replace(self, pocket_clearance_mm=None, guide_clearance_mm=None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,6 +180,8 @@ class Model:
     dynamic_tolerance: float = STANDARD.dynamic_tolerance
     settled_drift: float = STANDARD.settled_drift
     land_stiffness_factor: float = 1.0
+    life_steps: int = 12
+    life_run_in_turns: float = 200.0
     tolerance: float = STANDARD.tolerance
 
     @property
@@ -204,6 +217,7 @@ class Scene:
         _check_materials(self)
         _check_balls(self)
         _check_wear(self)
+        _check_cage_limits(self)
         if self.cage is not None:
             _check_cage(self, self.cage)
         _check_model(self)
@@ -311,6 +325,20 @@ def _check_wear(scene: Scene) -> None:
                 f"given {value:g}; allowed a number < {largest:g} "
                 f"({100 * LARGEST_LOSS:g} % of the ball diameter)",
                 ("bearing.ball_diameter_mm",),
+            )
+
+
+def _check_cage_limits(scene: Scene) -> None:
+    end, cage = scene.wear.end_of_life or EndOfLife(), scene.cage
+    guided = cage is not None and cage.guiding_race != "ball"
+    for name, there, needed in (
+        ("pocket_clearance_mm", cage is not None, "with a cage"),
+        ("guide_clearance_mm", guided, "with a cage guided by a race"),
+    ):
+        value = getattr(end, name)
+        if value is not None and not there:
+            raise SceneError(
+                f"wear.end_of_life.{name}", f"given {value:g}; allowed only {needed}", ("cage",)
             )
 
 

@@ -29,8 +29,8 @@ from bearingwear.kernels.record import (
     record,
     run_on,
 )
-from bearingwear.kernels.summary import QV
-from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.kernels.summary import ANGLE, QV
+from bearingwear.kernels.thrust import ThrustCase, skid_ratio
 from bearingwear.kernels.wear import archard_rate
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, Motion
@@ -503,6 +503,12 @@ def window_values(scene: Scene, whole_run: Run) -> dict:
         "axial_stiffness": whole[STIFFNESS],
         "centrifugal_force": ball[:, CENTRIFUGAL],
         "equilibrium_residual": out.residual[0],
+        "skid_ratio": np.mean(
+            [
+                skid_ratio(run.motion, *rows[j, :, ANGLE], 0.5 * run.D[j], *ball[j, [RADIUS]], u)
+                for j, u in enumerate(np.ascontiguousarray(ball[:, :4]))
+            ]
+        ),
     }
     supplied = energy.pop("supplied")
     lost = sum(energy[key] for key in ("heat", "cage heat", "damping")) + abs(energy["drag"])
@@ -524,6 +530,7 @@ def window_values(scene: Scene, whole_run: Run) -> dict:
     )
     return values | {
         "cage_wear_rate": rate * pockets.sum(),
+        "pocket_wear_rate": rate * pockets,
         "cage_land_wear_rate": rate * integrals[p.land - offset] / time,
         "cage_friction_heat": integrals[p.cage_heat - offset] / time,
         "cage_speed": whole[CAGE_SPEED],

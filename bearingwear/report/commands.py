@@ -43,6 +43,14 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     option = add("running-average", _running_average, "wear rates as they settle", "CASE.nc")
     option("--reference", metavar="FILE.csv", type=Path, help="values of others to draw as well")
 
+    add("life-in-time", _life_in_time, "what wears over a life followed in time", "LIFE.nc")
+    lives = commands.add_parser(
+        "tables-lives", help="set lives followed in time beside the steady ones, as Markdown"
+    )
+    lives.add_argument("files", nargs="+", metavar="LIFE.nc", type=Path)
+    lives.add_argument("-o", "--output", required=True, metavar="LIVES.md", type=Path)
+    lives.set_defaults(run=_tables_lives)
+
     in_time = commands.add_parser(
         "tables-dynamic",
         help="set cases solved in time beside the steady ones, as CSV and Markdown",
@@ -188,6 +196,35 @@ def _running_average(given: argparse.Namespace) -> int:
         raise CaseFileError(f"{given.files[0]}: not a case solved in time")
     save(running_average(case, given.reference), given.output)
     return 0
+
+
+def _life_in_time(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.report.drawing import save
+    from bearingwear.report.life_in_time import life_in_time
+
+    life = _lived_in_time(given.files[0])
+    if "history_ball_worn_volume" not in life:
+        raise CaseFileError(f"{given.files[0]}: no step of this life was solved")
+    save(life_in_time(life), given.output)
+    return 0
+
+
+def _tables_lives(given: argparse.Namespace) -> int:
+    from bearingwear.report.life_in_time import write_lives
+
+    write_lives([(path.stem, _lived_in_time(path)) for path in given.files], given.output)
+    return 0
+
+
+def _lived_in_time(path: Path) -> xr.Dataset:
+    """A life file of fidelity dynamic."""
+    from bearingwear.io.netcdf import CaseFileError
+
+    life = _loaded(path)
+    if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
+        raise CaseFileError(f"{path}: not a life followed in time")
+    return life
 
 
 def _tables_dynamic(given: argparse.Namespace) -> int:

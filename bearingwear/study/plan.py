@@ -3,6 +3,7 @@
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -42,6 +43,8 @@ class Plan:
         Columns of the figure of wear across scenes; empty: no such figure.
     spreads : dict
         Figures of spread by their name.
+    lives_in_time : dict
+        For each life that is followed in time, its scene and what is changed in it.
     running_averages : dict
         For each scene of `dynamic` with figures of running averages, the name of its file
         config/reference/NAME.csv, or None.
@@ -56,6 +59,7 @@ class Plan:
     column_frictions: tuple[float, ...]
     spreads: dict[str, Spread]
     running_averages: dict[str, str | None]
+    lives_in_time: dict[str, tuple[str, tuple[str, ...]]]
 
     @classmethod
     def from_config(cls, config: Mapping) -> "Plan":
@@ -86,6 +90,10 @@ class Plan:
             running_averages={
                 scene: (given or {}).get("reference")
                 for scene, given in figures.get("running_averages", {}).items()
+            },
+            lives_in_time={
+                name: (life["scene"], _settings(life.get("set", {})))
+                for name, life in config.get("lives_in_time", {}).items()
             },
         )
 
@@ -147,13 +155,17 @@ class Plan:
             load_scene(_scene_file(scene))
             for case in grid.cases().values():
                 _check_case(scene, case, self.dynamic_settings(scene, case))
+        for name, (scene, settings) in self.lives_in_time.items():
+            try:
+                for_life(load_scene(_scene_file(scene), settings))
+            except ValueError as error:
+                what = str(error).removeprefix("--set ")
+                raise ValueError(f"config: lives_in_time.{name}: {what}") from None
 
     def dynamic_settings(self, scene: str, case: Case) -> tuple[str, ...]:
         """What `bearingwear solve --set` is given to solve a case in time."""
-        # as YAML: Python's 1e-05 would be read as a text
-        given = {key: yaml.safe_dump(value) for key, value in self.overrides[scene].items()}
-        settings = (f"model.{key}={value.splitlines()[0]}" for key, value in given.items())
-        return (*case.settings, *settings)
+        given = {f"model.{key}": value for key, value in self.overrides[scene].items()}
+        return (*case.settings, *_settings(given))
 
     def reference(self, scene: str) -> list[str]:
         """The file of values that a scene's running averages are drawn with, if any."""
@@ -246,6 +258,15 @@ class Plan:
         if self.slip_cases(scene):
             names += ["fig09_slip"]
         return sorted(names)
+
+
+def _settings(given: Mapping) -> tuple[str, ...]:
+    """What `--set` is given; as YAML, since Python's 1e-05 would be read as a text."""
+    texts = {
+        key: yaml.safe_dump(value, default_flow_style=True, width=math.inf)
+        for key, value in given.items()
+    }
+    return tuple(f"{key}={text.splitlines()[0]}" for key, text in texts.items())
 
 
 def _scene_file(scene: str) -> str:

@@ -188,6 +188,16 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "end of life as large as the ball": (
         edited(("ball_diameter_loss_um: 0.7", "ball_diameter_loss_um: 700")),
         "wear.end_of_life.ball_diameter_loss_um", ("200",)),
+    "limit of a cage without a cage": (
+        edited((CAGE, ""), ("ball_diameter_loss_um: 0.7", "pocket_clearance_mm: 0.2")),
+        "wear.end_of_life.pocket_clearance_mm", ("0.2", "with a cage")),
+    "limit of a land without a land": (
+        edited(("guiding_race: outer", "guiding_race: ball"),
+               ("ball_diameter_loss_um: 0.7", "guide_clearance_mm: 0.3")),
+        "wear.end_of_life.guide_clearance_mm", ("guided by a race",)),
+    "share of a surface": (
+        edited(("guide_clearance_mm: 0.20", "guide_clearance_mm: 0.20\n  worn_share: 0")),
+        "cage.worn_share", ("0.001",)),
     "cage results without a cage": (
         edited((CAGE, "")) + "model: {cage_results: true}\n", "model.cage_results", ("cage",)),
     "dynamic model at rest": (

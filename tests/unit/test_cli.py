@@ -125,8 +125,10 @@ def test_life(tmp_path, capsys):
 
 
 def test_failed_life(tmp_path, monkeypatch):
-    def lived(scene):
-        return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": 4})
+    def lived(scene, fidelity, progress):
+        return Result(
+            {"status": code.CRITERION_NOT_REACHED, "end_criterion": len(life_model.CRITERIA) - 1}
+        )
 
     monkeypatch.setattr(life_model, "life", lived)
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]

@@ -423,13 +423,24 @@ def test_what_does_not_apply(settings, fidelity, problem):
         choice(load_scene(S1, settings), fidelity)
 
 
-def test_life_is_never_solved_in_time():
+def test_life_is_followed_in_time_only_where_asked_for():
     chosen = choice_for_life(load_scene(S1, ["operation.tilt_mrad=1"]))
-    assert chosen.tier == "race_control" and "not solved in time" in chosen.reasons[0]
+    assert chosen.tier == "race_control" and "in time was not asked for" in chosen.reasons[0]
     assert choice_for_life(load_scene(S1)).tier == "steady"
     for settings in (["model.fidelity=dynamic"], ["model.cage_results=true"]):
-        with pytest.raises(NotAvailable, match="not solved in time"):
-            choice_for_life(load_scene(S1, settings))
+        chosen = choice_for_life(load_scene(S1, settings))
+        assert chosen.tier == "dynamic" and chosen.cage
+
+
+def test_limits_of_the_cage_need_its_wear():
+    limit = "wear.end_of_life.guide_clearance_mm=0.3"
+    assert "guide_clearance_mm not watched" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
+    in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
+    assert not any("not watched" in reason for reason in in_time.reasons)
+    alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
+    assert choice_for_life(alone, "dynamic").tier == "dynamic"
+    with pytest.raises(NotAvailable, match="limits of the cage alone.*; allowed"):
+        choice_for_life(alone)
 
 
 def test_averaged_turns():

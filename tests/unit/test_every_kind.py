@@ -20,8 +20,8 @@ CASES = [
     for loss in ("0.00", "0.50")
 ]
 KINDS = (
-    "steady case", "race control case", "case in time", "failed case", "life", "study",
-    "wear life", "sweep", "trade study",
+    "steady case", "race control case", "case in time", "failed case", "life", "life in time",
+    "study", "wear life", "sweep", "trade study",
 )  # fmt: skip
 
 
@@ -42,6 +42,8 @@ def kinds(tmp_path_factory):
     made("solve", SCENE, "-o", files["failed case"], "--set", *failed)
     fixed = "operation.preload_method=fixed_position"
     made("life", SCENE, "-o", files["life"], *QUICK, fixed)
+    short = ["model.simulated_turns=0.5", "model.life_run_in_turns=0", "model.life_steps=2"]
+    made("life", SCENE, "-o", files["life in time"], "--fidelity", "dynamic", *QUICK, fixed, *short)
     cases = [folder / f"{case}.nc" for case in CASES]
     for case in cases:
         method, mu, loss = re.fullmatch(r"(\w+)-mu(.*)-loss(.*)", case.stem).groups()
@@ -73,6 +75,7 @@ def kinds(tmp_path_factory):
         ("case in time", r"turns simulated +1 +0\.5"),
         ("failed case", r"status undetermined"),
         ("life", r"ended by +preload_fraction"),
+        ("life in time", r"steady, the scene without cage"),
         ("study", r"friction +1  0\.08\n(.|\n)*total_qv +W +0\.\d+ +0\.\d+"),
         ("wear life", r"fixed_position, mu 0\.08 +h +[\d.]+ +[\d.]+ +0\.49\d+  preload_fraction"),
         ("sweep", r"wall_time +s +[\d.e-]+ +[\d.e-]+"),
@@ -205,6 +208,19 @@ BEYOND_CF = (
     "Coordinate variable 'time' should have standard_name='time', found: 'None'",
     "cell_methods name component time does not match a dimension, area or auxiliary coordinate",
 )
+
+
+def test_a_life_in_time_is_drawn_and_tabulated(kinds, tmp_path, capsys):
+    figure, table = tmp_path / "x.svg", tmp_path / "x.md"
+    made("figure", "life-in-time", kinds["life in time"], "-o", figure)
+    text = figure.read_text(encoding="utf-8")
+    assert "residual preload (N)" in text and "preload fraction ends the life" in text
+    made("tables-lives", kinds["life in time"], "-o", table)
+    assert "| life_in_time | " in table.read_text(encoding="utf-8")
+    for command in (["figure", "life-in-time"], ["tables-lives"]):
+        for kind in ("life", "case in time"):
+            assert main([*command, str(kinds[kind]), "-o", str(tmp_path / "no.svg")]) == 2
+            assert re.fullmatch(r".*: not a life followed in time\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -31,6 +31,9 @@ def attributes() -> dict:
     return {"scene": json.dumps(scene), "fidelity": "steady", "modelled": '["all"]', "n": 3}
 
 
+NONE = variables.CRITERIA.index("none")
+
+
 def filled(table, sizes=None, leave_out=()) -> dict:
     """A value for every variable of a table."""
     random = np.random.default_rng(1)
@@ -63,7 +66,7 @@ def result(request) -> Result:
     if request.param == "failed case":
         return Result({"status": code.CONTACT_LOST, "ball_diameter_loss": [1e-7]}, attributes())
     if request.param == "failed life":
-        return Result({"status": code.NOT_CONVERGED, "end_criterion": 4}, attributes())
+        return Result({"status": code.NOT_CONVERGED, "end_criterion": NONE}, attributes())
     return request.getfixturevalue(request.param)
 
 
@@ -357,7 +360,7 @@ def test_summary_of_a_life(life, tmp_path):
 
 def test_summary_of_a_failed_life(tmp_path):
     write(
-        Result({"status": code.NO_STEADY_STATE, "end_criterion": 4}, attributes()),
+        Result({"status": code.NO_STEADY_STATE, "end_criterion": NONE}, attributes()),
         tmp_path / "x.nc",
     )
     text = summary(tmp_path / "x.nc")

@@ -15,6 +15,7 @@ from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.variables import CRITERIA
 from bearingwear.study.gather import study
 from bearingwear.study.grid import PRELOAD_METHODS, Grid
 from bearingwear.study.life import interpolated_life
@@ -251,7 +252,7 @@ def test_life_of_race_control():
 def test_no_life_where_the_study_does_not_reach(line, criteria):
     found = interpolated_life(line, criteria, 7.0)
     assert np.all(np.isnan(found["interpolated_life"]))
-    assert int(found["interpolated_end_criterion"]) == 4
+    assert int(found["interpolated_end_criterion"]) == CRITERIA.index("none")
 
 
 def test_both_routes_agree(folder):

@@ -96,6 +96,15 @@ def dynamic_label(wildcards):
     return f"{wildcards.scene}, in time: {case.label}"
 
 
+def scene_of_life(wildcards):
+    return f"config/scenes/{PLAN.lives_in_time[wildcards.life][0]}.yaml"
+
+
+def life_settings(wildcards):
+    settings = PLAN.lives_in_time[wildcards.life][1]
+    return [f"--set {shlex.quote(setting)}" for setting in settings]
+
+
 def dynamic_scene_cases(wildcards):
     return PLAN.dynamic_cases(wildcards.scene)
 
