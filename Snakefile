@@ -16,6 +16,7 @@ include: "workflow/rules/cases.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/design.smk"
 
 
 rule all:

@@ -1,12 +1,20 @@
-"""Commands of the study: gather, wear-life, verdict, tradeoff, gather-tradeoff."""
+"""Commands of the study: gather, wear-life, verdict, tradeoff, gather-tradeoff, and of the design
+study: design-map, gather-design, recommend, sample-lives, spread."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.study.grid import PRELOAD_METHODS
+
+if TYPE_CHECKING:
+    from bearingwear.study.design_plan import DesignPlan
 
 PLAN = Path("config/tradeoff.yaml")
+DESIGN_PLAN = Path("config/design.yaml")
 
 
 def add_parser(commands: argparse._SubParsersAction) -> None:
@@ -38,7 +46,45 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     traded.add_argument("files", nargs="+", metavar="POINTS.nc", type=Path)
     traded.set_defaults(run=_gather_tradeoff)
 
-    for parser in (gather, life, verdict, trade, traded):
+    mapped = commands.add_parser(
+        "design-map", help="find the lives of a scene over preload and speed"
+    )
+    mapped.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    mapped.add_argument("--friction", required=True, type=float, metavar="MU")
+    mapped.set_defaults(run=_design_map)
+
+    gathered = commands.add_parser(
+        "gather-design", help="gather the parts of a design map, and choose preloads"
+    )
+    gathered.add_argument("files", nargs="+", metavar="PART.nc", type=Path)
+    gathered.set_defaults(run=_gather_design)
+
+    recommend = commands.add_parser(
+        "recommend", help="find the preload with the longest life within the limits of a design map"
+    )
+    recommend.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    recommend.add_argument("design", metavar="DESIGN.nc", type=Path)
+    recommend.set_defaults(run=_recommend)
+
+    sample = commands.add_parser("sample-lives", help="find lives at sampled uncertain values")
+    sample.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    sample.add_argument("--recommendation", metavar="FILE.nc", type=Path, help="take its preload")
+    sample.add_argument("--chunk", required=True, type=int, metavar="NUMBER", help="from 0")
+    sample.set_defaults(run=_sample_lives)
+
+    spread = commands.add_parser(
+        "spread", help="quantiles of life and Sobol indices from sampled lives"
+    )
+    spread.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    spread.add_argument("files", nargs="+", metavar="LIVES.nc", type=Path)
+    spread.set_defaults(run=_spread)
+
+    for parser in (mapped, sample):
+        parser.add_argument("--method", required=True, choices=PRELOAD_METHODS)
+    for parser in (mapped, sample, spread):
+        parser.add_argument("--plan", type=Path, default=DESIGN_PLAN, metavar="FILE.yaml")
+    for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, sample,
+                   spread):  # fmt: skip
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -94,3 +140,76 @@ def _gather_tradeoff(given: argparse.Namespace) -> int:
 
     write(gathered(given.files), given.output)
     return 0
+
+
+def _design_map(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.design import chunk
+    from bearingwear.study.stack import write
+
+    scene, plan = _design_scene(given.scene), _design_plan(given.plan)
+    if scene.name not in plan.scenes:
+        raise CaseFileError(f"{given.plan}: scenes: has no {scene.name}")
+    write(chunk(scene, plan.scenes[scene.name], given.method, given.friction), given.output)
+    return 0
+
+
+def _gather_design(given: argparse.Namespace) -> int:
+    from bearingwear.study.design import gathered
+    from bearingwear.study.stack import write
+
+    write(gathered(given.files), given.output)
+    return 0
+
+
+def _recommend(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import load
+    from bearingwear.study.design import recommendation
+    from bearingwear.study.stack import write
+
+    write(recommendation(_design_scene(given.scene), load(given.design)), given.output)
+    return 0
+
+
+def _sample_lives(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError, load
+    from bearingwear.study.design_plan import AT
+    from bearingwear.study.stack import write
+    from bearingwear.study.uncertainty import chunk
+
+    scene, plan = _design_scene(given.scene), _design_plan(given.plan).sampling
+    if not 0 <= given.chunk < plan.chunks:
+        raise CaseFileError(f"--chunk: given {given.chunk}; allowed 0 to {plan.chunks - 1}")
+    recommendation = None if given.recommendation is None else load(given.recommendation)
+    where = AT[0] if recommendation is None else AT[1]
+    write(chunk(scene, plan, given.method, where, given.chunk, recommendation), given.output)
+    return 0
+
+
+def _spread(given: argparse.Namespace) -> int:
+    from bearingwear.study.stack import write
+    from bearingwear.study.uncertainty import spread
+
+    plan = _design_plan(given.plan).sampling
+    write(spread(given.files, _design_scene(given.scene), plan), given.output)
+    return 0
+
+
+def _design_plan(path: Path) -> DesignPlan:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.design_plan import DesignPlan
+
+    try:
+        return DesignPlan.from_file(path)
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None
+
+
+def _design_scene(path: Path) -> Any:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.design_plan import design_scene
+
+    try:
+        return design_scene(path)
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None

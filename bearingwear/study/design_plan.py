@@ -1,0 +1,232 @@
+"""What the design study calculates: config/design.yaml, checked.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from bearingwear.study.grid import PRELOAD_METHODS
+
+AT = ("given", "recommended")
+"""The preloads at which life is spread: the scene's own, and the recommended one."""
+
+MOST_POINTS = 1000
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a design must keep to from new to the end of its life; None where there is no limit."""
+
+    gyroscopic_slip_share: float | None = None
+    axial_stiffness_N_um: float | None = None
+    maximum_pressure_GPa: float | None = None
+    friction_power_W: float | None = None
+
+    @property
+    def given(self) -> dict[str, float]:
+        """The limits that there are."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True)
+class DesignMap:
+    """Axes of a map of lives, and the limits to choose by."""
+
+    preload_method: tuple[str, ...]
+    friction: tuple[float, ...]
+    shaft_speed_rpm: tuple[float, ...]
+    preload_N: tuple[float, ...]
+    limits: Limits
+
+    @property
+    def lives(self) -> int:
+        """How many lives the map holds."""
+        axes = (self.preload_method, self.friction, self.shaft_speed_rpm, self.preload_N)
+        return math.prod(map(len, axes))
+
+    def chunks(self) -> list[str]:
+        """Names of the parts of the map, each a job: one method and one friction coefficient."""
+        return [f"{method}-mu{mu:.3f}" for method in self.preload_method for mu in self.friction]
+
+    def text(self) -> str:
+        """All that decides a part of the map, to see when it changes."""
+        return json.dumps([self.shaft_speed_rpm, self.preload_N, self.limits.gyroscopic_slip_share])
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How the uncertain values are sampled.
+
+    Attributes
+    ----------
+    samples : int
+        Base samples, a power of two.
+    chunks : int
+        Jobs that share them.
+    seed : int
+    """
+
+    samples: int
+    chunks: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class DesignPlan:
+    """Everything in config/design.yaml."""
+
+    scenes: Mapping[str, DesignMap]
+    sampling: Sampling
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> DesignPlan:
+        """Read and check the file.
+
+        Raises
+        ------
+        ValueError
+            One line: file, key, what was given, what is allowed.
+        """
+        try:
+            data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+            _keys(data, ("scenes", "uncertainty"), "")
+            scenes = {
+                str(name): _map(given, f"scenes.{name}")
+                for name, given in _block(data["scenes"], "scenes").items()
+            }
+            return cls(scenes, _sampling(data["uncertainty"]))
+        except (OSError, yaml.YAMLError) as error:
+            raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+
+    def check_scenes(self, folder: str | Path = "config/scenes") -> None:
+        """Read every scene and look whether its map can be solved.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        for name in self.scenes:
+            design_scene(Path(folder) / f"{name}.yaml")
+
+
+def design_scene(path: str | Path) -> Any:
+    """A scene whose lives can be mapped: it has an end of life and a steady state.
+
+    Raises
+    ------
+    ValueError
+        One line.
+    """
+    from bearingwear.io.config import for_life, load_scene
+    from bearingwear.model.fidelity import choice_for_life
+
+    scene = for_life(load_scene(path), os.fspath(path))
+    tier = choice_for_life(scene).tier
+    if tier != "steady":
+        raise ValueError(
+            f"{path}: given a scene whose life is found by {tier}; allowed one with a steady state"
+        )
+    if not scene.uncertainty:
+        raise ValueError(f"{path}: uncertainty: given nothing; allowed at least one distribution")
+    return scene
+
+
+def _map(given: Any, where: str) -> DesignMap:
+    _keys(given, ("map", "limits"), where)
+    axes = _keys(
+        given["map"],
+        ("preload_method", "friction", "shaft_speed_rpm", "preload_N"),
+        f"{where}.map",
+    )
+    methods = axes["preload_method"]
+    if not isinstance(methods, list) or not methods or not set(methods) <= set(PRELOAD_METHODS):
+        raise ValueError(
+            f"{where}.map.preload_method: given {methods}; allowed {', '.join(PRELOAD_METHODS)}"
+        )
+    names = [f.name for f in fields(Limits)]
+    frictions = _axis(axes["friction"], f"{where}.map.friction")
+    if any(mu != round(mu, 3) for mu in frictions):  # as the files are named
+        raise ValueError(f"{where}.map.friction: allowed numbers of at most three decimals")
+    limits = _block(given["limits"], f"{where}.limits")
+    for name, value in limits.items():
+        if name not in names:
+            raise ValueError(f"{where}.limits.{name}: unknown key; allowed {', '.join(names)}")
+        _positive(value, f"{where}.limits.{name}")
+    return DesignMap(
+        tuple(dict.fromkeys(methods)),
+        frictions,
+        _axis(axes["shaft_speed_rpm"], f"{where}.map.shaft_speed_rpm"),
+        _axis(axes["preload_N"], f"{where}.map.preload_N"),
+        Limits(**{name: float(value) for name, value in limits.items()}),
+    )
+
+
+def _axis(given: Any, where: str) -> tuple[float, ...]:
+    """Rising values: a list of them, or first, last and step."""
+    if isinstance(given, list):
+        values = [_positive(value, where) for value in given]
+        if not values or values != sorted(set(values)):
+            raise ValueError(f"{where}: given {given}; allowed rising numbers > 0")
+        return tuple(values)
+    _keys(given, ("first", "last", "step"), where)
+    first, last, step = (
+        _positive(given[key], f"{where}.{key}") for key in ("first", "last", "step")
+    )
+    count = round((last - first) / step) + 1
+    if not 1 <= count <= MOST_POINTS or abs(first + (count - 1) * step - last) > 1e-6 * step:
+        raise ValueError(
+            f"{where}: given {first:g} to {last:g} by {step:g}; allowed at most {MOST_POINTS} "
+            "steps that end at the last value"
+        )
+    return tuple(round(first + k * step, 9) for k in range(count))
+
+
+def _sampling(given: Any) -> Sampling:
+    where = "uncertainty"
+    _keys(given, ("samples", "chunks", "seed"), where)
+    for key, value in given.items():
+        least = 0 if key == "seed" else 1
+        if not isinstance(value, int) or isinstance(value, bool) or value < least:
+            raise ValueError(f"{where}.{key}: given {value}; allowed a whole number >= {least}")
+    if given["samples"] & (given["samples"] - 1):
+        raise ValueError(f"{where}.samples: given {given['samples']}; allowed a power of two")
+    if given["chunks"] > given["samples"]:
+        raise ValueError(f"{where}.chunks: given {given['chunks']}; allowed at most the samples")
+    return Sampling(given["samples"], given["chunks"], given["seed"])
+
+
+def _block(given: Any, where: str) -> Mapping[str, Any]:
+    if not isinstance(given, dict) or not given:
+        raise ValueError(f"{where}: given {given}; allowed a block of keys")
+    return given
+
+
+def _keys(given: Any, names: tuple[str, ...], where: str) -> Mapping[str, Any]:
+    """A block with just these keys."""
+    _block(given, where or "the file")
+    for key in [*names, *given]:
+        if key not in given or key not in names:
+            path = f"{where}.{key}" if where else str(key)
+            what = "unknown key" if key in given else "given nothing"
+            raise ValueError(f"{path}: {what}; allowed {', '.join(names)}")
+    return given
+
+
+def _positive(value: Any, where: str) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 < value < math.inf:
+        raise ValueError(f"{where}: given {value}; allowed a number > 0")
+    return float(value)

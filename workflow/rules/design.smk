@@ -1,0 +1,202 @@
+# `snakemake -j2 design`: which preload, and how sure. Not a part of rule all.
+
+from bearingwear.study.design_plan import AT, DesignPlan
+
+DESIGN_PLAN = "config/design.yaml"
+
+try:
+    DESIGN = DesignPlan.from_file(DESIGN_PLAN)
+except ValueError as error:
+    sys.exit(str(error))
+
+DESIGN_SOURCES = [os.path.relpath(path) for path in bearingwear.study.DESIGN_SOURCES]
+DESIGN_FIGURES = ("design", "map", "uncertainty")
+
+
+localrules:
+    gather_design,
+    recommend,
+    table_design,
+    design,
+
+
+wildcard_constraints:
+    method="constant_force|fixed_position",
+    where="|".join(AT),
+    chunk=r"\d+",
+
+
+def design_parts(wildcards):
+    names = DESIGN.scenes[wildcards.scene].chunks()
+    return [f"results/{wildcards.scene}/design/map/{name}.nc" for name in names]
+
+
+def design_text(wildcards):
+    return DESIGN.scenes[wildcards.scene].text()
+
+
+def lives_of_sample(wildcards):
+    return [
+        f"results/{wildcards.scene}/design/samples/{method}-{where}-{chunk}.nc"
+        for method in DESIGN.scenes[wildcards.scene].preload_method
+        for where in AT
+        for chunk in range(DESIGN.sampling.chunks)
+    ]
+
+
+def recommended_preload(wildcards):
+    if wildcards.where == AT[0]:
+        return []
+    return f"results/{wildcards.scene}/design/recommendation.nc"
+
+
+def recommendation_option(wildcards, input):
+    return f"--recommendation {input.recommendation}" if input.recommendation else ""
+
+
+# Lives over preload and speed, for one method and one friction coefficient.
+rule design_map:
+    input:
+        scene="config/scenes/{scene}.yaml",
+        sources=SOLVER + DESIGN_SOURCES,
+    output:
+        "results/{scene}/design/map/{method}-mu{mu}.nc",
+    log:
+        "logs/{scene}/design/{method}-mu{mu}.log",
+    wildcard_constraints:
+        mu=r"\d+\.\d{3}",
+    params:
+        axes=design_text,
+        plan=DESIGN_PLAN,
+    message:
+        "{wildcards.scene}: design map, {wildcards.method}, mu {wildcards.mu}"
+    shell:
+        "bearingwear design-map {input.scene} --plan {params.plan} --method {wildcards.method} --friction {wildcards.mu} -o {output} > {log} 2>&1"
+
+
+# The whole map, and the best preload of each of its lines.
+rule gather_design:
+    input:
+        parts=design_parts,
+        sources=DESIGN_SOURCES,
+    output:
+        "results/{scene}/design/design.nc",
+    log:
+        "logs/{scene}/design/design.log",
+    message:
+        "{wildcards.scene}: gather the design map"
+    shell:
+        "bearingwear gather-design {input.parts} -o {output} > {log} 2>&1"
+
+
+# The preload with the longest life within the limits, between those of the map.
+rule recommend:
+    input:
+        scene="config/scenes/{scene}.yaml",
+        design="results/{scene}/design/design.nc",
+        sources=SOLVER + DESIGN_SOURCES,
+    output:
+        "results/{scene}/design/recommendation.nc",
+    log:
+        "logs/{scene}/design/recommendation.log",
+    message:
+        "{wildcards.scene}: recommended preload"
+    shell:
+        "bearingwear recommend {input.scene} {input.design} -o {output} > {log} 2>&1"
+
+
+# A part of the lives at sampled values, at the scene's own or the recommended preload.
+rule sample_lives:
+    input:
+        scene="config/scenes/{scene}.yaml",
+        recommendation=recommended_preload,
+        sources=SOLVER + DESIGN_SOURCES,
+    output:
+        "results/{scene}/design/samples/{method}-{where}-{chunk}.nc",
+    log:
+        "logs/{scene}/design/{method}-{where}-{chunk}.log",
+    params:
+        sampling=str(DESIGN.sampling),
+        plan=DESIGN_PLAN,
+        recommendation=recommendation_option,
+    message:
+        "{wildcards.scene}: uncertainty, {wildcards.method}, {wildcards.where} preload, part {wildcards.chunk}"
+    shell:
+        "bearingwear sample-lives {input.scene} --plan {params.plan} --method {wildcards.method} {params.recommendation} --chunk {wildcards.chunk} -o {output} > {log} 2>&1"
+
+
+# Quantiles of life, and which uncertain value decides.
+rule spread_lives:
+    input:
+        scene="config/scenes/{scene}.yaml",
+        lives=lives_of_sample,
+        sources=SOLVER + DESIGN_SOURCES,
+    output:
+        "results/{scene}/design/uncertainty.nc",
+    log:
+        "logs/{scene}/design/uncertainty.log",
+    params:
+        plan=DESIGN_PLAN,
+    message:
+        "{wildcards.scene}: uncertainty of the life"
+    shell:
+        "bearingwear spread {input.scene} {input.lives} --plan {params.plan} -o {output} > {log} 2>&1"
+
+
+# Which preload to take, what lies around it, and how sure its life is.
+rule figure_design:
+    input:
+        design="results/{scene}/design/design.nc",
+        recommendation="results/{scene}/design/recommendation.nc",
+        uncertainty="results/{scene}/design/uncertainty.nc",
+        sources=REPORT + DESIGN_SOURCES,
+    output:
+        svg=report(
+            "results/{scene}/design/figures/{figure}.svg",
+            caption="../report/design.rst",
+            category="{scene}",
+            labels={"result": "design, {figure}"},
+        ),
+        png="results/{scene}/design/figures/{figure}.png",
+    log:
+        "logs/{scene}/design/figure-{figure}.log",
+    wildcard_constraints:
+        figure="|".join(DESIGN_FIGURES),
+    message:
+        "{wildcards.scene}: figure {wildcards.figure} of the design study"
+    shell:
+        "bearingwear figure design {wildcards.figure} {input.design} {input.recommendation} {input.uncertainty} -o {output} > {log} 2>&1"
+
+
+# The recommended preloads with life, spread and limit as Markdown, the whole map as CSV.
+rule table_design:
+    input:
+        design="results/{scene}/design/design.nc",
+        recommendation="results/{scene}/design/recommendation.nc",
+        uncertainty="results/{scene}/design/uncertainty.nc",
+        sources=REPORT + DESIGN_SOURCES,
+    output:
+        all="results/{scene}/design/tables/map.csv",
+        summary=report(
+            "results/{scene}/design/tables/design.md",
+            caption="../report/design.rst",
+            category="{scene}",
+            labels={"result": "design, table"},
+        ),
+    log:
+        "logs/{scene}/design/tables.log",
+    message:
+        "{wildcards.scene}: tables of the design study"
+    shell:
+        "bearingwear tables-design {input.design} {input.recommendation} {input.uncertainty} -o {output} > {log} 2>&1"
+
+
+rule design:
+    input:
+        expand(
+            "results/{scene}/design/figures/{figure}.{suffix}",
+            scene=DESIGN.scenes,
+            figure=DESIGN_FIGURES,
+            suffix=("svg", "png"),
+        ),
+        expand("results/{scene}/design/tables/design.md", scene=DESIGN.scenes),
