@@ -1,4 +1,4 @@
-"""Commands of the report: figure, tables, compare, tables-tradeoff, docs-tradeoff."""
+"""Commands of the report: figure, tables, compare, and those of trade and design study."""
 
 from __future__ import annotations
 
@@ -64,6 +64,22 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     trade.add_argument("trade", metavar="TRADEOFF.nc", type=Path)
     trade.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     trade.set_defaults(run=_trade_figure)
+
+    designed = figures.add_parser("design", help="which preload to take, and how sure that is")
+    designed.add_argument("which", metavar="WHICH", help="design, map, uncertainty")
+    written = commands.add_parser(
+        "tables-design", help="write a design map as CSV, and what to choose as Markdown"
+    )
+    for parser in (designed, written):
+        parser.add_argument("design", metavar="DESIGN.nc", type=Path)
+        parser.add_argument("recommendation", metavar="RECOMMENDATION.nc", type=Path)
+        parser.add_argument("uncertainty", metavar="UNCERTAINTY.nc", type=Path)
+    designed.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    designed.set_defaults(run=_design_figure)
+    written.add_argument(
+        "-o", "--output", required=True, nargs=2, metavar=("MAP.csv", "DESIGN.md"), type=Path
+    )
+    written.set_defaults(run=_design_tables)
 
     numbers = commands.add_parser(
         "tables-tradeoff", help="write what each simplification costs, as CSV and Markdown"
@@ -231,6 +247,41 @@ def _trade_docs(given: argparse.Namespace) -> int:
         sys.stderr.write(f"{line}\n")
     print(f"{given.docs}: {len(found)} numbers differ" if found else f"{given.docs}: agrees")
     return 3 if found else 0
+
+
+def _design_figure(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.report.design import FIGURES
+    from bearingwear.report.drawing import save
+
+    if given.which not in FIGURES:
+        raise CaseFileError(f"WHICH: given {given.which}; allowed {', '.join(FIGURES)}")
+    save(FIGURES[given.which](*_design_files(given)), given.output)
+    return 0
+
+
+def _design_tables(given: argparse.Namespace) -> int:
+    from bearingwear.report.design_table import write_design, write_map
+
+    files = _design_files(given)
+    write_map(files[0], given.output[0])
+    write_design(*files, given.output[1])
+    return 0
+
+
+def _design_files(given: argparse.Namespace) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """Design map, recommendation and uncertainty of one scene."""
+    from bearingwear.io.netcdf import CaseFileError, load
+
+    paths = given.design, given.recommendation, given.uncertainty
+    found = load(paths[0]), load(paths[1]), load(paths[2])
+    kinds = ("design map", "recommendation", "uncertainty")
+    for path, dataset, kind in zip(paths, found, kinds, strict=True):
+        if dataset.attrs.get("kind") != kind:
+            raise CaseFileError(f"{path}: not a file of the kind {kind}")
+        if dataset.attrs["scene"] != found[0].attrs["scene"]:
+            raise CaseFileError(f"{path}: not of the scene of {paths[0]}")
+    return found
 
 
 def _plan(path: Path) -> TradePlan:

@@ -21,7 +21,7 @@ def write_cases(study: xr.Dataset, path: str | Path) -> None:
     """
     columns = dict(_columns(study))
     axes = {
-        "preload_method": _meanings(study["preload_method"]),
+        "preload_method": meanings(study["preload_method"]),
         "friction": [f"{mu:g}" for mu in study["friction"].values],
         "ball_diameter_loss (um)": [f"{loss:g}" for loss in study["ball_diameter_loss"].values],
     }
@@ -47,23 +47,23 @@ def _columns(study: xr.Dataset) -> Iterator[tuple[str, np.ndarray]]:
             values = values.isel(ball=0) if is_flag else values.mean("ball")
         inner = values.dims[len(AXES) :]
         unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
-        labels = [_meanings(study[dim]) for dim in inner]
+        labels = [meanings(study[dim]) for dim in inner]
         for index in np.ndindex(*values.shape[len(AXES) :]):
             words = [label[k] for label, k in zip(labels, index, strict=True)]
             header = ".".join([str(name), *words]) + unit
             numbers = values.values[(..., *index)]
             names = variable.attrs["flag_meanings"].split() if is_flag else None
-            yield header, np.vectorize(lambda x, n=names: _text(x, n), otypes=[object])(numbers)
+            yield header, np.vectorize(lambda x, n=names: text_of(x, n), otypes=[object])(numbers)
 
 
-def _text(number: float, flags: list[str] | None) -> str:
+def text_of(number: float, flags: list[str] | None) -> str:
     """A number with nine digits, a flag by its name, nothing where it is missing."""
     if not np.isfinite(number):
         return ""
     return flags[int(number)] if flags else f"{number:.9g}"
 
 
-def _meanings(coordinate: xr.DataArray) -> list[str]:
+def meanings(coordinate: xr.DataArray) -> list[str]:
     names = coordinate.attrs["flag_meanings"].split()
     return [names[int(flag)] for flag in coordinate.values]
 
