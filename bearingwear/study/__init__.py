@@ -10,3 +10,4 @@ TRADED_SOURCES = [Path(__file__).with_name(name) for name in ("sweeps.py", "trad
 DESIGN_SOURCES = [
     Path(__file__).with_name(name) for name in ("design.py", "design_plan.py", "uncertainty.py")
 ]
+FAMILY_SOURCES = [Path(__file__).with_name(name) for name in ("family.py", "design_plan.py")]

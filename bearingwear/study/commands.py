@@ -1,5 +1,5 @@
 """Commands of the study: gather, wear-life, verdict, tradeoff, gather-tradeoff, and of the design
-study: design-map, gather-design, recommend, sample-lives, spread."""
+study: design-map, gather-design, recommend, sample-lives, spread, identify."""
 
 from __future__ import annotations
 
@@ -79,12 +79,18 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     spread.add_argument("files", nargs="+", metavar="LIVES.nc", type=Path)
     spread.set_defaults(run=_spread)
 
+    identify = commands.add_parser(
+        "identify", help="find the bearings that fit what the paper states"
+    )
+    identify.add_argument("scenes", metavar="FOLDER", type=Path, help="folder of the scenes")
+    identify.set_defaults(run=_identify)
+
     for parser in (mapped, sample):
         parser.add_argument("--method", required=True, choices=PRELOAD_METHODS)
-    for parser in (mapped, sample, spread):
+    for parser in (mapped, sample, spread, identify):
         parser.add_argument("--plan", type=Path, default=DESIGN_PLAN, metavar="FILE.yaml")
     for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, sample,
-                   spread):  # fmt: skip
+                   spread, identify):  # fmt: skip
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -192,6 +198,14 @@ def _spread(given: argparse.Namespace) -> int:
 
     plan = _design_plan(given.plan).sampling
     write(spread(given.files, _design_scene(given.scene), plan), given.output)
+    return 0
+
+
+def _identify(given: argparse.Namespace) -> int:
+    from bearingwear.study.family import identified
+    from bearingwear.study.stack import write
+
+    write(identified(_design_plan(given.plan).family, given.scenes), given.output)
     return 0
 
 

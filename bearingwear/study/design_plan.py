@@ -83,11 +83,43 @@ class Sampling:
 
 
 @dataclass(frozen=True)
+class Statements:
+    """What a text states about a bearing; all at fixed position."""
+
+    preload_loss: float
+    preload_loss_at_um: float
+    high_friction: float
+    low_friction: float
+    qv_least_um: tuple[float, float]
+    qv_rise: float
+    qv_rise_at_um: float
+
+
+@dataclass(frozen=True)
+class Family:
+    """Bearings to look through for those that fit what is stated."""
+
+    scene: str
+    marks: tuple[str, ...]
+    pitch_diameter_mm: tuple[float, ...]
+    ball_count: tuple[int, ...]
+    inner_groove_factor: tuple[float, ...]
+    contact_angle_deg: tuple[float, ...]
+    drag_density_kg_m3: tuple[float, ...]
+    statements: Statements
+
+    def text(self) -> str:
+        """All that decides the family, to see when it changes."""
+        return str(self)
+
+
+@dataclass(frozen=True)
 class DesignPlan:
     """Everything in config/design.yaml."""
 
     scenes: Mapping[str, DesignMap]
     sampling: Sampling
+    family: Family
 
     @classmethod
     def from_file(cls, path: str | Path) -> DesignPlan:
@@ -100,12 +132,12 @@ class DesignPlan:
         """
         try:
             data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-            _keys(data, ("scenes", "uncertainty"), "")
+            _keys(data, ("scenes", "uncertainty", "family"), "")
             scenes = {
                 str(name): _map(given, f"scenes.{name}")
                 for name, given in _block(data["scenes"], "scenes").items()
             }
-            return cls(scenes, _sampling(data["uncertainty"]))
+            return cls(scenes, _sampling(data["uncertainty"]), _family(data["family"]))
         except (OSError, yaml.YAMLError) as error:
             raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
         except ValueError as error:
@@ -121,6 +153,9 @@ class DesignPlan:
         """
         for name in self.scenes:
             design_scene(Path(folder) / f"{name}.yaml")
+        for name in (self.family.scene, *self.family.marks):
+            if not (Path(folder) / f"{name}.yaml").is_file():
+                raise ValueError(f"config/design.yaml: family: there is no scene {name}")
 
 
 def design_scene(path: str | Path) -> Any:
@@ -207,6 +242,39 @@ def _sampling(given: Any) -> Sampling:
     if given["chunks"] > given["samples"]:
         raise ValueError(f"{where}.chunks: given {given['chunks']}; allowed at most the samples")
     return Sampling(given["samples"], given["chunks"], given["seed"])
+
+
+def _family(given: Any) -> Family:
+    where = "family"
+    _keys(given, tuple(f.name for f in fields(Family)), where)
+    stated = _keys(
+        given["statements"], tuple(f.name for f in fields(Statements)), f"{where}.statements"
+    )
+    for name in (given["scene"], *given["marks"]):
+        if not isinstance(name, str):
+            raise ValueError(f"{where}: given {name}; allowed names of scenes")
+    axes = {
+        name: _axis(given[name], f"{where}.{name}")
+        for name in (
+            "pitch_diameter_mm", "ball_count", "inner_groove_factor", "contact_angle_deg",
+            "drag_density_kg_m3",
+        )
+    }  # fmt: skip
+    least = _axis(stated["qv_least_um"], f"{where}.statements.qv_least_um")
+    if len(least) != 2:
+        raise ValueError(f"{where}.statements.qv_least_um: allowed two rising numbers")
+    numbers = {
+        name: _positive(value, f"{where}.statements.{name}")
+        for name, value in stated.items()
+        if name != "qv_least_um"
+    }
+    return Family(
+        scene=given["scene"],
+        marks=tuple(given["marks"]),
+        ball_count=tuple(map(int, axes.pop("ball_count"))),
+        statements=Statements(qv_least_um=(least[0], least[1]), **numbers),
+        **axes,
+    )
 
 
 def _block(given: Any, where: str) -> Mapping[str, Any]:
