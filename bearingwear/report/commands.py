@@ -29,6 +29,7 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         parser.set_defaults(run=run)
         return parser.add_argument
 
+    add("family", _family_figure, "the bearings that fit what the paper states", "FAMILY.nc")
     option = add("friction", _friction, "QV and contact load against friction", "STUDY.nc")
     option("--loss-um", required=True, type=float, metavar="UM", help="the state of wear")
     add("slip", _slip, "slip over the contact ellipse", "CASE.nc", several=True)
@@ -80,6 +81,11 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         "-o", "--output", required=True, nargs=2, metavar=("MAP.csv", "DESIGN.md"), type=Path
     )
     written.set_defaults(run=_design_tables)
+
+    listed = commands.add_parser("tables-family", help="write the bearings that fit as Markdown")
+    listed.add_argument("files", nargs=1, metavar="FAMILY.nc", type=Path)
+    listed.add_argument("-o", "--output", required=True, metavar="FAMILY.md", type=Path)
+    listed.set_defaults(run=_family_table)
 
     numbers = commands.add_parser(
         "tables-tradeoff", help="write what each simplification costs, as CSV and Markdown"
@@ -247,6 +253,21 @@ def _trade_docs(given: argparse.Namespace) -> int:
         sys.stderr.write(f"{line}\n")
     print(f"{given.docs}: {len(found)} numbers differ" if found else f"{given.docs}: agrees")
     return 3 if found else 0
+
+
+def _family_figure(given: argparse.Namespace) -> int:
+    from bearingwear.report.drawing import save
+    from bearingwear.report.family import family_figure
+
+    save(family_figure(_loaded(given.files[0], candidate=())), given.output)
+    return 0
+
+
+def _family_table(given: argparse.Namespace) -> int:
+    from bearingwear.report.family import write_family
+
+    write_family(_loaded(given.files[0], candidate=()), given.output)
+    return 0
 
 
 def _design_figure(given: argparse.Namespace) -> int:

@@ -10,6 +10,7 @@ except ValueError as error:
     sys.exit(str(error))
 
 DESIGN_SOURCES = [os.path.relpath(path) for path in bearingwear.study.DESIGN_SOURCES]
+FAMILY_SOURCES = [os.path.relpath(path) for path in bearingwear.study.FAMILY_SOURCES]
 DESIGN_FIGURES = ("design", "map", "uncertainty")
 
 
@@ -17,7 +18,9 @@ localrules:
     gather_design,
     recommend,
     table_design,
+    table_family,
     design,
+    identify,
 
 
 wildcard_constraints:
@@ -200,3 +203,69 @@ rule design:
             suffix=("svg", "png"),
         ),
         expand("results/{scene}/design/tables/design.md", scene=DESIGN.scenes),
+
+
+# Every bearing of a grid: does it fit what the paper states?
+rule find_family:
+    input:
+        scenes=sorted(
+            {
+                f"config/scenes/{name}.yaml"
+                for name in (DESIGN.family.scene, *DESIGN.family.marks)
+            }
+        ),
+        sources=SOLVER + FAMILY_SOURCES,
+    output:
+        "results/family/family.nc",
+    log:
+        "logs/family/family.log",
+    params:
+        family=DESIGN.family.text(),
+        plan=DESIGN_PLAN,
+    message:
+        "bearings that fit what the paper states"
+    shell:
+        "bearingwear identify config/scenes --plan {params.plan} -o {output} > {log} 2>&1"
+
+
+# The ridge they lie on, and how their lives spread.
+rule figure_family:
+    input:
+        family="results/family/family.nc",
+        sources=REPORT + FAMILY_SOURCES,
+    output:
+        svg=report(
+            "results/family/figures/family.svg",
+            caption="../report/family.rst",
+            category="all scenes",
+            labels={"result": "family"},
+        ),
+        png="results/family/figures/family.png",
+    log:
+        "logs/family/figure.log",
+    message:
+        "figure of the bearings that fit"
+    shell:
+        "bearingwear figure family {input.family} -o {output} > {log} 2>&1"
+
+
+# Each of them, as Markdown.
+rule table_family:
+    input:
+        family="results/family/family.nc",
+        sources=REPORT + FAMILY_SOURCES,
+    output:
+        "results/family/tables/family.md",
+    log:
+        "logs/family/table.log",
+    message:
+        "table of the bearings that fit"
+    shell:
+        "bearingwear tables-family {input.family} -o {output} > {log} 2>&1"
+
+
+rule identify:
+    input:
+        "results/family/figures/family.svg",
+        "results/family/figures/family.png",
+        "results/family/tables/family.md",

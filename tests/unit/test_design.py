@@ -1,0 +1,263 @@
+"""The design study: its plan, uncertain values, the choice of a preload, and its commands."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from numpy.testing import assert_allclose
+from support import ROOT, scene_file
+
+from bearingwear.cli import main
+from bearingwear.io.config import SceneError, load_scene, scene_from_dict
+from bearingwear.io.netcdf import load
+from bearingwear.model import parameters
+from bearingwear.model.sampled import sampled
+from bearingwear.study.design import ACTIVE, chosen, front
+from bearingwear.study.design_plan import DesignPlan, Limits
+from bearingwear.study.uncertainty import value_at
+
+PLAN_FILE = ROOT / "config" / "design.yaml"
+NOT_CONVERGED = 1
+
+
+@pytest.fixture
+def scene():
+    return load_scene(scene_file("gyro_s1"))
+
+
+# the plan
+
+
+def test_plan_of_the_project():
+    plan = DesignPlan.from_file(PLAN_FILE)
+    plan.check_scenes(ROOT / "config" / "scenes")
+    for name, of in plan.scenes.items():
+        scene = load_scene(scene_file(name))
+        assert of.lives >= 20_000
+        assert scene.operation.preload_N in of.preload_N
+        assert scene.friction.ball_race in of.friction
+        assert scene.operation.shaft_speed_rpm in of.shaft_speed_rpm
+        assert plan.sampling.samples * (len(scene.uncertainty) + 2) >= 10_000
+
+
+@pytest.mark.parametrize(
+    "path, value, told",
+    [
+        ("scenes.gyro_s1.map.friction.step", 0.07, "given 0.02 to 0.17 by 0.07"),
+        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "allowed rising numbers > 0"),
+        ("scenes.gyro_s1.map.preload_method", ["spring"], "allowed constant_force"),
+        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: unknown key"),
+        ("scenes.gyro_s1.limits.friction_power_W", "much", "given much; allowed a number > 0"),
+        ("uncertainty.samples", 1000, "allowed a power of two"),
+        ("uncertainty.seed", -1, "allowed a whole number >= 0"),
+        ("family.statements.preload_loss", 0, "preload_loss: given 0; allowed a number > 0"),
+    ],
+)
+def test_bad_plan_takes_one_line(tmp_path, path, value, told):
+    data = yaml.safe_load(PLAN_FILE.read_text())
+    *blocks, last = path.split(".")
+    block = data
+    for name in blocks:
+        block = block[name]
+    block[last] = value
+    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
+    with pytest.raises(ValueError) as error:
+        DesignPlan.from_file(tmp_path / "plan.yaml")
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+# uncertain values in a scene
+
+
+@pytest.mark.parametrize(
+    "spread, told",
+    [
+        ({"ball_race": {"distribution": "normal"}}, "ball_race.standard_deviation: given nothing"),
+        ({"ball_race": {"distribution": "uniform", "low": 0.2, "high": 0.1}}, "ball_race.high"),
+        ({"ball_race": {"distribution": "uniform", "low": -0.2, "high": 0.1}}, "ball_race.low"),
+        ({"ball_race": {"distribution": "lognormal", "factor": 1.0}}, "ball_race.factor"),
+        (
+            {"ball_race": {"distribution": "normal", "standard_deviation": 0.1, "factor": 2.0}},
+            "ball_race.factor: given 2 with the distribution normal",
+        ),
+        ({"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}, "a number > 0"),
+        ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "given the name 'speed'"),
+    ],
+)
+def test_bad_uncertainty_takes_one_line(scene, spread, told):
+    with pytest.raises(SceneError) as error:
+        scene_from_dict(scene.to_dict() | {"uncertainty": spread})
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_quantiles_of_the_values(scene):
+    p = np.array([0.1, 0.5, 0.9])
+    assert_allclose(value_at(scene, "preload_N", p), 7.0 + 0.35 * 1.2815516 * np.array([-1, 0, 1]))
+    middle = value_at(scene, "wear_coefficient", p)
+    assert_allclose(middle[1], 5e-6)
+    assert_allclose(middle[2] / middle[1], 3.0**1.2815516)
+    assert_allclose(value_at(scene, "brinell_hardness_GPa", p), [6.44, 6.6, 6.76])
+
+
+def test_impossible_values_are_cut_off(scene):
+    wide = {"inner_groove_factor": {"distribution": "normal", "standard_deviation": 0.5}}
+    scene = scene_from_dict(scene.to_dict() | {"uncertainty": wide})
+    values = value_at(scene, "inner_groove_factor", np.linspace(0.0, 1.0, 11))
+    assert values.min() >= 0.5 and values.max() <= 1.0 and np.all(np.diff(values) > 0.0)
+
+
+def test_other_balls_between_the_same_grooves(scene):
+    before = parameters.geometry(scene)
+    after = parameters.geometry(sampled(scene, {"ball_diameter_mm": 2.0005}))
+    assert after.D0 == pytest.approx(2.0005e-3)
+    for name in ("r_i", "r_o", "R_i", "R_o"):
+        assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-12)
+    distance = [g.BD * math.cos(g.alpha0) for g in (before, after)]
+    assert distance[0] == pytest.approx(distance[1], rel=1e-12)
+    assert after.alpha0 < before.alpha0
+    assert sampled(scene, {"ball_diameter_mm": 2.1}) is None
+
+
+def test_wear_values_of_both_materials_go_together(scene):
+    steel = scene.materials["bearing_steel"]
+    materials = dict(scene.materials) | {"ceramic": replace(steel, wear_coefficient=1e-6)}
+    hybrid = replace(
+        scene, materials=materials, bearing=replace(scene.bearing, ball_material="ceramic")
+    )
+    other = sampled(hybrid, {"wear_coefficient": 1e-5})
+    assert other.materials["bearing_steel"].wear_coefficient == 1e-5
+    assert other.materials["ceramic"].wear_coefficient == pytest.approx(2e-6)
+    assert other.materials["phenolic"] == scene.materials["phenolic"]
+
+
+# the choice
+
+
+def made_up(lives, stiffness, status=None):
+    """A line of a map of one method."""
+    n = len(lives)
+    status = np.zeros(n, dtype=np.int8) if status is None else np.array(status, dtype=np.int8)
+    lives = np.where(status == 0, lives, np.nan)
+    return xr.Dataset(
+        {
+            "status": ("preload", status),
+            "life": (("preload", "counts"), np.stack([10.0 * lives, lives], axis=-1)),
+            "axial_stiffness": ("preload", 1e6 * np.asarray(stiffness)),
+            "friction_power": ("preload", 0.1 * np.arange(1.0, n + 1)),
+        },
+        {"preload": np.arange(1.0, n + 1)},
+    )
+
+
+STIFF = Limits(axial_stiffness_N_um=2.5)
+
+
+@pytest.mark.parametrize(
+    "line, limits, index, active",
+    [
+        (made_up([9, 8, 7, 6], [1, 2, 3, 4]), STIFF, 2, "axial_stiffness_N_um"),
+        (made_up([9, 8, 7, 6], [1, 2, 3, 4]), Limits(friction_power_W=1.0), 0, "end_of_range"),
+        (made_up([5, 8, 7, 6], [1, 2, 3, 4]), Limits(), 1, "none"),
+        (made_up([1, 2, 3, 4], [1, 2, 3, 4]), Limits(friction_power_W=0.25), 1, "friction_power_W"),
+        (made_up([9, 8, 7, 6], [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
+        (made_up([9, 8, 7, 6], [3, 3, 3, 4], [0, 1, 0, 0]), Limits(), 0, "not_solved"),
+        (made_up([9, 8, 7, 6], [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
+    ],
+)
+def test_choice_and_what_holds_it(line, limits, index, active):
+    found, held = chosen(line, limits, counts=1)
+    assert int(found) == index
+    assert ACTIVE[int(held)] == active
+
+
+def test_front_leaves_out_what_is_beaten_or_unsolved():
+    line = made_up([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
+    assert front(line, 1).values.tolist() == [True, True, False, False, True]
+
+
+# the commands, on a map of a few lives
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("design")
+    plan = yaml.safe_load(PLAN_FILE.read_text())
+    plan["scenes"]["gyro_s1"]["map"] |= {
+        "friction": [0.08],
+        "shaft_speed_rpm": [30000],
+        "preload_N": [3.0, 5.0, 7.0, 9.0, 11.0],
+    }
+    plan["uncertainty"] = {"samples": 4, "chunks": 2, "seed": 3}
+    (folder / "plan.yaml").write_text(yaml.safe_dump(plan))
+    run(folder)
+    return folder
+
+
+def run(folder):
+    """The whole design study by its commands."""
+    scene, plan = str(scene_file("gyro_s1")), ["--plan", str(folder / "plan.yaml")]
+
+    def path(name):
+        return str(folder / name)
+
+    parts, samples = [], []
+    for method in ("constant_force", "fixed_position"):
+        parts.append(path(f"{method}.nc"))
+        given = ["--method", method, "--friction", "0.08", "-o", parts[-1]]
+        assert main(["design-map", scene, *plan, *given]) == 0
+    assert main(["gather-design", *parts, "-o", path("design.nc")]) == 0
+    assert main(["recommend", scene, path("design.nc"), "-o", path("recommendation.nc")]) == 0
+    for method in ("constant_force", "fixed_position"):
+        for option in ([], ["--recommendation", path("recommendation.nc")]):
+            for chunk in "01":
+                samples.append(path(f"{method}-{len(option)}-{chunk}.nc"))
+                given = ["--method", method, "--chunk", chunk, *option, "-o", samples[-1]]
+                assert main(["sample-lives", scene, *plan, *given]) == 0
+    assert main(["spread", scene, *samples, *plan, "-o", path("uncertainty.nc")]) == 0
+
+
+def test_recommended_preload_stands_on_its_limit(folder):
+    found = load(folder / "recommendation.nc")
+    assert found["status"].values.tolist() == [0, 0]
+    for k in range(2):
+        one = found.isel(preload_method=k)
+        assert ACTIVE[int(one["active_limit"])] == "axial_stiffness_N_um"
+        assert float(one["axial_stiffness"]) == pytest.approx(3.0e6, rel=2e-5)
+        assert float(one["axial_stiffness"]) >= 3.0e6
+        assert float(one["gyroscopic_slip_share"]) <= 0.25
+        assert 0.0 < float(one["life_error_estimate"][1]) < 0.1
+    # no preload of the map within the limits lives longer
+    design = load(folder / "design.nc")
+    assert np.all(found["life"].values >= design["recommended_life"].values[:, 0, 0])
+
+
+def test_figures_and_tables_are_drawn(folder):
+    files = [str(folder / f"{name}.nc") for name in ("design", "recommendation", "uncertainty")]
+    for which in ("design", "map", "uncertainty"):
+        for suffix in ("svg", "png"):
+            out = folder / f"{which}.{suffix}"
+            assert main(["figure", "design", which, *files, "-o", str(out)]) == 0
+            assert out.stat().st_size > 10_000
+    tables = [str(folder / "map.csv"), str(folder / "design.md")]
+    assert main(["tables-design", *files, "-o", *tables]) == 0
+    text = (folder / "design.md").read_text()
+    assert "held by axial stiffness" in text and "| ok | 10 |" in text
+    assert len((folder / "map.csv").read_text().splitlines()) == 11
+    assert main(["figure", "design", "other", *files, "-o", str(folder / "x.svg")]) == 2
+    assert main(["tables-design", *reversed(files), "-o", *tables]) == 2
+
+
+def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
+    scene = str(scene_file("gyro_s1"))
+    design, out = str(folder / "design.nc"), str(tmp_path / "out.nc")
+    assert main(["gather-design", design, str(folder / "recommendation.nc"), "-o", out]) == 2
+    assert main(["recommend", str(scene_file("gyro_s2")), design, "-o", out]) == 2
+    part = str(folder / "constant_force-0-0.nc")
+    plan = ["--plan", str(folder / "plan.yaml")]
+    assert main(["spread", scene, part, *plan, "-o", out]) == 2
+    assert main(["spread", scene, part, "--plan", str(PLAN_FILE), "-o", out]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 4 and "parts missing" in lines[2]
