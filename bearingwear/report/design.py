@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import OK
@@ -90,6 +91,9 @@ def design(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Datas
         over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
     for panel in panels[0]:
         panel.set_yscale("log")
+        panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        panel.yaxis.set_major_formatter("{x:g}")
+        panel.yaxis.set_minor_formatter(NullFormatter())
         panel.set_ylabel("wear life (h)")
     over_preload.set_xlabel("initial preload (N)")
     over_stiffness.set_xlabel("least axial stiffness over the life (N/µm)")
@@ -107,6 +111,8 @@ def design(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Datas
             if limit is not None
             else []
         ),
+        *_letter_keys(design),
+        key("the scene", color="C1", linestyle="none", marker="o", markerfacecolor="none"),
         *failed_keys(failed),
     ]
     frame(figure, message(recommendation, uncertainty), handles, columns=3)
@@ -130,9 +136,9 @@ def _recommended(
     spread = of_method(uncertainty, flag).isel(at=1, of=0)["life_quantile"]
     life = float(chosen["life"].isel(counts=counts))
     places = float(chosen["preload"]), N_UM * float(chosen["axial_stiffness"])
+    low, high = (float(spread.isel(counts=counts, probability=p)) for p in (0, -1))
+    panels[0].vlines(places[0], low, high, linewidth=1.2, color=COLOURS[name], zorder=5)
     for panel, x in zip(panels, places, strict=True):
-        low, high = (float(spread.isel(counts=counts, probability=p)) for p in (0, -1))
-        panel.vlines(x, low, high, linewidth=1.2, color=COLOURS[name], zorder=5)
         panel.plot(x, life, linestyle="none", **STAR, **look)
 
 
@@ -166,12 +172,18 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
     if image is not None:
         bar = figure.colorbar(image, ax=list(panels), shrink=0.9, pad=0.01)
         bar.set_label("preload (N)")
+
+
+def _letter_keys(design: xr.Dataset) -> list[Any]:
+    """Legend of the letters on the map."""
     shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
-    words = ", ".join(f"{LETTERS[name]} {LIMIT_WORDS[name]}" for name in shown)
-    panels[0].text(
-        0.0, -0.26, f"held by: {words}; circle: the scene", transform=panels[0].transAxes,
-        fontsize=7,
-    )  # fmt: skip
+    return [
+        key(
+            f"held by {LIMIT_WORDS[name]}" if name != ACTIVE[-1] else LIMIT_WORDS[name],
+            color="0.2", linestyle="none", marker=f"${LETTERS[name]}$",
+        )
+        for name in shown
+    ]  # fmt: skip
 
 
 def message(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
@@ -231,11 +243,18 @@ def overview(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dat
                 failed = True
                 x, y = plane["preload"].values[bad[:, 1]], plane["friction"].values[bad[:, 0]]
                 panel.plot(x, y, color="crimson", **{**FAILED, "markersize": 3})
+            never = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
+            panel.pcolormesh(
+                plane["preload"], plane["friction"], never.where(never), shading="nearest",
+                cmap="Greys", vmin=0.0, vmax=4.0,
+            )  # fmt: skip
             panel.grid(False)
-            panel.set_facecolor("0.92")
         row[0].set_ylabel("friction coefficient")
         if image is not None:
-            figure.colorbar(image, ax=list(row), pad=0.01).set_label(label)
+            bar = figure.colorbar(image, ax=list(row), pad=0.01, format="{x:g}")
+            bar.set_label(label)
+            bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+            bar.ax.yaxis.set_minor_formatter(NullFormatter())
     for panel, (name, _) in zip(panels[0], columns, strict=True):
         panel.set_title(in_words(name))
     for panel in panels[-1]:
@@ -245,13 +264,11 @@ def overview(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dat
         f"{scene['name']} at {speed:g} r/min: where life, stiffness and slip lie; counting "
         f"{in_words(COUNTS[counts])}",
         [
-            key(
-                "zero (worn out from the start), or limit of slip not reached in the life",
-                color="0.92", linewidth=8,
-            ),
+            key("white: zero, from the start on", linestyle="none"),
+            key("limit of slip not reached in the life", color="0.87", linewidth=8),
             *failed_keys(failed),
         ],
-        columns=2,
+        columns=3,
     )  # fmt: skip
     return figure
 
@@ -338,11 +355,11 @@ def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None
             panel.barh(y, shown[q, end], color=colour, alpha=0.9 if end else 0.45, height=0.7)
         low, high = (100.0 * (r - 1.0) for r in sorted(ratio[q]))
         panel.annotate(
-            f"{low:+.0f} … {high:+.0f} %", (max(shown[q].max(), 0.0), y), xytext=(3, 0),
+            f"{low:+.1f} … {high:+.1f} %", (max(shown[q].max(), 0.0), y), xytext=(3, 0),
             textcoords="offset points", va="center", fontsize=6,
         )  # fmt: skip
     ends = int(np.ceil(np.abs(shown).max())) if shown.size else 1
-    ticks = [t for t in range(-ends, ends + 1)]
+    ticks = list(range(-ends, ends + 1, 1 + ends // 3))
     panel.set_xticks(ticks, [f"{2.0**t:g}" for t in ticks])
     panel.set_xlim(-ends - 0.2, ends + 0.55 * ends + 0.4)
     panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])

@@ -269,7 +269,7 @@ def chosen(design: xr.Dataset, limits: Limits, counts: int) -> tuple[xr.DataArra
     index = np.full(solved.shape[:-1], -1)
     active = np.full(solved.shape[:-1], NO_PRELOAD, dtype=np.int8)
     for line in np.ndindex(index.shape):
-        of = np.array([m[line] for m in each]).reshape(len(names), -1)
+        of = np.array([m[line] for m in each]).reshape(len(names), solved.shape[-1])
         allowed = solved[line] & (lives[line] > 0.0) & np.all(of >= 0.0, axis=0)
         if allowed.any():
             best = int(np.argmax(np.where(allowed, lives[line], -np.inf)))
