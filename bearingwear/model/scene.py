@@ -422,11 +422,6 @@ def _check_uncertainty(scene: Scene) -> None:
             raise SceneError(
                 f"{key}.high", f"given {given.high:g}; allowed a number > {given.low:g}", (key,)
             )
-        median = scene.nominal(name) if given.median is None else given.median
-        if given.distribution == "lognormal" and median <= 0.0:
-            raise SceneError(
-                f"{key}.median", f"given {median:g}; allowed, for a lognormal, a number > 0", (key,)
-            )
 
 
 def _check_model(scene: Scene) -> None:

@@ -177,6 +177,13 @@ def design_scene(path: str | Path) -> Any:
         )
     if not scene.uncertainty:
         raise ValueError(f"{path}: uncertainty: given nothing; allowed at least one distribution")
+    for name, given in scene.uncertainty.items():
+        # not an error of the scene: other values may be set in it, which no spread is asked of
+        if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
+            raise ValueError(
+                f"{path}: uncertainty.{name}.median: given {scene.nominal(name):g}, the scene's own "
+                "value; allowed, for a lognormal, a number > 0"
+            )
     return scene
 
 

@@ -16,7 +16,7 @@ from bearingwear.io.netcdf import load
 from bearingwear.model import parameters
 from bearingwear.model.sampled import sampled
 from bearingwear.study.design import ACTIVE, chosen, front
-from bearingwear.study.design_plan import DesignPlan, Limits
+from bearingwear.study.design_plan import DesignPlan, Limits, design_scene
 from bearingwear.study.uncertainty import value_at
 
 PLAN_FILE = ROOT / "config" / "design.yaml"
@@ -83,7 +83,6 @@ def test_bad_plan_takes_one_line(tmp_path, path, value, told):
             {"ball_race": {"distribution": "normal", "standard_deviation": 0.1, "factor": 2.0}},
             "ball_race.factor: given 2 with the distribution normal",
         ),
-        ({"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}, "a number > 0"),
         ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "given the name 'speed'"),
     ],
 )
@@ -91,6 +90,15 @@ def test_bad_uncertainty_takes_one_line(scene, spread, told):
     with pytest.raises(SceneError) as error:
         scene_from_dict(scene.to_dict() | {"uncertainty": spread})
     assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_lognormal_about_nothing_is_no_design(tmp_path):
+    plain = yaml.safe_load(scene_file("gyro_s1").read_text())
+    plain["uncertainty"] = {"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))
+    assert load_scene(tmp_path / "scene.yaml", ["friction.ball_race=0"]).uncertainty
+    with pytest.raises(ValueError, match="drag_density_kg_m3.median: given 0"):
+        design_scene(tmp_path / "scene.yaml")
 
 
 def test_quantiles_of_the_values(scene):
