@@ -181,8 +181,8 @@ def design_scene(path: str | Path) -> Any:
         # not an error of the scene: other values may be set in it, which no spread is asked of
         if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
             raise ValueError(
-                f"{path}: uncertainty.{name}.median: given {scene.nominal(name):g}, the scene's own "
-                "value; allowed, for a lognormal, a number > 0"
+                f"{path}: uncertainty.{name}.median: given {scene.nominal(name):g}, the scene's "
+                "own value; allowed, for a lognormal, a number > 0"
             )
     return scene
 
