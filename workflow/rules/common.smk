@@ -93,3 +93,31 @@ def spread_studies(wildcards):
 
 def spread_friction(wildcards):
     return PLAN.spreads[wildcards.spread].friction
+
+
+def design_parts(wildcards):
+    names = DESIGN.scenes[wildcards.scene].chunks()
+    return [f"results/{wildcards.scene}/design/map/{name}.nc" for name in names]
+
+
+def design_text(wildcards):
+    return DESIGN.scenes[wildcards.scene].text()
+
+
+def lives_of_sample(wildcards):
+    return [
+        f"results/{wildcards.scene}/design/samples/{method}-{where}-{chunk}.nc"
+        for method in DESIGN.scenes[wildcards.scene].preload_method
+        for where in AT
+        for chunk in range(DESIGN.sampling.chunks)
+    ]
+
+
+def recommended_preload(wildcards):
+    if wildcards.where == AT[0]:
+        return []
+    return f"results/{wildcards.scene}/design/recommendation.nc"
+
+
+def recommendation_option(wildcards, input):
+    return f"--recommendation {input.recommendation}" if input.recommendation else ""

@@ -29,34 +29,6 @@ wildcard_constraints:
     chunk=r"\d+",
 
 
-def design_parts(wildcards):
-    names = DESIGN.scenes[wildcards.scene].chunks()
-    return [f"results/{wildcards.scene}/design/map/{name}.nc" for name in names]
-
-
-def design_text(wildcards):
-    return DESIGN.scenes[wildcards.scene].text()
-
-
-def lives_of_sample(wildcards):
-    return [
-        f"results/{wildcards.scene}/design/samples/{method}-{where}-{chunk}.nc"
-        for method in DESIGN.scenes[wildcards.scene].preload_method
-        for where in AT
-        for chunk in range(DESIGN.sampling.chunks)
-    ]
-
-
-def recommended_preload(wildcards):
-    if wildcards.where == AT[0]:
-        return []
-    return f"results/{wildcards.scene}/design/recommendation.nc"
-
-
-def recommendation_option(wildcards, input):
-    return f"--recommendation {input.recommendation}" if input.recommendation else ""
-
-
 # Lives over preload and speed, for one method and one friction coefficient.
 rule design_map:
     input:
