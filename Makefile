@@ -5,7 +5,7 @@ JOBS ?= 2
 BIN := .venv/bin
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test bench venv clean
+.PHONY: study test test-slurm test-faults fuzz bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -17,6 +17,22 @@ test: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
 
+test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
+	$(BIN)/python -m pytest -rs -m cluster
+
+test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
+	$(BIN)/python -m pytest -m faults
+
+# 100 000 steady and race-control solves and 300 short runs in time of random scenes, about an hour; exit 3 if one is wrong.
+FUZZ := steady:25000 steady_stress:35000 race_control:20000 race_control_stress:20000 dynamic:150 dynamic_stress:150
+SEED ?= 2
+fuzz: $(STAMP)
+	set -e; for f in $(FUZZ); do \
+	  $(BIN)/bearingwear extremes families $${f%:*} --scenes $${f#*:} --seed $(SEED) -o results/fuzz/$${f%:*}.nc; done
+	$(BIN)/bearingwear gather-extremes $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc) -o results/fuzz/fuzz.nc
+	$(BIN)/bearingwear tables-extremes results/fuzz/fuzz.nc -o results/fuzz/fuzz.md
+
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py
 
@@ -25,6 +41,8 @@ venv: $(STAMP)
 $(STAMP): # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[test]'
+	# only its own test needs this, which is skipped without it
+	-$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[cf]'
 	rm -f .venv/installed-*
 	touch $@
 

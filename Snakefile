@@ -15,8 +15,10 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/cases.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/tradeoff.smk"
 include: "workflow/rules/design.smk"
+include: "workflow/rules/extremes.smk"
 
 
 rule all:

@@ -1,7 +1,8 @@
 """The command line.
 
-Exit status: 0; 2 for bad input, with one line on standard error; 3 where the solver could not reach
-a verified answer (the file is written, its `status` says why); 130 when interrupted.
+Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
+standard error; 3 where the solver could not reach a verified answer (the file is written, its
+`status` says why); 130 when interrupted.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+import bearingwear.io.commands
 import bearingwear.report.commands
 import bearingwear.study.commands
 from bearingwear import __version__
@@ -69,7 +71,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="bearingwear",
         description="Friction and wear of high-speed angular contact ball bearings.",
-        epilog="Exit status: 0, 2 for bad input, 3 where no verified answer was reached.",
+        epilog="Exit status: 0, 1 where compared files differ, 2 for bad input, 3 where no "
+        "verified answer was reached.",
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
@@ -85,13 +88,14 @@ def _parser() -> argparse.ArgumentParser:
     check = command("check", "check a scene; say which model would be solved, and why", _check)
     for sub in (solve, life, check):
         sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-        sub.add_argument(
+        setting = sub.add_argument(
             "--set",
             action="append",
             default=[],
             metavar="KEY=VALUE",
             help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
         )
+        setting.completer = _scene_keys  # type: ignore[attr-defined]
     for sub in (solve, check):
         sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
     solve.add_argument(
@@ -111,8 +115,7 @@ def _parser() -> argparse.ArgumentParser:
             action="store_true",
             help="exit 0 also where the solver fails; the file's status says so",
         )
-    show = command("show", "print the main numbers of a result file", _show)
-    show.add_argument("file", metavar="FILE.nc", help="a case, life or study file")
+    bearingwear.io.commands.add_parser(commands)
     bearingwear.study.commands.add_parser(commands)
     bearingwear.report.commands.add_parser(commands)
     return parser
@@ -126,6 +129,10 @@ def _file_name(text: str) -> Path:
 
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     parser = _parser()
+    if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
     given, left = parser.parse_known_args(argv)
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
     if getattr(given, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
@@ -137,7 +144,8 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
 
 def _run(given: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
-    from bearingwear.io.netcdf import CaseFileError, OutputError
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.io.whole import OutputError
     from bearingwear.model.fidelity import NotAvailable
     from bearingwear.model.scene import SceneError
 
@@ -212,7 +220,7 @@ def _scene(given: argparse.Namespace) -> Scene:
 
 def _check_output(path: Path, scene: str) -> None:
     """Refuse, before anything is solved, an output that must not be replaced."""
-    from bearingwear.io.netcdf import OutputError
+    from bearingwear.io.whole import OutputError
 
     try:
         if path.exists():
@@ -254,8 +262,8 @@ def _check(given: argparse.Namespace) -> int:
     return OK
 
 
-def _show(given: argparse.Namespace) -> int:
-    from bearingwear.io.summary import summary
+def _scene_keys(**_: Any) -> list[str]:
+    """What `--set` takes, for a shell that completes it."""
+    from bearingwear.io.keys import scene_keys
 
-    print(summary(given.file))
-    return OK
+    return [f"{key}=" for key in scene_keys()]

@@ -39,6 +39,15 @@ def source_hash() -> str:
 
 
 @functools.cache
+def contents_hash(*paths: str) -> str:
+    """Hash of the contents of files, 16 hexadecimal digits; a missing one counts as empty."""
+    digest = hashlib.sha256()
+    for path in map(Path, paths):
+        digest.update(hashlib.sha256(path.read_bytes() if path.is_file() else b"").digest())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
 def kernel_cache_folder() -> str:
     """Folder for numba's compiled code, named by `source_hash`.
 

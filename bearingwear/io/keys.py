@@ -36,6 +36,11 @@ def _rows(block: Mapping[str, Any], path: str) -> Iterator[tuple[str, ...]]:
             yield from _rows(below, f"{key}.")
 
 
+def scene_keys() -> list[str]:
+    """Every key of a scene that takes a value of its own, `operation.preload_N`."""
+    return [row[0].strip("`") for row in _rows(schema(), "") if "a block of keys" not in row[3]]
+
+
 def _default(part: Mapping[str, Any], required: bool) -> str:
     if required:
         return "required"

@@ -6,11 +6,9 @@ is solved in a millisecond should not wait half a second for xarray to be import
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,6 +23,7 @@ from bearingwear.io.variables import (
     TIME,
     Variable,
 )
+from bearingwear.io.whole import reason, whole_file
 from bearingwear.provenance import source_hash
 
 if TYPE_CHECKING:
@@ -41,10 +40,6 @@ COMPRESSED_ABOVE = 100_000
 
 class CaseFileError(ValueError):
     """A result file that cannot be read; its text is one line that names the file."""
-
-
-class OutputError(OSError):
-    """A result file that cannot be written; its text is one line that names the file."""
 
 
 class Entry(NamedTuple):
@@ -87,23 +82,9 @@ def write(result: Result, path: str | os.PathLike[str]) -> None:
     import netCDF4
 
     entries, attrs = _entries(result)
-    path = Path(path)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            # netCDF4 says only "Permission denied" for all that can go wrong here
-            part.open("wb").close()
-            os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
-            with netCDF4.Dataset(part, "w", format="NETCDF4") as file:
-                file.setncatts(attrs)
-                _fill(file, entries)
-            os.replace(part, path)
-        finally:
-            with contextlib.suppress(OSError):
-                part.unlink(missing_ok=True)
-    except (OSError, RuntimeError, UnicodeError) as error:
-        raise OutputError(f"{path}: cannot be written ({_reason(error)})") from None
+    with whole_file(path) as part, netCDF4.Dataset(part, "w", format="NETCDF4") as file:
+        file.setncatts(attrs)
+        _fill(file, entries)
 
 
 def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
@@ -159,10 +140,29 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
         ) as opened:
             found = opened.load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
-        raise CaseFileError(
-            f"{os.fspath(path)}: given a damaged file ({_reason(error)}); allowed a result file"
-        ) from None
+        raise damaged(path, error) from None
     if not str(found.attrs.get("source", "")).startswith(SOURCE):
+        raise foreign(path)
+    return found
+
+
+def header(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Global attributes of a result file; its values are not read.
+
+    Raises
+    ------
+    CaseFileError
+        As `load`.
+    """
+    import netCDF4
+
+    readable(path)
+    try:
+        with netCDF4.Dataset(path) as file:
+            found = {name: file.getncattr(name) for name in file.ncattrs()}
+    except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
+        raise damaged(path, error) from None
+    if not str(found.get("source", "")).startswith(SOURCE):
         raise foreign(path)
     return found
 
@@ -181,7 +181,7 @@ def readable(path: str | os.PathLike[str]) -> None:
         name.encode()
     except (OSError, UnicodeError) as error:
         raise CaseFileError(
-            f"{name}: given a file that cannot be read ({_reason(error)}); allowed a result file"
+            f"{name}: given a file that cannot be read ({reason(error)}); allowed a result file"
         ) from None
     if not start:
         raise CaseFileError(f"{name}: given an empty file; allowed a result file")
@@ -189,18 +189,18 @@ def readable(path: str | os.PathLike[str]) -> None:
         raise foreign(path)
 
 
+def damaged(path: str | os.PathLike[str], error: BaseException) -> CaseFileError:
+    """The error for a file that netCDF cannot read."""
+    return CaseFileError(
+        f"{os.fspath(path)}: given a damaged file ({reason(error)}); allowed a result file"
+    )
+
+
 def foreign(path: str | os.PathLike[str]) -> CaseFileError:
     """The error for a file that is none of ours."""
     return CaseFileError(
         f"{os.fspath(path)}: given a file that {SOURCE} has not written; allowed a result file"
     )
-
-
-def _reason(error: BaseException) -> str:
-    if isinstance(error, UnicodeError):
-        return "netCDF takes names in UTF-8 only"
-    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    return " ".join(str(text).split())
 
 
 # from values to entries
@@ -270,8 +270,6 @@ def _entry(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Entry:
     if data.shape != shape:
         raise ValueError(f"{variable.name} has shape {data.shape}, not {shape}")
     attrs: dict[str, Any] = {"long_name": variable.long_name}
-    if variable.standard_name:
-        attrs["standard_name"] = variable.standard_name
     if variable.units:
         attrs["units"] = variable.units
     if variable.flags:

@@ -23,6 +23,9 @@ LARGEST_FILE = 1_000_000
 DEEPEST = 20
 """Limit of blocks within blocks; a scene has three."""
 
+MOST_VALUES = 5000
+"""Limit of values and keys; a scene has some hundred, a thousand unequal balls a thousand more."""
+
 _FIRST = list("-+0123456789.")
 _BOOLEAN = re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$")
 _NULL = re.compile(r"^(?:~|null|Null|NULL|)$")
@@ -99,7 +102,7 @@ def data_of(text: str, source: str) -> Any:
 
 def _check_events(text: str, source: str) -> None:
     """Refuse, before anything is built, what could grow large or change meaning."""
-    depth = documents = 0
+    depth = documents = values = 0
     for event in yaml.parse(text, Loader=_Loader):
         line = event.start_mark.line + 1
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
@@ -114,6 +117,14 @@ def _check_events(text: str, source: str) -> None:
                 raise SceneError(
                     "", f"given a second document in line {line}; allowed one", source=source
                 )
+        values += isinstance(event, yaml.NodeEvent)
+        if values > MOST_VALUES:
+            raise SceneError(
+                "",
+                f"given more than {MOST_VALUES} keys and values in line {line}; "
+                "allowed at most that",
+                source=source,
+            )
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
             if depth > DEEPEST:

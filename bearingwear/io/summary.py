@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import os
-from collections.abc import Sequence
-from typing import Any
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bearingwear.io.netcdf import SOURCE, CaseFileError, foreign, readable
+from bearingwear.io.netcdf import SOURCE, CaseFileError, damaged, foreign, readable
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+
+if TYPE_CHECKING:
+    from bearingwear.model.scene import Scene
 
 NOT_SOLVED = "not solved"
 
@@ -74,8 +80,13 @@ CAGE = (
 STUDY = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
 
 
-def summary(path: str | os.PathLike[str]) -> str:
-    """Text for a case, life or study file.
+@contextlib.contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
+    """A result file, open for reading; whatever turns out to be wrong with it takes one line.
+
+    Yields
+    ------
+    netCDF4.Dataset
 
     Raises
     ------
@@ -88,17 +99,32 @@ def summary(path: str | os.PathLike[str]) -> str:
         with netCDF4.Dataset(path) as file:
             if not str(getattr(file, "source", "")).startswith(SOURCE):
                 raise foreign(path)
-            if "end_criterion" in file.variables and not file["end_criterion"].dimensions:
-                lines = _life(file)
-            elif "contact_load" in file.variables and not file["status"].dimensions:
-                lines = _case(file)
-            else:
-                lines = _study(file)
-    except (OSError, RuntimeError, IndexError, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(
-            f"{os.fspath(path)}: given a damaged file ({reason}); allowed a result file"
-        ) from None
+            yield file
+    except (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, CaseFileError):
+            raise
+        raise damaged(path, error) from None
+
+
+def kind_of(file: Any) -> str:
+    """What an open result file is: case, life, study, wear life, ..."""
+    variables = file.variables
+    if "end_criterion" in variables and not file["end_criterion"].dimensions:
+        return "life"
+    if "contact_load" in variables and "status" in variables and not file["status"].dimensions:
+        return "case"
+    return re.split(" of |:", str(getattr(file, "title", "result")))[0].lower()
+
+
+def summary(path: str | os.PathLike[str]) -> str:
+    """Text for a result file of any kind.
+
+    Raises
+    ------
+    CaseFileError
+    """
+    with opened(path) as file:
+        lines = {"life": _life, "case": _case}.get(kind_of(file), _several)(file)
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -123,21 +149,53 @@ def _row(label: str, unit: str, *values: str) -> str:
 
 def _heading(file: Any) -> list[str]:
     scene = json.loads(getattr(file, "scene", "{}"))
-    lines = []
-    if scene:
-        bearing, operation = scene["bearing"], scene["operation"]
-        loss = scene["wear"]["ball_diameter_loss_um"]
-        worn = f"{loss:g}" if isinstance(loss, float) else "unequal"
-        lines = [
-            f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
-            f"{operation['shaft_speed_rpm']:g} r/min, {operation['preload_method']} preload "
-            f"{operation['preload_N']:g} N, friction {scene['friction']['ball_race']:g}, "
-            f"ball diameter loss {worn} um",
-        ]
+    lines = _scene(scene) if scene else []
     code = int(_values(file, "status"))
     name = STATUS_NAMES[code]
     fidelity = getattr(file, "fidelity", "?")
     return [*lines, f"model {fidelity}, status {name}: {STATUS_SENTENCES[name]}", ""]
+
+
+def _scene(scene: Mapping[str, Any]) -> list[str]:
+    bearing, operation = scene["bearing"], scene["operation"]
+    loss = scene["wear"]["ball_diameter_loss_um"]
+    worn = f"{loss:g}" if isinstance(loss, float) else "unequal"
+    return [
+        f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
+        f"{operation['shaft_speed_rpm']:g} r/min, {operation['preload_method']} preload "
+        f"{operation['preload_N']:g} N, friction {scene['friction']['ball_race']:g}, "
+        f"ball diameter loss {worn} um",
+    ]
+
+
+def scene_summary(scene: Scene) -> str:
+    """Text for a scene: the main numbers, and what follows from them without a solve."""
+    b, m = scene.bearing, scene.materials
+    angle = math.radians(b.contact_angle_deg)
+    mass = m[b.ball_material].density_kg_m3 * math.pi / 6.0 * b.ball_diameter_mm**3 * 1e-9
+    groove = (b.inner_groove_factor + b.outer_groove_factor - 1.0) * b.ball_diameter_mm
+    end = scene.wear.end_of_life
+    limits = end.criteria if end is not None else {}
+    rows = (
+        ("ball diameter", "mm", b.ball_diameter_mm),
+        ("pitch diameter", "mm", b.pitch_diameter_mm),
+        ("free contact angle", "degree", b.contact_angle_deg),
+        ("groove factor, inner", "1", b.inner_groove_factor),
+        ("groove factor, outer", "1", b.outer_groove_factor),
+        ("diametral clearance", "um", 2e3 * groove * (1.0 - math.cos(angle))),
+        ("mass of a ball", "g", 1e3 * mass),
+        ("speed x pitch diameter", "mm/min", scene.operation.shaft_speed_rpm * b.pitch_diameter_mm),
+    )
+    lines = [*_scene(scene.to_dict()), "", _row("bearing", "")]
+    lines += [_row(label, unit, _number(value)) for label, unit, value in rows]
+    lines += ["", _row("material", "", "E, GPa", "H, GPa", "K_s")]
+    for part, name in (("balls", b.ball_material), ("races", b.race_material)):
+        numbers = m[name].youngs_modulus_GPa, m[name].brinell_hardness_GPa, m[name].wear_coefficient
+        lines.append(_row(f"{part}: {name}", "", *map(_number, numbers)))
+    lines += ["", _row("end of life, the first of", "")]
+    lines += [_row(name, "", _number(value)) for name, value in limits.items()]
+    lines += [] if limits else [_row("none given", "")]
+    return "\n".join(line.rstrip() for line in lines)
 
 
 def _case(file: Any) -> list[str]:
@@ -190,17 +248,20 @@ def _life(file: Any) -> list[str]:
     return lines
 
 
-def _study(file: Any) -> list[str]:
+def _several(file: Any) -> list[str]:
+    """A file with more than one case or life in it."""
     lines = [getattr(file, "title", "study"), ""]
     lines.append(_row("dimension", "", "points"))
-    lines += [_row(name, "", str(dim.size)) for name, dim in file.dimensions.items()]
+    for name, dim in file.dimensions.items():
+        lines.append(f"{_row(name, '', str(dim.size))}  {_along(file, name)}")
     if "status" in file.variables:
         codes, counts = np.unique(_values(file, "status"), return_counts=True)
         lines += ["", _row("status", "", "cases")]
         for code, count in zip(codes, counts, strict=True):
             name = STATUS_NAMES[int(code)] if np.isfinite(code) else NOT_SOLVED
             lines.append(_row(name, "", str(count)))
-    found = [name for name in STUDY if name in file.variables]
+    is_study = kind_of(file) in ("study", "wear life")
+    found = [n for n in STUDY if n in file.variables] if is_study else _numbers_in(file)
     if found:
         lines += ["", _row("variable", "", "least", "most")]
     for name in found:
@@ -209,4 +270,46 @@ def _study(file: Any) -> list[str]:
         ends = (solved.min(), solved.max()) if solved.size else (np.nan, np.nan)
         unit = str(getattr(file[name], "units", ""))
         lines.append(_row(name, unit, *map(_number, ends)))
+    return lines + _lives(file)
+
+
+def _along(file: Any, name: str) -> str:
+    """The values of a coordinate, or the first and the last where they are many."""
+    if name not in file.variables or file[name].dimensions != (name,):
+        return ""
+    flags = str(getattr(file[name], "flag_meanings", "")).split()
+    values = _values(file, name)
+    shown = [flags[int(v)] if flags else f"{v:g}" for v in values]
+    unit = str(getattr(file[name], "units", "")).replace("1", "", 1)
+    text = ", ".join(shown) if len(shown) <= 8 else f"{shown[0]} to {shown[-1]}"
+    return f"{text} {unit}".rstrip()
+
+
+def _numbers_in(file: Any) -> list[str]:
+    """Variables with numbers that are no coordinates and no flags."""
+    return [
+        name
+        for name, variable in file.variables.items()
+        if name not in file.dimensions
+        and variable.dtype is not str
+        and "flag_values" not in variable.ncattrs()
+        and name != "status"
+    ]
+
+
+def _lives(file: Any) -> list[str]:
+    """A row for each life in a file that has them over preload method and friction."""
+    axes = ("preload_method", "friction")
+    if "end_criterion" not in file.variables or file["end_criterion"].dimensions != axes:
+        return []
+    methods = file["preload_method"].flag_meanings.split()
+    ends = file["end_criterion"].flag_meanings.split()
+    lives, loss = _values(file, "life"), _values(file, "loss_at_end", 1e6)
+    criteria = _values(file, "end_criterion")
+    lines = ["", _row("life, wear counted", "h", "ball", "ball + races", "loss, um")]
+    for i, method in enumerate(_values(file, "preload_method")):
+        for j, mu in enumerate(_values(file, "friction")):
+            end = ends[int(criteria[i, j])] if np.isfinite(criteria[i, j]) else ends[-1]
+            numbers = map(_number, [*lives[i, j], loss[i, j]])
+            lines.append(f"{_row(f'{methods[int(method)]}, mu {mu:g}', 'h', *numbers)}  {end}")
     return lines

@@ -48,8 +48,6 @@ class Variable:
     comment : str, optional
     always : bool
         Written also where it was not solved, as `_FillValue`; others are then left out.
-    standard_name : str, optional
-        Of the CF conventions.
     averaged : bool
         Of a transient, this is the mean over the evaluated turns; so is all that is `always` there.
     """
@@ -63,7 +61,6 @@ class Variable:
     flags: tuple[str, ...] | None = None
     comment: str | None = None
     always: bool = False
-    standard_name: str | None = None
     averaged: bool = False
 
 
@@ -82,7 +79,8 @@ COORDINATES = _table(
     Variable("counts", ("counts",), "", "what wear counts as loss", "i1", flags=COUNTS),
     Variable("steady_state", ("steady_state",), "1", "number of the steady state", "i4"),
     Variable("step", ("step",), "1", "number of the step along the life", "i4"),
-    Variable("time", ("time",), "s", "simulated time", standard_name="time"),
+    # CF's standard_name "time" is for dates: it asks for units with a date to count from
+    Variable("time", ("time",), "s", "simulated time"),
     Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
     Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
     Variable("state", ("state",), "1", "number in the state of motion", "i4"),
@@ -265,6 +263,15 @@ STATE = _table(
         comment=ESTIMATE,
     ),
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
+    Variable(
+        "equilibrium_rounding", (), "1", "what rounding of places can make of equilibrium_residual"
+    ),
+    Variable(
+        "friction_rounding", (), "1", "what rounding of the speeds can make of friction_residual"
+    ),
+    Variable(
+        "power_rounding", (), "1", "what rounding of the speeds can make of power_balance_error"
+    ),
 )
 
 # Histories that are means over the interval which ends at the instant.

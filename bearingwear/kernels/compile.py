@@ -1,12 +1,31 @@
 """The one decorator all kernels use."""
 
+import contextlib
+
 import numba
+from numba.core.caching import FunctionCache
 
 from bearingwear.provenance import kernel_cache_folder
 
 # Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
 # signed zero keep their meaning, so that a broken number is still seen.
 REORDER_SUMS = {"reassoc", "contract", "nsz"}
+
+
+class _Cache(FunctionCache):
+    """numba's disk cache, from a disk that may be full or have lost what it held."""
+
+    def load_overload(self, sig, target_context):
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # whatever a truncated file unpickles to: it can be compiled again
+            with contextlib.suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig, data):
+        with contextlib.suppress(OSError):  # compiled code also runs where it cannot be kept
+            super().save_overload(sig, data)
 
 
 def jit(function=None, **options):
@@ -21,6 +40,9 @@ def jit(function=None, **options):
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = kernel_cache_folder()
     try:
-        return numba.njit(cache=True, error_model="numpy", **options)(function)
+        compiled = numba.njit(error_model="numpy", **options)(function)
+        if not numba.config.DISABLE_JIT:
+            compiled._cache = _Cache(function)
+        return compiled
     finally:
         numba.config.CACHE_DIR = before

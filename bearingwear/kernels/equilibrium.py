@@ -55,6 +55,15 @@ def other_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
 
 
 @jit
+def moved_forces(g, D, load, A1, A2, X1, X2):
+    """`other_forces`, axial and radially outward, with the ball centre at (X1, X2) [N]."""
+    l_i = math.sqrt((A1 - X1) ** 2 + (A2 - X2) ** 2)
+    l_o = math.sqrt(X1 * X1 + X2 * X2)
+    P_x, P_r, _ = other_forces(g, D, load, X2, (A1 - X1) / l_i, (A2 - X2) / l_i, X1 / l_o, X2 / l_o)
+    return P_x, P_r
+
+
+@jit
 def spring(K, X1, X2, free):
     """Contact as a spring along (X1, X2): load, direction, tangent stiffness.
 
@@ -103,9 +112,9 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
     """
     free_i, free_o = g.r_i - 0.5 * D, g.r_o - 0.5 * D
     # The force balance hangs on differences of lengths, so rounding sets its floor: Newton is done
-    # when the last step was so short that the next would be below rounding. Race control's
-    # gyroscopic moment is left out of the tangent, and converges by a factor a step only.
-    small = (1e-11 if load.law == ORBIT else 2e-14) * math.sqrt(A1 * A1 + A2 * A2)
+    # when the last step was so short that the next would be below rounding.
+    small = 1e-11 * math.sqrt(A1 * A1 + A2 * A2)
+    h = 1e-7 * free_o  # for the tangent of race control's friction force
     status = NOT_CONVERGED
     slope = 0.0  # of the energy along the last full step, negative [N m]
     step1 = step2 = size = 0.0
@@ -123,7 +132,13 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
             status = OK
             break
         k11, k12, k22 = i11 + o11, i12 + o12, i22 + o22
-        det = k11 * k22 - k12 * k12
+        k21 = k12
+        if load.law != ORBIT:
+            p1, p2 = moved_forces(g, D, load, A1, A2, X1 + h, X2)
+            q1, q2 = moved_forces(g, D, load, A1, A2, X1, X2 + h)
+            k11, k21 = k11 - (p1 - P_x) / h, k21 - (p2 - P_r) / h
+            k12, k22 = k12 - (q1 - P_x) / h, k22 - (q2 - P_r) / h
+        det = k11 * k22 - k12 * k21
         if not det > 0.0 or r1 * step1 + r2 * step2 < 0.5 * slope:
             if slope == 0.0:
                 break
@@ -132,7 +147,7 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
             shortened = True
             continue
         step1 = (k22 * r1 - k12 * r2) / det
-        step2 = (k11 * r2 - k12 * r1) / det
+        step2 = (k11 * r2 - k21 * r1) / det
         d_P = (abs(P_r) / hertz_o.K) ** (2.0 / 3.0)
         d = (Q_i / hertz_i.K) ** (2.0 / 3.0) + (Q_o / hertz_o.K) ** (2.0 / 3.0) + d_P
         longest = 2.0 * math.sqrt(d * min(free_i, free_o))
@@ -148,8 +163,10 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
     # which for one spring k_i behind another k_o is k_o (k_i + k_o)^-1 k_i.
     k11, k12, k22 = i11 + o11, i12 + o12, i22 + o22
     det = k11 * k22 - k12 * k12
-    u1, u2 = (k22 * i11 - k12 * i12) / det, (k11 * i12 - k12 * i11) / det
-    v1, v2 = (k22 * i12 - k12 * i22) / det, (k11 * i22 - k12 * i12) / det
+    u1 = u2 = v1 = v2 = 0.0  # of a ball that touches nothing
+    if det > 0.0:
+        u1, u2 = (k22 * i11 - k12 * i12) / det, (k11 * i12 - k12 * i11) / det
+        v1, v2 = (k22 * i12 - k12 * i22) / det, (k11 * i22 - k12 * i12) / det
     return BallState(
         status, X1, X2, math.atan2(s_i, c_i), math.atan2(s_o, c_o), Q_i, Q_o, hertz_i, hertz_o,
         Q_i * s_i + T_i * c_i, Q_i * c_i - T_i * s_i,
@@ -278,7 +295,13 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
         delta_a = new
         A1, A2 = groove_distance(g, 0.0, delta_a, 0.0, 0.0, 0.0)
         state = ball_equilibrium(g, D, load, A1, A2, state)
-        if abs(step) <= 1e-11 * g.BD or state.status == NOT_CONVERGED:
+        if state.status == NOT_CONVERGED:
+            break
+        # Beside a large centrifugal force, a step that is small for the grooves is none for the
+        # spring.
+        if abs(step) <= 1e-11 * g.BD and (
+            abs(state.F_ix - P) <= 1e-12 * P or abs(step) <= 1e-16 * g.BD
+        ):
             break
     return delta_a, state
 

@@ -21,12 +21,13 @@ from bearingwear.kernels.cage import CAGE, angular_velocity, turn
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.coupling import System, add_cage_powers, factorise, solve, system
 from bearingwear.kernels.motion import BALL, ball_blocks, motion_rates
-from bearingwear.kernels.status import NOT_CONVERGED, OK
+from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 
 ROSENBROCK, RUNGE_KUTTA = 0, 1
 # A step that closes a contact deeper than so many times the range in which its damping comes in is
 # taken anew up to where it closes.
 EVENT_DEPTH = 4.0
+MOST_STEPS = 3000  # tried in the longest step's time, a hundred times what a run usually takes
 
 _A = np.array(
     [
@@ -295,7 +296,11 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
     contacts_now(run, b, places, w.before)
     located = False
     depth = EVENT_DEPTH * min(run.cage.ramp_pocket, run.cage.ramp_land)
+    most = MOST_STEPS * max(1.0, (end - time) / longest)
     while status == OK and time < end:
+        if accepted + rejected > most:
+            status = TOO_STIFF
+            break
         left = end - time
         whole = min(h, longest)
         # Two equal steps rather than a full and a tiny one.

@@ -10,6 +10,7 @@ from bearingwear.kernels.linear import solve_in_place
 from bearingwear.kernels.params import BallLoad, BallState, Hertz
 from bearingwear.kernels.status import NOT_CONVERGED, OK, PRELOAD_GONE
 
+LAST_BIT = 2.0**-50
 ROW = 24  # floats of a stored BallState
 
 
@@ -122,7 +123,7 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
     load = math.sqrt(F[0] ** 2 + F[1] ** 2 + F[2] ** 2)
     status = NOT_CONVERGED
     damping_force = 0.0
-    for _ in range(200):
+    for _ in range(400):
         if math.isnan(scale):
             break
         size = 0.0
@@ -165,9 +166,21 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
                 break
             shrink *= 0.5
         if not found:
-            if size <= 1e-11 * (scale + load):
-                status = OK  # as good as rounding lets it be
-            break
+            # As good as rounding of loads and places lets it be?
+            places = 0.0
+            for i in range(n):
+                places += LAST_BIT * stiffness[first + i, first + i] * (g.r_i + g.r_o)
+            if size <= 1e-11 * (scale + load) + places:
+                status = OK
+                break
+            # Where balls come off, the tangent misleads: follow the force itself more closely.
+            stiff = 0.0
+            for i in range(n):
+                stiff = max(stiff, stiffness[first + i, first + i])
+            damping_force = max(10.0 * damping_force, 1e-4 * stiff, 1e-9 * g.E_star * g.D0)
+            if damping_force > 1e6 * g.E_star * g.D0:
+                break
+            continue
         damping_force = 0.1 * damping_force if damping_force > 1e-9 * g.E_star * g.D0 else 0.0
         delta[:] = trial
         scale = new_scale

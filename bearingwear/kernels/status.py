@@ -10,6 +10,10 @@ OUTSIDE_HERTZ_RANGE = 6
 UNVERIFIED = 7
 CRITERION_NOT_REACHED = 8
 BEYOND_GROOVE = 9
+BELOW_ROUNDING = 10
+NO_RACE_CONTROL = 11
+RACE_UNSEATED = 12
+TOO_STIFF = 13
 
 STATUS_NAMES = (
     "ok",
@@ -22,6 +26,10 @@ STATUS_NAMES = (
     "unverified",
     "criterion_not_reached",
     "beyond_groove",
+    "below_rounding",
+    "no_race_control",
+    "race_unseated",
+    "too_stiff",
 )
 
 STATUS_SENTENCES = {
@@ -35,4 +43,12 @@ STATUS_SENTENCES = {
     "unverified": "the answer failed the check made after the solve",
     "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
     "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
+    "below_rounding": "slip is smoothed so finely (slip_regularisation_m_s), or is so small "
+    "against the surface speeds, that rounding hides it",
+    "no_race_control": "neither race can hold the balls against their gyroscopic moments: race "
+    "control has no equilibrium",
+    "race_unseated": "load or tilt lifts the inner race off some of its balls, and the preload "
+    "does not seat it on the others",
+    "too_stiff": "the motion asks for far more steps than its turns are worth; no average was "
+    "found",
 }

@@ -37,11 +37,14 @@ from bearingwear.kernels.status import (
     NOT_CONVERGED,
     OK,
     OUTSIDE_HERTZ_RANGE,
+    PRELOAD_GONE,
 )
 
 # Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.
 LARGEST_AXIS = 0.7  # a / R
 NEAR_ROUNDING = 1e-11  # residual, as a share of the friction forces, that rounding may leave
+LAST_BIT = 2.0**-50  # of the ball's speeds, with what the sums that make a slip of them add
+LIGHTEST = 1e-4  # share of a contact's load that rounding of its place may make
 STALLED = 5e-10  # and that noise of lightly loaded contacts may leave; verified after the solve
 
 
@@ -178,8 +181,49 @@ def balance_size(g, D, mu, state, out):
 
 
 @jit
+def rounding(g, D, mu, state, u, J):
+    """What the last bits of speeds and places make of the balance, and of its power.
+
+    Slip is a small difference of large speeds: at a small v_r the speeds cannot be stored finely
+    enough to balance friction any better. Nor can a light load, whose deformation is a small
+    difference of large lengths.
+
+    Parameters
+    ----------
+    J : ndarray (4, 4)
+        Jacobian of the balance by u.
+
+    Returns
+    -------
+    share : float
+        Of the friction forces [1].
+    power : float
+        [W]
+    light : float
+        The part of `share` that is the load's [1].
+    """
+    capacity = mu * (state.Q_i + state.Q_o)
+    d_i = (state.Q_i / state.hertz_i.K) ** (2.0 / 3.0)
+    d_o = (state.Q_o / state.hertz_o.K) ** (2.0 / 3.0)
+    light = 1.5 * LAST_BIT * max(g.r_i / d_i, g.r_o / d_o)
+    share = light
+    r, R = g.R_o + state.X2, 0.5 * D
+    power = share * capacity * (r * abs(u[3]) + R * max(abs(u[0]), abs(u[2])))
+    for i in range(4):
+        left = 0.0
+        for j in range(4):
+            left += LAST_BIT * abs(J[i, j] * u[j])
+        arm = R if i < 3 else r
+        share = max(share, left / (arm * capacity))
+        power += abs(u[i]) * left
+    return share, power, light
+
+
+@jit
 def usable(state):
-    """Status of a ball equilibrium: OK only within the grooves (to kernels these are circles)."""
+    """Status of a ball equilibrium: OK only with both contacts closed, within the grooves."""
+    if state.status == OK and not (state.Q_i > 0.0 and state.Q_o > 0.0):
+        return CONTACT_LOST
     if state.status == OK and not (
         0.0 < state.alpha_i < 0.5 * math.pi and 0.0 <= state.alpha_o < 0.5 * math.pi
     ):
@@ -229,6 +273,7 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance,
     """
     trial = work.trial
     size = 1e300
+    floor = 0.0
     for iteration in range(most):
         status = full_jacobian(g, D, motion, v_r, preload, delta_a, state, u, rule, work)
         if status != OK:
@@ -236,6 +281,9 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance,
         size = balance_size(g, D, motion.mu, state, work.residual)
         if size <= tolerance:
             return OK, delta_a, state, iteration, size
+        floor, _, light = rounding(g, D, motion.mu, state, u, work.jacobian)
+        if not light <= LIGHTEST:
+            return CONTACT_LOST, delta_a, state, iteration, size
         work.matrix[:, :] = work.jacobian
         for i in range(4):
             work.step[i] = -work.residual[i]
@@ -243,8 +291,8 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance,
             return NOT_CONVERGED, delta_a, state, iteration, size
         damping = 1.0
         found = False
-        rounding = size <= NEAR_ROUNDING  # only the full step is worth a try
-        for _ in range(1 if rounding else 12):
+        near = size <= max(NEAR_ROUNDING, floor)  # only the full step is worth a try
+        for _ in range(1 if near else 12):
             for i in range(4):
                 trial[i] = u[i] + damping * work.step[i]
             delta, moved = orbit_equilibrium(g, D, trial[3], preload, delta_a, state)
@@ -259,14 +307,14 @@ def newton(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance,
                         break
             damping *= 0.5
         if not found:
-            if size <= STALLED:
+            if size <= max(STALLED, floor):
                 return OK, delta_a, state, iteration, size
             return NOT_CONVERGED, delta_a, state, iteration, size
         u[:] = trial
         delta_a, state = delta, moved
-        if rounding and new > 0.7 * size:
+        if near and new > 0.7 * size:
             return OK, delta_a, state, iteration, new
-    return (OK if size <= NEAR_ROUNDING else NOT_CONVERGED), delta_a, state, most, size
+    return (OK if size <= max(NEAR_ROUNDING, floor) else NOT_CONVERGED), delta_a, state, most, size
 
 
 @jit
@@ -294,7 +342,10 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance,
         if status != OK:
             return status, delta_a, state, iteration, size
         size = balance_size(g, D, motion.mu, state, work.residual)
-        if size <= tolerance:
+        floor, _, light = rounding(g, D, motion.mu, state, u, work.jacobian)
+        if not light <= LIGHTEST:
+            return CONTACT_LOST, delta_a, state, iteration, size
+        if size <= max(tolerance, floor):
             return OK, delta_a, state, iteration, size
         found = False
         why = OK
@@ -318,6 +369,7 @@ def settle(g, D, motion, v_r, preload, delta_a, state, u, rule, work, tolerance,
                     if status == OK and unexplained <= 0.5 * size:
                         found = True
                         break
+                    why = status
                 else:
                     why = usable(moved)
             dt *= 0.25
@@ -367,7 +419,7 @@ def steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance):
         delta_a, state = orbit_equilibrium(g, D, u[3], preload, preload.delta_a, cold_start())
     if usable(state) != OK:
         return Solution(usable(state), delta_a, state, 0, 1e300)
-    first, first_delta, first_state = u.copy(), delta_a, state
+    first = u.copy()
     target = motion.v_r
     surface = 0.5 * g.dm * abs(motion.omega_i - motion.omega_o)
     top = max(target, surface)  # slip can hardly exceed it: friction is viscous here
@@ -375,9 +427,19 @@ def steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance):
     reached = math.inf
     factor = 0.15
     total = 0
-    kept = u.copy()
+    kept, before = u.copy(), u.copy()  # the last two levels reached
+    reached_before = math.inf
     kept_delta, kept_state = delta_a, state
-    for _ in range(60):
+    for _ in range(90):
+        if not math.isinf(reached_before):
+            # Where a contact sticks its slip goes as v_r, and the state with it.
+            ahead = (v - reached) / (reached - reached_before)
+            for i in range(4):
+                u[i] = kept[i] + ahead * (kept[i] - before[i])
+            delta_a, state = orbit_equilibrium(g, D, u[3], preload, kept_delta, kept_state)
+            if usable(state) != OK:
+                u[:] = kept
+                delta_a, state = kept_delta, kept_state
         goal = tolerance if v <= target else 1e-6
         status, delta_a, state, n, size = newton(
             g, D, motion, v, preload, delta_a, state, u, rule, work, goal, 30
@@ -385,7 +447,7 @@ def steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance):
         total += n
         if status == OUTSIDE_HERTZ_RANGE:
             return Solution(status, delta_a, state, total, size)
-        if status != OK and v < top and (math.isinf(reached) or factor < 0.7):
+        if status != OK and v < top and (math.isinf(reached) or factor < 0.8):
             u[:] = kept
             delta_a, state = kept_delta, kept_state
             if math.isinf(reached):
@@ -398,22 +460,45 @@ def steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance):
             u[:] = kept
             goal = max(goal, NEAR_ROUNDING)
             status, delta_a, state, n, size = settle(
-                g, D, motion, v, preload, kept_delta, kept_state, u, rule, work, goal, 400
+                g, D, motion, v, preload, kept_delta, kept_state, u, rule, work, goal, 1500
             )
             total += n
-            if status != OK and v > target:
-                # The way down is blocked: follow the ball's own motion at the wanted v_r.
-                u[:] = first
-                v = target
-                status, delta_a, state, n, size = settle(
-                    g, D, motion, v, preload, first_delta, first_state, u, rule, work,
-                    NEAR_ROUNDING, 400,
-                )  # fmt: skip
-                total += n
+            for share in (1.0, 0.1):
+                # The way down is blocked: follow the ball's own motion at the wanted v_r, from the
+                # first start, and from nearly at rest, as a ball that skids.
+                if status != OK:
+                    v = target
+                    u[:] = share * first
+                    delta_a, state = orbit_equilibrium(
+                        g, D, u[3], preload, preload.delta_a, cold_start()
+                    )
+                    if usable(state) == OK:
+                        status, delta_a, state, n, size = settle(
+                            g, D, motion, v, preload, delta_a, state, u, rule, work,
+                            NEAR_ROUNDING, 1500,
+                        )  # fmt: skip
+                        total += n
             if status != OK:
+                _, still = orbit_equilibrium(g, D, 0.0, preload, preload.delta_a, cold_start())
+                if still.status == PRELOAD_GONE:
+                    # Centrifugal force alone held the ball, and nothing drove it on.
+                    status = PRELOAD_GONE
                 return Solution(status if lost == OK else lost, delta_a, state, total, size)
+            if v <= target:
+                # Its steps end where the balance is good; Newton's go on to rounding.
+                trial = u.copy()
+                status, delta, moved, n, better = newton(
+                    g, D, motion, v, preload, delta_a, state, trial, rule, work, tolerance, 30
+                )
+                total += n
+                if status == OK and better <= size:
+                    u[:] = trial
+                    delta_a, state, size = delta, moved, better
         if v <= target:
             return Solution(OK, delta_a, state, total, size)
+        if v < reached:
+            reached_before = reached
+            before[:] = kept
         reached = v
         kept[:] = u
         kept_delta, kept_state = delta_a, state

@@ -8,12 +8,13 @@ import numpy as np
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.kinematics import rolling_orbit
-from bearingwear.kernels.status import OK, UNVERIFIED
-from bearingwear.kernels.steady import full_jacobian, steady_state, workspace
+from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, OK, UNVERIFIED
+from bearingwear.kernels.steady import full_jacobian, rounding, steady_state, workspace
 from bearingwear.kernels.summary import COLUMNS, SPIN, contact_summary
 from bearingwear.kernels.verification import friction_check, polygon_residual
 
 LARGEST_RESIDUAL = 1e-9  # of the friction forces, of the contact load and of the shaft power
+MOST_ROUNDING = 1e-5  # of these that the last bit of the speeds may amount to instead
 
 OUTER_SPIN, INNER_SPIN, SHARED_SPIN, SKIDDING = range(4)
 BRANCH_NAMES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
@@ -27,6 +28,9 @@ class Check(NamedTuple):
     discretisation: float  # of the friction forces, four times the points
     discretisation_qv: float  # of QV, four times the points
     power: float  # of the shaft power
+    equilibrium_rounding: float  # what the last bits of places and speeds make of `equilibrium`,
+    friction_rounding: float  # of `friction`
+    power_rounding: float  # and of `power`
 
 
 class ThrustCase(NamedTuple):
@@ -44,6 +48,7 @@ class ThrustCase(NamedTuple):
     contacts: np.ndarray  # (2, COLUMNS), see summary.py
     jacobian: np.ndarray  # (4, 4) of the equations of motion times the inertias [N m s]
     check: Check
+    held: bool  # points held at fixed places, since those of the split rule found no state
 
 
 @jit
@@ -79,6 +84,22 @@ def branch_of(contacts, skid):
 
 
 @jit
+def passes(found, rounding, most):
+    """Whether a check found no more than is allowed, or than rounding explains up to `most`."""
+    return found <= max(LARGEST_RESIDUAL, min(rounding, most))  # NaN does not
+
+
+@jit
+def all_pass(check, most):
+    """Whether all checks of a state pass."""
+    return (
+        passes(check.equilibrium, check.equilibrium_rounding, most)
+        and passes(check.friction, check.friction_rounding, most)
+        and passes(check.power, check.power_rounding, most)
+    )
+
+
+@jit
 def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, tolerance):
     """Solve, sum up and check the steady state under thrust.
 
@@ -110,32 +131,36 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
     status = s.status
     if status != OK:
         work.jacobian[:, :] = np.nan
-        nothing = Check(math.nan, math.nan, math.nan, math.nan, math.nan)
+        nan = math.nan
+        nothing = Check(nan, nan, nan, nan, nan, nan, nan, nan)
         return ThrustCase(
             status, s.delta_a, u, r, state.P_r, math.nan, math.nan, SKIDDING, s.iterations,
-            contacts, work.jacobian, nothing,
+            contacts, work.jacobian, nothing, False,
         )  # fmt: skip
     full_jacobian(g, D, motion, motion.v_r, preload, s.delta_a, state, u, rule, work)
     contact_summary(g, D, motion, state, u, r, rule, work, contacts)
     skid = skid_ratio(motion, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
     A1, A2 = groove_distance(g, 0.0, s.delta_a, 0.0, 0.0, 0.0)
-    residual, power, qv = friction_check(g, D, motion, state, u, rule)
-    fine_residual, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule)
+    residual, power, scale, qv = friction_check(g, D, motion, state, u, rule)
+    fine_residual, _, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule)
+    share, watts, light = rounding(g, D, motion.mu, state, u, work.jacobian)
     check = Check(
         polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),
         residual,
         fine_residual,
         abs(qv / fine_qv - 1.0) if fine_qv > 0.0 else 0.0,
         power,
+        light,
+        share,
+        watts / scale,
     )
-    # Written so that NaN fails too.
-    if not (
-        check.equilibrium <= LARGEST_RESIDUAL
-        and check.friction <= LARGEST_RESIDUAL
-        and check.power <= LARGEST_RESIDUAL
-    ):
+    if not all_pass(check, MOST_ROUNDING):
         status = UNVERIFIED
+        if all_pass(check, math.inf):
+            # Explained by rounding: of a load that is all but gone, or of the slip.
+            gone = check.equilibrium_rounding > 0.5 * check.friction_rounding
+            status = CONTACT_LOST if gone else BELOW_ROUNDING
     return ThrustCase(
         status, s.delta_a, u, r, state.P_r, state.S_xx, skid, branch_of(contacts, skid),
-        s.iterations, contacts, work.jacobian, check,
+        s.iterations, contacts, work.jacobian, check, False,
     )  # fmt: skip

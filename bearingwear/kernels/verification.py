@@ -70,6 +70,8 @@ def friction_check(g, D, motion, state, u, rule):
         Shaft power less friction heat and drag, as a share of the power put in (where the races
         turn together nothing is, and the share is that of the friction forces at the speed of the
         contacts) [1].
+    power : float
+        What the power error is a share of [W].
     qv : float
         Both contacts [W].
     """
@@ -126,4 +128,5 @@ def friction_check(g, D, motion, state, u, rule):
     floor = capacity * motion.v_r
     if motion.omega_i == motion.omega_o:
         floor = max(floor, capacity * abs(motion.omega_i) * r)
-    return residual, abs(power - heat - F_v * r * u[3]) / max(power_in, floor), qv
+    scale = max(power_in, floor)
+    return residual, abs(power - heat - F_v * r * u[3]) / scale, scale, qv

@@ -35,10 +35,10 @@ REGULARISATION = "friction.slip_regularisation_m_s"
 # steady states are sought from many more starts.
 LADDER = (
     Rung(5e-2, "split", 24, 2, 3e-4, 1e-1, 6.0, 1e-2, 1e-4),
-    Rung(2e-2, "split", 32, 4, 2e-4, 3e-2, 10.0, 5e-3, 1e-5),
-    Rung(5e-3, "split", 50, 4, 1e-4, 1e-2, 20.0, 1e-3, 1e-6),
+    Rung(2e-2, "split", 32, 4, 2e-4, 3e-2, 12.0, 5e-3, 1e-5),
+    Rung(5e-3, "split", 50, 4, 1e-4, 1e-2, 40.0, 1e-3, 1e-6),
     Rung(1e-3, "split", 80, 8, 3e-5, 1e-3, 100.0, 1e-3, 1e-7),
-    Rung(1e-4, "gauss", 1000, 64, 1e-5, 1e-5, 120.0, 1e-4, 1e-8),
+    Rung(1e-4, "gauss", 1000, 64, 1e-5, 1e-5, 160.0, 1e-4, 1e-8),
 )
 NAMED = {"draft": LADDER[0], "standard": LADDER[2], "reference": LADDER[-1]}
 STANDARD = NAMED["standard"]

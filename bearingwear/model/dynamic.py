@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from bearingwear.kernels import status as code
 from bearingwear.kernels.cage import (
     CAGE,
     ELASTIC,
@@ -18,8 +19,18 @@ from bearingwear.kernels.cage import (
 from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.hertz import INNER, OUTER, point_contact, race_contact
 from bearingwear.kernels.integrators import ROSENBROCK, Tally, advance, stages
-from bearingwear.kernels.motion import BALL, Account, Run, account, buffers, motion_rates
+from bearingwear.kernels.kinematics import ORBIT
+from bearingwear.kernels.motion import (
+    BALL,
+    Account,
+    Run,
+    account,
+    buffers,
+    load_at,
+    motion_rates,
+)
 from bearingwear.kernels.params import Geometry
+from bearingwear.kernels.race import ROW, race_equilibrium, stored_state
 from bearingwear.model import parameters
 from bearingwear.model.impact import land_damping, pocket_damping
 from bearingwear.model.scene import Scene
@@ -222,6 +233,27 @@ class Motion:
     def settle(self) -> int:
         """Equilibrium at this instant; the status of the attempt."""
         return motion_rates(self.time, self.y, self.run, self.buffers, self.dy, self.places)
+
+    def why(self) -> int:
+        """Status that names why no equilibrium was found, from the last state that had one.
+
+        Balls and race alone, without the cage, from a safe start.
+        """
+        run, b, n = self.run, self.buffers, len(self.run.D)
+        Omega, psi = self.balls[:, 3].copy(), self.balls[:, 4].copy()
+        loads = np.zeros((n, 6))
+        loads[:, 0], loads[:, 1] = ORBIT, Omega
+        load_at(run, self.time, b.F)
+        rows, delta = np.empty((n, ROW)), b.rest.copy()
+        status, *_ = race_equilibrium(
+            run.g, run.D, loads, psi, b.F, run.tilt, run.first, delta, rows
+        )
+        if status not in (code.OK, code.NOT_CONVERGED):
+            return int(status)
+        states = [stored_state(row) for row in rows]
+        if any(not (s.Q_i > 0.0 and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states):
+            return code.RACE_UNSEATED
+        return code.NOT_CONVERGED
 
     def opened(self) -> tuple[float, np.ndarray, dict[str, float], float]:
         """Time, integrals, energies and the cage's angular momentum now."""

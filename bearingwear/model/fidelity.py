@@ -216,7 +216,7 @@ def _steady(scene: Scene) -> list[str]:
 
 
 def _forces(scene: Scene) -> list[str]:
-    """Always solved: leaving one out saves no time (benchmarks/reductions.py)."""
+    """Always solved: what leaving one out saves is not worth it (benchmarks/reductions.py)."""
     found = shares(scene)
     drag = "none in the scene"
     if scene.lubricant.drag_density_kg_m3:

@@ -19,7 +19,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.steady import drag_force
 from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
 from bearingwear.model import parameters
-from bearingwear.model.estimate import HALVED, ROUNDING, changed
+from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import choice_for_life
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
@@ -361,11 +361,12 @@ def error_estimate(scene: Scene, course: Course) -> dict:
     if course.status != code.OK or not now.min() > 0.0:
         return {}
     total = ROUNDING + course.error / now
-    for problem in ThrustProblem.of(scene).perturbed(scene):
+    problems = ThrustProblem.of(scene).perturbed(scene)
+    for weight, problem in zip((HALVED, DOUBLED), problems, strict=True):
         other = course_of(scene, steady_states(scene, problem))
         if (other.status, other.criterion) != (course.status, course.criterion):
             return {}
-        total = total + HALVED * changed(now, other.times[-1])
+        total = total + weight * changed(now, other.times[-1])
     return {"life_error_estimate": total}
 
 

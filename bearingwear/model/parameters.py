@@ -69,13 +69,14 @@ def ball_diameters(scene: Scene) -> np.ndarray:
 def ellipse_rule(name: str, points: int) -> Rule:
     """A rule with so many points (split: at the most); shared, so never to be written to."""
     if name == "split":
-        return Rule(True, *gathered(-(-max(points, FEWEST_SPLIT) // SEGMENTS)))
+        return Rule(True, *gathered(-(-points // SEGMENTS)))
     return Rule(False, *{"gauss": gauss_halves, "strips": equal_strips}[name](points))
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:
     """The rule of a scene for the contact ellipse, with so many times its points."""
-    return ellipse_rule(scene.model.quadrature, refined * scene.model.strips)
+    name, points = scene.model.quadrature, scene.model.strips
+    return ellipse_rule(name, refined * (max(points, FEWEST_SPLIT) if name == "split" else points))
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:

@@ -398,6 +398,16 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
             ("bearing.ball_count", *circle),
         )
 
+    # What is left of a ring between the pockets; `model.dynamic` gives it this mass.
+    width, most = cage.width_mm, b.ball_count * math.pi * (0.5 * pocket) ** 2
+    wall = math.pi * (cage.outer_diameter_mm + cage.inner_diameter_mm) / 2.0
+    if most >= wall * width:
+        raise SceneError(
+            "cage.width_mm",
+            f"given {width:g}, which the pockets cut through; allowed a number > {most / wall:.4g}",
+            ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
+        )
+
 
 def _check_uncertainty(scene: Scene) -> None:
     for name, given in (scene.uncertainty or {}).items():

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ellipse import Rule
+from bearingwear.kernels.ellipse import Rule, most_points
 from bearingwear.kernels.equilibrium import cold_start, static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, Motion
@@ -14,12 +14,13 @@ from bearingwear.kernels.steady import Preload, drag_force, orbit_equilibrium, s
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
-from bearingwear.model.estimate import HALVED, changed, summed
+from bearingwear.model.estimate import DOUBLED, HALVED, changed, summed
 from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values, wear_values
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
+UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED)
 SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
 
@@ -52,15 +53,24 @@ class ThrustProblem:
 
     def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
         """Steady state with balls of diameter D [m], from a state nearby or from nothing."""
+        case = self._solve(D, start, self.rule, self.fine_rule)
+        if self.rule.split and case.status in UNSETTLED:
+            # With a tiny v_r the sums jump where points gather anew: no state may fit them.
+            n = most_points(self.rule)
+            rules = (parameters.ellipse_rule("gauss", k * n) for k in (1, 4))
+            held = self._solve(D, start, *rules)
+            if held.status not in UNSETTLED:
+                return held._replace(held=True)
+        return case
+
+    def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
         m = self.motion
         if start is not None:
             u, v_start = start, m.v_r
         else:
             u = self.kinematic_start(OUTER_CONTROL)
             v_start = VISCOUS_START * 0.5 * self.g.dm * abs(m.omega_i - m.omega_o)
-        return thrust_case(
-            self.g, D, m, self.preload, self.rule, self.fine_rule, u, v_start, FRICTION_TOLERANCE
-        )
+        return thrust_case(self.g, D, m, self.preload, rule, fine, u, v_start, FRICTION_TOLERANCE)
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
         """The problem with half the regularisation, and with twice the points."""
@@ -150,6 +160,8 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
         case = every[0]
         attrs["residual"] = residual_sentence(case)
         values |= error_estimates(scene, problem, D, case)
+        if case.held:
+            attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
         values |= {"status": case.status} | steady_values(scene, problem, D, case)
         eigenvalues = problem.time_scales(D, case)
         values |= {
@@ -172,11 +184,11 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
     """Estimated numerical errors of a solved state; empty where they cannot be had."""
     now = steady_answer(scene, problem, D, case)
     parts = []
-    for other in problem.perturbed(scene):
+    for weight, other in zip((HALVED, DOUBLED), problem.perturbed(scene), strict=True):
         near = other.solve(D, start=case.u)
         if near.status != code.OK:
             return {}
-        parts.append(HALVED * changed(now, steady_answer(scene, other, D, near)))
+        parts.append(weight * changed(now, steady_answer(scene, other, D, near)))
     return summed(parts)
 
 
@@ -225,4 +237,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "discretisation_residual": case.check.discretisation,
         "discretisation_error_qv": case.check.discretisation_qv,
         "power_balance_error": case.check.power,
+        "equilibrium_rounding": case.check.equilibrium_rounding,
+        "friction_rounding": case.check.friction_rounding,
+        "power_rounding": case.check.power_rounding,
     }

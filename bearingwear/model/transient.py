@@ -33,7 +33,7 @@ from bearingwear.kernels.summary import QV
 from bearingwear.kernels.wear import archard_rate
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, Motion
-from bearingwear.model.estimate import HALVED, changed, measured, summed
+from bearingwear.model.estimate import DOUBLED, HALVED, changed, measured, summed
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
@@ -45,6 +45,8 @@ INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 LARGEST_RESIDUAL = 1e-6  # of the contact load: what balls and pockets are agreed to, and more
 LOOSER = 10.0  # tolerance of a step, to see what it costs
 TIGHTEST = 1e-4  # tolerance of a step of such a run
+SHORT = 16  # turns of the run for each that is run again
+DRIFT = 4.0  # times the drift of one process: slower ones stand behind it
 SCATTER = 4.0  # standard errors of a mean: the turns are few and not independent
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
@@ -315,6 +317,8 @@ def solve_dynamic(
         "initial_axial_displacement": motion.buffers.rest[0],
     }
     attrs: dict = {"residual": "not solved", "start": start.kind}
+    if values["status"] == code.NOT_CONVERGED:
+        values["status"] = motion.why()
     if values["status"] != code.OK:
         return values, attrs
     slow = start.scales.get("slow_time_scale", 0.0) / motion.turn
@@ -327,6 +331,8 @@ def solve_dynamic(
             turns = length / run.grid.points
             status = run.window(length, interrupt)
             if status != code.OK:
+                if status == code.NOT_CONVERGED:
+                    status = motion.why()
                 stopped = {"status": status, "final_time": motion.time}
                 attrs["residual"] = f"not solved; the run stopped at {motion.time:.6g} s"
                 return values | stopped | run.counts(0.0), attrs
@@ -381,10 +387,10 @@ def error_estimates(scene: Scene, run: Run, slow: float, turns: float) -> dict:
     if slopes is None or len(answers) < len(found):
         return {}
     now, *others = answers
-    weights = HALVED, HALVED, math.sqrt(run.tolerance / tolerance)
+    weights = HALVED, DOUBLED, math.sqrt(run.tolerance / tolerance)
     parts = [weight * changed(now, other) for weight, other in zip(weights, others, strict=True)]
     parts[0] = np.maximum(parts[0], thrust_part(scene))
-    drift = np.abs(slopes) * max(slow, turns) + SCATTER * run.trend.scatter()
+    drift = DRIFT * np.abs(slopes) * max(slow, turns) + SCATTER * run.trend.scatter()
     qv, _, balls, both, preload = drift
     return summed([*parts, np.array([qv, preload, balls, both])])
 
@@ -407,8 +413,8 @@ def thrust_part(scene: Scene) -> np.ndarray:
 def rerun(
     scene: Scene, motion: Motion, snapshot: tuple[np.ndarray, float], grid: Grid, tolerance: float
 ) -> np.ndarray | None:
-    """What `measured` finds over half a turn from a state of motion on; None if it fails."""
-    count = max(1, grid.points // 2)
+    """What `measured` finds over half a turn, or less of a short run; None if it fails."""
+    count = max(1, min(grid.points // 2, grid.total // SHORT))
     model = replace(
         scene.model,
         simulated_turns=count / grid.points, evaluated_turns=None, dynamic_tolerance=tolerance,

@@ -1,4 +1,4 @@
-"""Commands of the report: figure, tables, compare, and those of trade and design study."""
+"""Commands of the report: figure, tables, and those of the studies beside it."""
 
 from __future__ import annotations
 
@@ -47,18 +47,19 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     option = add("running-average", _running_average, "wear rates as they settle", "CASE.nc")
     option("--reference", metavar="FILE.csv", type=Path, help="values of others to draw as well")
 
-    compare = commands.add_parser(
-        "compare", help="set cases solved in time beside the steady ones, as CSV and Markdown"
+    in_time = commands.add_parser(
+        "tables-dynamic",
+        help="set cases solved in time beside the steady ones, as CSV and Markdown",
     )
-    for parser in (dynamic, compare):
+    for parser in (dynamic, in_time):
         parser.add_argument("study", metavar="STUDY.nc", type=Path)
         parser.add_argument("dynamic", metavar="DYNAMIC.nc", type=Path)
     dynamic.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     dynamic.set_defaults(run=_dynamic)
-    compare.add_argument(
+    in_time.add_argument(
         "-o", "--output", required=True, nargs=2, metavar=("ALL.csv", "SUMMARY.md"), type=Path
     )
-    compare.set_defaults(run=_compare)
+    in_time.set_defaults(run=_tables_dynamic)
 
     trade = figures.add_parser("tradeoff", help="wall time against error")
     trade.add_argument("which", metavar="WHICH", help="overview, steady, in_time, ...")
@@ -87,6 +88,18 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     listed.add_argument("-o", "--output", required=True, metavar="FAMILY.md", type=Path)
     listed.set_defaults(run=_family_table)
 
+    extremes = figures.add_parser("extremes", help="a map or branches far beyond the study")
+    extremes.add_argument("file", metavar="FILE.nc", type=Path)
+    extremes.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    extremes.set_defaults(run=_extremes_figure)
+
+    ends = commands.add_parser(
+        "tables-extremes", help="write how scenes of the extremes end; exit 3 if one is wrong"
+    )
+    ends.add_argument("counts", metavar="EXTREMES.nc", type=Path)
+    ends.add_argument("-o", "--output", required=True, metavar="TABLE.md", type=Path)
+    ends.set_defaults(run=_extremes_table)
+
     numbers = commands.add_parser(
         "tables-tradeoff", help="write what each simplification costs, as CSV and Markdown"
     )
@@ -111,6 +124,22 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         "-o", "--output", required=True, nargs=2, metavar=("CASES.csv", "SUMMARY.md"), type=Path
     )
     tables.set_defaults(run=_tables)
+
+    page = commands.add_parser("report", help="write one HTML page of everything a study found")
+    page.add_argument(
+        "results", nargs="+", metavar="FILE", type=Path,
+        help="study.nc, wear_life.nc and dynamic.nc of scenes, their tables (.md) and figures "
+        "(.svg, and .png for heavy ones); the answer is about the first scene",
+    )  # fmt: skip
+    page.add_argument(
+        "--docs", nargs="*", default=[], metavar="FILE.md", type=Path, help="texts to append"
+    )
+    page.add_argument(
+        "--design", nargs="*", default=[], metavar="FILE", type=Path,
+        help="tables (.md) and figures of a design study; its first sentence is the answer",
+    )  # fmt: skip
+    page.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=Path)
+    page.set_defaults(run=_page)
 
 
 def _friction(given: argparse.Namespace) -> int:
@@ -186,7 +215,7 @@ def _running_average(given: argparse.Namespace) -> int:
     return 0
 
 
-def _compare(given: argparse.Namespace) -> int:
+def _tables_dynamic(given: argparse.Namespace) -> int:
     from bearingwear.report.comparison import write_comparison
 
     write_comparison(*_both_ways(given), *given.output)
@@ -220,6 +249,13 @@ def _tables(given: argparse.Namespace) -> int:
     return 0
 
 
+def _page(given: argparse.Namespace) -> int:
+    from bearingwear.report.page import write_page
+
+    write_page(given.results, given.docs, given.design, given.output)
+    return 0
+
+
 def _trade_figure(given: argparse.Namespace) -> int:
     from bearingwear.io.netcdf import CaseFileError
     from bearingwear.report.drawing import save
@@ -232,12 +268,13 @@ def _trade_figure(given: argparse.Namespace) -> int:
 
 
 def _trade_tables(given: argparse.Namespace) -> int:
+    from bearingwear.io.whole import write_text
     from bearingwear.report.trade_table import markdown, write_points
 
     trade, plan = _loaded(given.trade, point=()), _plan(given.plan)
     everything, summary = given.output
     write_points(trade, everything)
-    summary.write_text(markdown(trade, plan), encoding="utf-8")
+    write_text(summary, markdown(trade, plan))
     return 0
 
 
@@ -303,6 +340,26 @@ def _design_files(given: argparse.Namespace) -> tuple[xr.Dataset, xr.Dataset, xr
         if dataset.attrs["scene"] != found[0].attrs["scene"]:
             raise CaseFileError(f"{path}: not of the scene of {paths[0]}")
     return found
+
+
+def _extremes_figure(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import load
+    from bearingwear.report.drawing import save
+    from bearingwear.report.extremes import figure_of
+
+    save(figure_of(load(given.file)), given.output)
+    return 0
+
+
+def _extremes_table(given: argparse.Namespace) -> int:
+    from bearingwear.report.extremes import write_table
+
+    counts = _loaded(given.counts, set=(), end=())
+    wrong = write_table(counts, given.output)
+    if wrong:
+        first = next(text for text in counts["first_wrong"].values if text)
+        sys.stderr.write(f"{given.counts}: {wrong} wrong, the first: {first}\n")
+    return 3 if wrong else 0
 
 
 def _plan(path: Path) -> TradePlan:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.report.drawing import in_words, methods, scene_of
 from bearingwear.report.figures import MILLI, MM3_PER_HOUR
@@ -51,9 +52,7 @@ def write_comparison(
     """Write every number of both as CSV, and the few that matter as Markdown."""
     both = beside_steady(study, dynamic)
     write_cases(both, csv)
-    markdown = Path(markdown)
-    markdown.parent.mkdir(parents=True, exist_ok=True)
-    markdown.write_text(_text(both), encoding="utf-8")
+    write_text(markdown, _text(both))
 
 
 def _text(both: xr.Dataset) -> str:

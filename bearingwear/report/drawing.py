@@ -11,7 +11,9 @@ import matplotlib.figure
 import numpy as np
 import xarray as xr
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
 
+from bearingwear.io.whole import whole_file
 from bearingwear.kernels.status import OK
 
 STYLE = Path(__file__).with_name("style.mplstyle")
@@ -21,6 +23,8 @@ RACES = {"inner": {"linestyle": "-", "marker": "o"}, "outer": {"linestyle": "--"
 BOTH = {"linestyle": ":", "marker": "^"}
 DASHES = ("-", "--", ":", "-.")
 CHARACTERS_PER_INCH = 14
+MESSAGE = "message"
+"""Name, in an SVG, of the group with the title."""
 FAILED = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 2.0}
 
 Figure = matplotlib.figure.Figure
@@ -37,11 +41,43 @@ def new_figure(
 
 
 def save(figure: Figure, paths: Iterable[str | Path]) -> None:
-    """Write a figure in the format that each suffix names; no clock time goes in."""
+    """Write a figure in the format that each suffix names; no clock time goes in.
+
+    An SVG says in its `title` and `description` what the figure states and shows.
+    Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
+    of a logarithmic axis need it, and get plain numbers here.
+    """
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatter):
+                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_minor_formatter(NullFormatter())
     for path in map(Path, paths):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        metadata = {"Date": None} if path.suffix == ".svg" else {}
-        figure.savefig(path, metadata=metadata)
+        kind = path.suffix.removeprefix(".")
+        with whole_file(path) as part:
+            figure.savefig(part, format=kind, metadata=_in_words(figure) if kind == "svg" else {})
+
+
+def _in_words(figure: Figure) -> dict[str, str | None]:
+    """Message and contents of a figure, for who cannot see it."""
+    axes = figure.axes
+
+    def distinct(texts: Iterable[str]) -> str:
+        return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
+
+    up, along = distinct(a.get_ylabel() for a in axes), distinct(a.get_xlabel() for a in axes)
+    panels = distinct(a.get_title(loc="left") for a in axes)
+    keys = distinct(text.get_text() for legend in figure.legends for text in legend.get_texts())
+    parts = (
+        f"{up} against {along}",
+        f"Panels: {panels}" if panels else "",
+        f"Legend: {keys}" if keys else "",
+    )
+    return {
+        "Title": figure.get_suptitle().replace("\n", " "),
+        "Description": ". ".join(part for part in parts if part),
+        "Date": None,
+    }
 
 
 def methods(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
@@ -133,7 +169,7 @@ def failed_keys(any_failed: bool) -> list[Line2D]:
 def frame(figure: Figure, title: str, handles: list[Line2D], columns: int) -> None:
     """Title above and legend below the panels, where they hide nothing."""
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
-    figure.suptitle("\n".join(lines_of_a_title(title, width)))
+    figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 

@@ -1,13 +1,16 @@
 """The numbers of a study as a CSV table, and the few that matter as Markdown."""
 
 import csv
+import html
 import itertools
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from bearingwear.io.whole import whole_file, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.report.drawing import in_words, methods, scene_of
 
@@ -25,9 +28,7 @@ def write_cases(study: xr.Dataset, path: str | Path) -> None:
         "friction": [f"{mu:g}" for mu in study["friction"].values],
         "ball_diameter_loss (um)": [f"{loss:g}" for loss in study["ball_diameter_loss"].values],
     }
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow([*axes, *columns])
         for point, index in zip(
@@ -100,7 +101,7 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
             )
     parts = [
         f"# {scene['name']}",
-        scene.get("description", ""),
+        plain_text(scene.get("description", "")),
         "## What wear does",
         markdown_table(
             "preload method | friction | QV (mW) at " + first + " | at " + last
@@ -117,9 +118,12 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
         "## Not solved",
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
     ]  # fmt: skip
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
+    write_text(path, "\n\n".join(part for part in parts if part) + "\n")
+
+
+def plain_text(text: str) -> str:
+    """A text of somebody else, for Markdown: nothing in it is markup or HTML."""
+    return re.sub(r"([\\`*_~#|\[\]])", r"\\\1", html.escape(text, quote=False))
 
 
 def markdown_table(header: str, rows: Iterable[list[str]]) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.netcdf import CaseFileError
+from bearingwear.io.whole import whole_file, write_text
 from bearingwear.report.tradeoff import chosen
-from bearingwear.study.sweeps import Row, TradePlan
+from bearingwear.study.sweeps import FIRST, Row, TradePlan
 
 BEGIN, END = "<!-- tradeoff: begin -->", "<!-- tradeoff: end -->"
 COMMAND = "bearingwear docs-tradeoff results/tradeoff/tradeoff.nc docs/accuracy.md"
@@ -27,15 +28,14 @@ SECTIONS = {
     "model": "Differences of model",
 }
 NONE = "–"
+LOOSE, LOOSE_FLOOR = 10.0, 1e-3  # spread of single scenes: runs with a cage part after some turns
 
 
 def write_points(trade: xr.Dataset, path: str | Path) -> None:
     """Every point, a row each."""
     order = ("scene", "sweep", "kind", "against", "label", "settings")
     rest = [str(name) for name in trade if name not in (*order, "sweep_title")]
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         units = {name: str(trade[name].attrs.get("units", "")) for name in rest}
         table.writerow([*order, *(f"{n} ({u})" if u else n for n, u in units.items())])
@@ -65,7 +65,9 @@ def cells(trade: xr.Dataset, row: Row) -> list[float]:
 def section(plan: TradePlan, row: Row) -> str:
     """Which part of the table a row belongs to."""
     sweep = plan.sweeps[row.sweep]
-    return "model" if sweep.kind == "model" else sweep.against
+    if sweep.kind == "model":
+        return "model"
+    return sweep.base if sweep.against == FIRST else sweep.against
 
 
 def markdown(trade: xr.Dataset, plan: TradePlan) -> str:
@@ -118,7 +120,13 @@ part after some turns and agree in their means only. The Coriolis force and the 
 of the normal forces are left out of the motion; the energy account books their work, of the heat:
 {booked(trade)}.
 
-**Estimated errors against true ones**, of all points above that carry an estimate
+**The dial, scene by scene**: errors against the reference of the scene; life in the steady state,
+loss rate in time; a contact's QV is far more sensitive than the total
+
+{dial(trade)}
+
+**Estimated errors against true ones**, of all points that carry an estimate, sweeps to the extremes
+included; what the reference itself is not sure of (its own estimate, and its check) is taken off
 
 {estimates(trade)}
 {END}
@@ -136,6 +144,31 @@ def booked(trade: xr.Dataset) -> str:
     return ", ".join(texts)
 
 
+def dial(trade: xr.Dataset) -> str:
+    """What draft and standard err by in each scene, and what they save, as a table."""
+    lines = [
+        "| solve, scene | draft: QV | a contact's QV | life or loss rate "
+        "| standard: QV | a contact's QV | life or loss rate "
+        "| draft over standard, as fast | standard over reference, as fast |",
+        "| --- |" + " ---: |" * 8,
+    ]
+    for sweep, kind, last in (("steady", "steady", "life"), ("in_time", "in time", "wear_rate")):
+        points = chosen(trade, sweep=f"dial_{sweep}")
+        for scene in dict.fromkeys(points["scene"].values):
+            one = {
+                label: chosen(points, scene=scene, label=label)
+                for label in ("draft", "standard", "reference")
+            }
+            cells = [f"{kind}, `{scene}`"]
+            for label in ("draft", "standard"):
+                for name in ("total_qv", "contact_qv", last):
+                    cells.append(_error(abs(float(one[label][f"error_{name}"].values[0]))))
+            times = [float(part["wall_time"].values[0]) for part in one.values()]
+            cells += [_speed(times[1] / times[0]), _speed(times[2] / times[1])]
+            lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def estimates(trade: xr.Dataset) -> str:
     """How often the estimates that results carry are above the true error, as a table."""
     lines = [
@@ -149,17 +182,27 @@ def estimates(trade: xr.Dataset) -> str:
         for against in ("steady", "long"):
             points = chosen(trade, against=against, kind="numerical")
             error = np.abs(points[f"error_{name}"].values)
+            doubt = {s: doubts(trade, s, against, name) for s in set(points["scene"].values)}
             estimate = points[f"estimate_{name}"].values
+            least = error - [doubt[s] for s in points["scene"].values]
             both = np.isfinite(error) & np.isfinite(estimate)
-            error, estimate = error[both], estimate[both]
+            error, estimate, least = error[both], estimate[both], least[both]
             row.append(str(both.sum()))
             if both.any():
-                row.append(f"{100.0 * np.mean(estimate >= error):.0f} %")
-                row.append(f"{np.median(estimate / np.maximum(error, 1e-12)):.2g}")
+                row.append(f"{100.0 * np.mean(estimate >= least):.0f} %")
+                row.append(f"{np.median(estimate / np.maximum(error, 1e-9)):.2g}")
             else:
                 row += [NONE, NONE]
         lines.append("| " + " | ".join(row) + " |")
     return "\n".join(lines)
+
+
+def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
+    """What a reference itself is not sure of: its own estimate and what its check differs by."""
+    points = chosen(trade, scene=scene, sweep=reference)
+    own = chosen(points, label="reference")[f"estimate_{name}"].values
+    other = np.abs(chosen(points, label="check")[f"error_{name}"].values)
+    return float(np.nansum(own) + np.nansum(other))
 
 
 def write_block(text: str, docs: str | Path) -> None:
@@ -171,7 +214,7 @@ def write_block(text: str, docs: str | Path) -> None:
         new = before + text.rstrip("\n") + rest.partition(END)[2]
     else:
         new = old.rstrip("\n") + "\n\n" + text
-    docs.write_text(new, encoding="utf-8")
+    write_text(docs, new)
 
 
 def differences(trade: xr.Dataset, plan: TradePlan, docs: str | Path) -> list[str]:
@@ -200,7 +243,24 @@ def differences(trade: xr.Dataset, plan: TradePlan, docs: str | Path) -> list[st
         ):
             if not agree(text_said, value, name, part, plan.spread):
                 found.append(f"{docs}: {where}: {name}: says {text_said}, a run gives {value:.2g}")
+    planned = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
+    for key, texts in table_rows(block(trade, plan)).items():
+        if key in planned:
+            continue
+        old = said.get(key, [])
+        if len(old) != len(texts) or not all(map(alike, old, texts)):
+            found.append(f"{docs}: {key[1]}: says {' '.join(old)}, a run gives {' '.join(texts)}")
     return found
+
+
+def alike(said: str, given: str) -> bool:
+    """Whether two cells of the tables of dial and estimates say the same, within a factor 10."""
+    try:
+        one, other = (float(text.removesuffix(" %")) for text in (said, given))
+    except ValueError:
+        return said == given
+    low, high = sorted((max(one, LOOSE_FLOOR), max(other, LOOSE_FLOOR)))
+    return high <= LOOSE * low
 
 
 def table_rows(text: str) -> dict[tuple[str, str], list[str]]:

@@ -1,5 +1,4 @@
-"""Commands of the study: gather, wear-life, verdict, tradeoff, gather-tradeoff, and of the design
-study: design-map, gather-design, recommend, sample-lives, spread, identify."""
+"""Commands of the study: gather, wear-life, verdict, and of the studies beside it."""
 
 from __future__ import annotations
 
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
 
 PLAN = Path("config/tradeoff.yaml")
 DESIGN_PLAN = Path("config/design.yaml")
+EXTREMES = Path("config/extremes.yaml")
 
 
 def add_parser(commands: argparse._SubParsersAction) -> None:
@@ -89,8 +89,24 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         parser.add_argument("--method", required=True, choices=PRELOAD_METHODS)
     for parser in (mapped, sample, spread, identify):
         parser.add_argument("--plan", type=Path, default=DESIGN_PLAN, metavar="FILE.yaml")
+    extremes = commands.add_parser(
+        "extremes", help="solve scenes far beyond the study: random ones, a map, or branches"
+    )
+    extremes.add_argument("kind", metavar="KIND", help="families, maps or branches")
+    extremes.add_argument("name", metavar="NAME", help="a name under that")
+    extremes.add_argument("--plan", type=Path, default=EXTREMES, metavar="FILE.yaml")
+    extremes.add_argument(
+        "--scenes", type=int, metavar="N", help="random scenes, if not the plan's"
+    )
+    extremes.add_argument("--seed", type=int, default=1, metavar="N", help="of random scenes")
+    extremes.set_defaults(run=_extremes)
+
+    stressed = commands.add_parser("gather-extremes", help="count how scenes of the extremes ended")
+    stressed.add_argument("files", nargs="+", metavar="FILE.nc", type=Path)
+    stressed.set_defaults(run=_gather_extremes)
+
     for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, sample,
-                   spread, identify):  # fmt: skip
+                   spread, identify, extremes, stressed):  # fmt: skip
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -112,6 +128,7 @@ def _wear_life(given: argparse.Namespace) -> int:
 
 
 def _verdict(given: argparse.Namespace) -> int:
+    from bearingwear.io.whole import write_text
     from bearingwear.study.verdict import verdict
 
     checked, unsolved = verdict(given.files)
@@ -119,8 +136,7 @@ def _verdict(given: argparse.Namespace) -> int:
         lines = [f"{len(unsolved)} of {checked} not solved:", *unsolved]
         sys.stderr.write("\n  ".join(lines) + "\n")
         return 3
-    given.output.parent.mkdir(parents=True, exist_ok=True)
-    given.output.write_text(f"all {checked} solved and verified\n", encoding="utf-8")
+    write_text(given.output, f"all {checked} solved and verified\n")
     return 0
 
 
@@ -227,3 +243,33 @@ def _design_scene(path: Path) -> Any:
         return design_scene(path)
     except ValueError as error:
         raise CaseFileError(str(error)) from None
+
+
+def _extremes(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.extremes import ExtremesPlan
+    from bearingwear.study.stack import write
+    from bearingwear.study.stress import branch, family, steady_map
+
+    try:
+        plan = ExtremesPlan.from_file(given.plan)
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None
+    if (given.kind, given.name) not in plan.jobs():
+        raise CaseFileError(f"{given.plan}: has no {given.name} under {given.kind}")
+    if given.kind == "families":
+        found = family(plan, given.name, given.scenes, given.seed)
+    elif given.kind == "maps":
+        found = steady_map(plan, given.name)
+    else:
+        found = branch(plan, given.name)
+    write(found, given.output)
+    return 0
+
+
+def _gather_extremes(given: argparse.Namespace) -> int:
+    from bearingwear.study.counts import counted
+    from bearingwear.study.stack import write
+
+    write(counted(given.files), given.output)
+    return 0

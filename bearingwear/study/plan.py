@@ -11,6 +11,8 @@ import yaml
 from bearingwear.io.config import for_life, load_scene
 from bearingwear.study.grid import Case, Grid, grids
 
+PAGE = "results/report/index.html"
+
 
 @dataclass(frozen=True)
 class Spread:
@@ -222,6 +224,17 @@ class Plan:
         names += ["figures/fig10_wear"] if self.column_scenes else []
         names += [f"figures/spread_{name}" for name in self.spreads]
         return [f"results/{name}.{suffix}" for name in names for suffix in ("svg", "png")]
+
+    def inputs(self) -> list[str]:
+        """Files the cases and figures are made from, besides the program."""
+        scenes = [_scene_file(scene) for scene in dict.fromkeys([*self.grids, *self.dynamic])]
+        return [*scenes, *(path for scene in self.dynamic for path in self.reference(scene))]
+
+    def results(self) -> list[str]:
+        """Every file of the study."""
+        parts = (self.cases, self.dynamic_cases, self.studies, self.dynamics, self.lives)
+        named = [path for part in parts for path in part()]
+        return [*named, *self.tables(), *self.figures(), PAGE, "results/verdict.txt"]
 
     def _scene_figures(self, scene: str) -> list[str]:
         grid = self.grids[scene]

@@ -1,6 +1,5 @@
 """Puts the datasets of many solves side by side along new dimensions, and into one file."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.io.netcdf import OutputError
+from bearingwear.io.whole import whole_file
 from bearingwear.study.grid import PRELOAD_METHODS, Grid
 
 
@@ -90,7 +89,6 @@ def axis_coordinates(grid: Grid) -> dict[str, tuple[str, np.ndarray, dict[str, A
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset whole or not at all; the same dataset gives the same bytes."""
-    path = Path(path)
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.variables.items():
         variable.encoding.clear()
@@ -103,12 +101,5 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
             encoding[str(name)] = {"dtype": kind, "_FillValue": kind.type(np.iinfo(kind).min + 1)}
         elif variable.dtype.kind == "f":
             encoding[str(name)] = {"_FillValue": np.nan}
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with whole_file(path) as part:
         dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)
-        os.replace(part, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from None
-    finally:
-        part.unlink(missing_ok=True)

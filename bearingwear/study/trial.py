@@ -66,19 +66,36 @@ def sweep(plan: TradePlan, scene_name: str, name: str) -> xr.Dataset:
     for point in points:
         scene = plan.scene(scene_name, point)
         rows.append(measured(plan, scene, point))
+    # versions and flags as a case file has them, without solving another
+    made = dataset(Result({"status": code.OK}, provenance(scene, choice(scene, "race_control"))))
     variables: dict[str, Any] = {
-        "label": ("point", np.array([p.label for p in points], dtype=object)),
-        "value": ("point", np.array([p.value for p in points])),
-        "settings": ("point", np.array([_setting_text(p) for p in points], dtype=object)),
-        "status": ("point", np.array([row["status"] for row in rows], dtype=np.int8)),
+        "label": (
+            "point",
+            np.array([p.label for p in points], dtype=object),
+            {"long_name": "setting of the point"},
+        ),
+        "value": (
+            "point",
+            np.array([p.value for p in points]),
+            {"long_name": "setting as a number"},
+        ),
+        "settings": (
+            "point",
+            np.array([_setting_text(p) for p in points], dtype=object),
+            {"long_name": "all settings of the point"},
+        ),
+        "status": (
+            "point",
+            np.array([row["status"] for row in rows], dtype=np.int8),
+            made["status"].attrs,
+        ),
     }
     for key, (long_name, units) in {**QUANTITIES, **EXTRA}.items():
         column = np.array([row.get(key, np.nan) for row in rows])
         variables[key] = ("point", column, {"long_name": long_name, "units": units})
-    # versions as a case file has them, without solving another
-    attrs = dataset(Result({"status": code.OK}, provenance(scene, choice(scene, "race_control"))))
-    kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
-    shared = {key: attrs.attrs[key] for key in (*kept, "numba_version") if key in attrs.attrs}
+    kept = ("Conventions", "source", "history", "references", "source_hash", "package_version")
+    versions = ("numpy_version", "numba_version")
+    shared = {key: made.attrs[key] for key in (*kept, *versions) if key in made.attrs}
     of = plan.sweeps.get(name)
     return xr.Dataset(variables).assign_attrs(
         shared

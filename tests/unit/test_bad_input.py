@@ -199,7 +199,7 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "no turns evaluated": (
         GOOD + "model: {evaluated_turns: 0}\n", "model.evaluated_turns", ("> 0",)),
     "more turns evaluated than simulated": (
-        GOOD + "model: {evaluated_turns: 20.5}\n", "model.evaluated_turns", ("20.5", "<= 20")),
+        GOOD + "model: {evaluated_turns: 40.5}\n", "model.evaluated_turns", ("40.5", "<= 40")),
     "half a point": (
         GOOD + "model: {history_points_per_turn: 0.5}\n",
         "model.history_points_per_turn", ("whole number",)),
@@ -245,6 +245,9 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "latin-1": (GOOD.replace("Chen", "Ch\xe9n").encode("latin-1"), "", ("UTF-8",)),
     "UTF-16": (GOOD.encode("utf-16"), "", ("UTF-8",)),
     "huge": (GOOD + "# " + "x" * 1_000_000 + "\n", "", ("1000000 bytes",)),
+    "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(50_000)), "", ("5000 keys",)),
+    "long list": (
+        edited((LOSS, "  ball_diameter_loss_um: [" + "1," * 400_000 + "1]\n")), "", ("5000 keys",)),
     "alias": (GOOD + "x: &x 1\ny: *x\n", "", ("anchor",)),
     "alias bomb": (bomb(), "", ("anchor",)),
     "merge key": (GOOD + "<<: {name: other}\n", "<<", ("unknown",)),

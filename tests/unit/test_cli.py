@@ -179,6 +179,30 @@ def process(stdout, *argv, unbuffered=""):
 
 
 # buffered text is written when Python shuts down, where nobody could catch what goes wrong
+@pytest.mark.parametrize("scene", ["{", "{}x", '{"name": 1}', "[" * 10_000])
+def test_show_refuses_a_scene_it_cannot_read(scene, tmp_path, capsys):
+    """Result files, too, may come from strangers."""
+    rewrite_scene(tmp_path / "a.nc", lambda text: scene)
+    assert main(["show", str(tmp_path / "a.nc")]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "damaged file" in err
+
+
+def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
+    rewrite_scene(tmp_path / "a.nc", lambda text: text.replace("gyro_s1", "a\\u001b[2Jb", 1))
+    assert main(["show", str(tmp_path / "a.nc")]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("a?[2Jb: 9 balls") and "\x1b" not in out
+
+
+def rewrite_scene(path, change):
+    import netCDF4
+
+    assert solve(path) == 0
+    with netCDF4.Dataset(path, "a") as file:
+        file.scene = change(file.scene)
+
+
 BUFFERING = pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
 
 

@@ -159,7 +159,7 @@ def test_verdict_names_the_files_of_both(folder, capsys, tmp_path):
 def test_comparison_tables(folder, tmp_path):
     outputs = [tmp_path / "dynamic.csv", tmp_path / "dynamic.md"]
     files = [str(folder / name) for name in ("study.nc", "dynamic.nc")]
-    assert main(["compare", *files, "-o", *map(str, outputs)]) == 0
+    assert main(["tables-dynamic", *files, "-o", *map(str, outputs)]) == 0
     with outputs[0].open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 12
@@ -218,7 +218,9 @@ def test_comparison_of_little(folder, of, tmp_path):
     files = [str(folder / "study.nc"), str(tmp_path / "dynamic.nc")]
     assert main(["figure", "dynamic", *files, "-o", str(tmp_path / "a.svg")]) == 0
     assert main(["figure", "running-average", str(path), "-o", str(tmp_path / "b.svg")]) == 0
-    assert main(["compare", *files, "-o", str(tmp_path / "a.csv"), str(tmp_path / "a.md")]) == 0
+    assert (
+        main(["tables-dynamic", *files, "-o", str(tmp_path / "a.csv"), str(tmp_path / "a.md")]) == 0
+    )
     text = (tmp_path / "a.md").read_text(encoding="utf-8")
     assert "cage" not in text and "nan" not in text
 

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import bearingwear
 
 PACKAGE = Path(bearingwear.__file__).parent
@@ -20,11 +22,11 @@ print(source_hash(), repr(forces[1]))
 """
 
 
-def run(folder):
+def run(folder, **options):
     environment = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "jit")}
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM],
-        capture_output=True, text=True, check=True, cwd=folder, env=environment,
+        capture_output=True, text=True, check=True, cwd=folder, env=environment, **options,
     )  # fmt: skip
     return done.stdout.split()
 
@@ -43,3 +45,38 @@ def test_edited_callee_gives_new_numbers(tmp_path):
     assert second[0] != first[0]
     assert second[1] != first[1]
     assert len(list((tmp_path / "jit").glob("numba-*"))) == 2
+
+
+@pytest.fixture(scope="module")
+def cached(tmp_path_factory):
+    """A copy of the package with compiled code, and what its program says."""
+    folder = tmp_path_factory.mktemp("cached")
+    shutil.copytree(PACKAGE, folder / "bearingwear", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder, run(folder)
+
+
+@pytest.mark.parametrize("length", [0, 40])
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+def test_damaged_cache_is_compiled_anew(cached, suffix, length):
+    """A full disk or a crash of the machine leaves such files."""
+    folder, said = cached
+    files = list((folder / "jit").rglob(f"*.{suffix}"))
+    sizes = [file.stat().st_size for file in files]
+    assert files and min(sizes) > length
+    for file in files:
+        os.truncate(file, length)
+    assert run(folder) == said
+    assert [file.stat().st_size for file in files] == sizes
+
+
+def test_cache_that_cannot_be_written(cached):
+    """Compiled code also runs where there is no room to keep it."""
+    resource = pytest.importorskip("resource")
+    folder, said = cached
+    shutil.rmtree(folder / "jit")
+
+    def no_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1, 1))
+
+    assert run(folder, preexec_fn=no_room) == said
+    assert not [file for file in (folder / "jit").rglob("*.nb?") if file.stat().st_size]

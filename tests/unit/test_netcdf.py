@@ -12,8 +12,9 @@ import xarray as xr
 
 from bearingwear.io import netcdf, variables
 from bearingwear.io.config import load_scene
-from bearingwear.io.netcdf import CaseFileError, OutputError, dataset, load, write
+from bearingwear.io.netcdf import CaseFileError, dataset, load, write
 from bearingwear.io.summary import summary
+from bearingwear.io.whole import OutputError
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.kernels.thrust import BRANCH_NAMES

@@ -1,7 +1,11 @@
 """Gathering of cases, wear life by interpolation, verdict, tables and figures."""
 
 import csv
+import json
+import os
 import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -338,6 +342,75 @@ def test_failed_cases_are_marked(folder):
     assert "not solved" in texts
     crosses = [line for line in drawn.axes[0].lines if line.get_marker() == "x"]
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0], [0.0]]
+
+
+WRITERS = {
+    "gather": ["gather", *(f"cases/{case_id}.nc" for case_id in GRID.cases())],
+    "wear-life": ["wear-life", scene_file("gyro_s1"), "study.nc"],
+    "figure": ["figure", "life", "wear_life.nc", "--friction", "0.08"],
+    "tables": ["tables", "study.nc", "wear_life.nc"],
+}
+
+
+@pytest.mark.parametrize("command", WRITERS)
+def test_no_room_leaves_nothing_half_written(folder, command, tmp_path):
+    resource = pytest.importorskip("resource")
+    arguments = [str(folder / a) if str(a).endswith(".nc") else str(a) for a in WRITERS[command]]
+    outputs = {
+        "figure": ["f.svg"], "tables": ["cases.csv", "summary.md"],
+    }.get(command, ["out.nc"])  # fmt: skip
+    for name in outputs:
+        (tmp_path / name).write_text("from before")
+
+    def no_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "bearingwear", *arguments, "-o", *outputs],
+        cwd=tmp_path, capture_output=True, text=True, preexec_fn=no_room,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == f"{outputs[0]}: cannot be written (File too large)\n"
+    assert sorted(os.listdir(tmp_path)) == sorted(outputs)
+    assert all((tmp_path / name).read_text() == "from before" for name in outputs)
+
+
+HOSTILE = '$\\frac{$<script>alert("&")</script>--> x_1^2'
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_names_are_text_in_figures(folder, name, tmp_path, monkeypatch):
+    """Result files, too, may come from strangers; a scene of ours cannot have such a name."""
+    from xml.etree import ElementTree
+
+    from bearingwear.report import commands
+
+    def renamed(path, **axes):
+        dataset = load(path)
+        scene = json.loads(dataset.attrs["scene"]) | {"name": HOSTILE}
+        return dataset.assign_attrs(scene=json.dumps(scene))
+
+    monkeypatch.setattr(commands, "_loaded", renamed)
+    arguments = [str(folder / a) if a.endswith(".nc") else a for a in FIGURES[name]]
+    outputs = [str(tmp_path / f"figure.{suffix}") for suffix in ("svg", "png")]
+    assert main(["figure", name, *arguments, "-o", *outputs]) == 0
+    drawn = ElementTree.parse(outputs[0])
+    assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
+
+
+def test_description_is_text_in_the_summary(folder, tmp_path):
+    from bearingwear.report.tables import write_summary
+
+    hostile, lives = load(folder / "study.nc"), load(folder / "wear_life.nc")
+    scene = json.loads(hostile.attrs["scene"])
+    scene["description"] = "<script>x</script> [click](javascript:x) ![i](x) # `a` **b** | c\\"
+    hostile.attrs["scene"] = json.dumps(scene)
+    write_summary(hostile, lives, tmp_path / "summary.md")
+    text = (tmp_path / "summary.md").read_text(encoding="utf-8")
+    assert (
+        "\n&lt;script&gt;x&lt;/script&gt; \\[click\\](javascript:x) !\\[i\\](x) "
+        "\\# \\`a\\` \\*\\*b\\*\\* \\| c\\\\\n"
+    ) in text
 
 
 def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):

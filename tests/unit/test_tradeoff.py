@@ -278,5 +278,5 @@ def test_the_docs_hold_every_row_of_the_plan(plan):
 
     said = table_rows((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
     rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
-    assert rows == set(said)
-    assert all(len(cells) == 8 for cells in said.values())
+    assert rows <= set(said)
+    assert all(len(said[row]) == 8 for row in rows)

@@ -159,9 +159,12 @@ def test_damping_of_a_restitution(restitution):
         assert -v == pytest.approx(restitution, abs=2e-3)
 
 
+PRECISE = {"model.dynamic_tolerance": 1e-4, "model.simulated_turns": 20}
+
+
 def test_torques_are_the_rate_of_momentum(scene):
     """Mean pocket and land torque on the cage against its momentum, over the evaluated window."""
-    values, _ = solve_dynamic(scene("gyro_s1", {"model.dynamic_tolerance": 1e-4} | ROTATING))
+    values, _ = solve_dynamic(scene("gyro_s1", PRECISE | ROTATING))
     torque = values["mean_pocket_torque"] + values["mean_land_torque"]
     assert values["status"] == OK
     # Pushes to and fro cancel in the mean: they are the scale.

@@ -41,6 +41,7 @@ def both(plain, scene, name, method, mu, loss, drag):
             "friction.ball_race": mu,
             "wear.ball_diameter_loss_um": loss,
             "lubricant.drag_density_kg_m3": drag,
+            "model.quadrature": "gauss",  # as the plain program has it
         },
     )
     b = s.bearing

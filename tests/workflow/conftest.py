@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,16 +55,23 @@ class Project:
         kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
         return kept | {"NUMBA_DISABLE_JIT": "1"}
 
-    def command(self, *arguments: str) -> list[str]:
-        return [sys.executable, "-m", "snakemake", "-j2", "--nocolor", *arguments]
+    def command(self, *arguments: str, jobs: int = 2) -> list[str]:
+        return [sys.executable, "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]
 
-    def run(self, *arguments: str) -> "Run":
-        """Run Snakemake in the copy."""
+    def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
+        """Run Snakemake in the copy, by another program if a prefix is given."""
         done = subprocess.run(
-            self.command(*arguments), cwd=self.root, env=self.environment,
+            [*prefix, *self.command(*arguments, jobs=jobs)], cwd=self.root, env=self.environment,
             capture_output=True, text=True, timeout=300,
         )  # fmt: skip
         return Run(done.returncode, done.stdout + done.stderr)
+
+    def start(self, *arguments: str) -> subprocess.Popen:
+        """Run Snakemake in the copy, in a group of processes of its own, and do not wait."""
+        return subprocess.Popen(
+            self.command(*arguments), cwd=self.root, env=self.environment,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+        )  # fmt: skip
 
     def edit(self, path: str, old: str, new: str) -> None:
         """Replace a text that must be there."""
@@ -81,6 +89,10 @@ class Project:
 
     def case(self, case_id: str, scene: str = "gyro_s1") -> Path:
         return self.root / f"results/{scene}/cases/{case_id}.nc"
+
+    def cases(self) -> list[Path]:
+        """Files of cases that are there."""
+        return sorted((self.root / "results").glob("*/cases/[!.]*.nc"))
 
     def results(self) -> dict[str, bytes]:
         folder = self.root / "results"
@@ -112,7 +124,7 @@ def new_project(tmp_path_factory):
     def make() -> Project:
         root = tmp_path_factory.mktemp("project")
         no_caches = shutil.ignore_patterns("__pycache__")
-        for name in ("bearingwear", "config", "workflow"):
+        for name in ("bearingwear", "config", "docs", "workflow"):
             shutil.copytree(ROOT / name, root / name, ignore=no_caches)
         shutil.copy2(ROOT / "Snakefile", root)
         project = Project(root)

@@ -76,6 +76,12 @@ def test_a_run_makes_everything_and_then_nothing(first_run):
         for suffix in ("svg", "png"):
             there = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}
             assert there == {f"{name}.{suffix}" for name in names}
+    page = results["report/index.html"].decode()
+    docs = (project.root / "docs" / name for name in ("verification.md", "accuracy.md"))
+    pictures = sum(path.read_text(encoding="utf-8").count("\n![") for path in docs)
+    drawn = len(list((project.root / "results").rglob("*.svg")))
+    assert drawn == 10 and page.count("<img ") == drawn + pictures
+    assert "Draw it again: <code>snakemake -f results/gyro_s1/figures/fig09_slip.svg" in page
     assert results["verdict.txt"] == b"all 15 solved and verified\n"  # 10 cases, 5 lives
     again = project.run()
     assert again.status == 0 and "Nothing to be done" in again.text
@@ -88,13 +94,39 @@ def test_the_same_bytes_twice(first_run, solved):
     assert solved.results() == before
 
 
+def test_the_report_of_the_jobs(solved):
+    run = solved.run("--report", "report.html")
+    assert run.status == 0, run.text
+    report = (solved.root / "report.html").read_text(encoding="utf-8")
+    for category in ("across scenes", "gyro_s1_drag", "the page of everything"):
+        assert category in report
+    assert "Slip (race minus ball) over the contact ellipses" in report  # a caption
+
+
+def test_an_edited_page_draws_nothing_anew(solved):
+    solved.edit("bearingwear/report/page.html", "The same source", "One source")
+    assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
+
+
+def test_a_design_study_comes_into_the_page(solved):
+    folder = solved.root / "results/gyro_s1/design/tables"
+    folder.mkdir(parents=True)
+    (folder / "design.md").write_text("# gyro_s1\n\nTake a spring. It lasts.\n", encoding="utf-8")
+    page = solved.root / "results/report/index.html"
+    assert solved.run("results/report/index.html").status == 0
+    assert "<h1>Take a spring.</h1>" in page.read_text(encoding="utf-8")
+
+
 def test_one_point_again(solved):
     target = solved.case(WORN)
-    before, others = target.stat(), solved.case("fixed_position-mu0.080-loss0.00").stat()
+    other = solved.case("fixed_position-mu0.080-loss0.00")
+    before, untouched = target.stat(), other.stat()
     run = solved.run("-f", str(target.relative_to(solved.root)))
     assert run.status == 0 and run.jobs == {"solve": 1}
     assert target.stat().st_mtime_ns > before.st_mtime_ns
-    assert solved.case("fixed_position-mu0.080-loss0.00").stat() == others
+    # not the whole stat: a run looks into every result, which dates its last access
+    assert other.stat().st_mtime_ns == untouched.st_mtime_ns
+    assert other.stat().st_ino == untouched.st_ino
 
 
 def test_a_touch_makes_nothing_anew(solved):
@@ -129,7 +161,9 @@ def test_an_edited_solver_source_solves_anew(solved):
 
 
 def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
-    solved.edit("bearingwear/study/stack.py", "import os\n", "import os  # edited\n")
+    solved.edit(
+        "bearingwear/study/stack.py", "import numpy as np\n", "import numpy as np  # edited\n"
+    )
     planned = solved.run("-n")
     assert planned.jobs["gather"] == planned.jobs["wear_life"] == 2
     assert "solve" not in planned.jobs
@@ -192,8 +226,14 @@ def test_a_broken_scene_stops_with_one_line(new_project):
             "loss500.00: wear.ball_diameter_loss_um: given 500; allowed a number < 200",
         ),
         (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
+        (["studies", 0, "scenes"], ["../scenes/gyro_s1"], "'../scenes/gyro_s1' does not match"),
         (["studies", 0, "frictoin"], [0.1], "frictoin"),
         (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
+        (
+            ["dynamic"],
+            [{**ONE_CASE, "model": {"simulated_turns": "1; touch results"}}],
+            "loss0.00: model.simulated_turns: given '1; touch results', text, not a number",
+        ),
         (
             ["dynamic"],
             [{**ONE_CASE, "model": {"simulated_turns": 0}}],
@@ -206,8 +246,10 @@ def test_a_broken_scene_stops_with_one_line(new_project):
         "too many digits",
         "worn away",
         "no scene",
+        "a path",
         "unknown key",
         "not studied",
+        "a command",
         "no turns",
     ],
 )
@@ -273,17 +315,13 @@ def test_cases_solved_in_time(new_project):
 
 def test_a_killed_run_goes_on(first_run, new_project):
     project, target = new_project(), "results/gyro_s1/study.nc"
-    process = subprocess.Popen(
-        project.command(target), cwd=project.root, env=project.environment,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
-    )  # fmt: skip
-    cases = project.case(WORN).parent
+    process = project.start(target)
     deadline = time.monotonic() + 60.0
-    while len(list(cases.glob("[!.]*.nc"))) < 4 and time.monotonic() < deadline:
+    while len(project.cases()) < 4 and time.monotonic() < deadline:
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    assert 4 <= len(list(cases.glob("[!.]*.nc"))) < 8
+    assert 4 <= len(project.cases()) < 8
     assert project.run("--unlock").status == 0
     run = project.run("--rerun-incomplete", target)
     assert run.status == 0 and run.jobs["solve"] < 8, run.text

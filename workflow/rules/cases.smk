@@ -4,7 +4,7 @@
 # A case that cannot be solved is recorded in its file; rule verdict makes the run fail at its end.
 rule solve:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         sources=SOLVER,
     output:
         "results/{scene}/cases/{case}.nc",
@@ -13,6 +13,7 @@ rule solve:
     benchmark:
         "logs/{scene}/cases/{case}.tsv"
     params:
+        made_from=made_from(SCENE, *SOLVER),
         settings=case_settings,
         label=case_label,
     message:
@@ -24,7 +25,7 @@ rule solve:
 # As solve, in time and with the cage. The longest jobs come first.
 rule solve_dynamic:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         sources=SOLVER,
     output:
         "results/{scene}/dynamic/{case}.nc",
@@ -34,6 +35,7 @@ rule solve_dynamic:
         "logs/{scene}/dynamic/{case}.tsv"
     priority: 1
     params:
+        made_from=made_from(SCENE, *SOLVER),
         settings=dynamic_settings,
         label=dynamic_label,
     message:

@@ -3,13 +3,15 @@
 import os
 import shlex
 import sys
+from glob import glob
 
 from snakemake.utils import validate
 
 import bearingwear.report
 import bearingwear.study
-from bearingwear.provenance import SOLVER_SOURCES
+from bearingwear.provenance import SOLVER_SOURCES, contents_hash
 from bearingwear.study.plan import Plan
+from bearingwear.study.survey import survey
 
 validate(config, "../schemas/config.schema.yaml")
 
@@ -21,9 +23,21 @@ except ValueError as error:
     sys.exit(str(error))
 
 # Inputs of the rules, so that an edit (not a touch) of the code behind a result makes it anew.
+SCENE = "config/scenes/{scene}.yaml"
 SOLVER = [os.path.relpath(path) for path in SOLVER_SOURCES]
 STUDY = [os.path.relpath(path) for path in bearingwear.study.SOURCES]
 REPORT = [os.path.relpath(path) for path in bearingwear.report.SOURCES]
+PAGE_SOURCES = [os.path.relpath(path) for path in bearingwear.report.PAGE_SOURCES]
+PAGE_DOCS = ["docs/verification.md", "docs/accuracy.md"]
+
+# Jobs on a cluster read this file as well, while results come and go.
+if workflow.is_main_process:
+    try:
+        sources = [*SOLVER, *STUDY, *REPORT, *PAGE_SOURCES, *PAGE_DOCS]
+        for line in survey([*PLAN.results(), *PLAN.inputs(), *sources]):
+            print(line, file=sys.stderr)
+    except OSError as error:
+        sys.exit(f"{error.filename}: cannot be set aside or dated ({error.strerror})")
 
 # The command of this very environment, whether or not it is activated.
 shell.prefix(
@@ -36,12 +50,25 @@ wildcard_constraints:
     case=r"[a-z_]+-mu\d+\.\d{3}-loss\d+\.\d{2}",
 
 
+def made_from(*inputs):
+    """What files hold, as a parameter. Inputs are compared only where they are newer than the
+    results; an edited one is not, if it is a copy that kept its date or the clock was set back.
+    """
+
+    def contents(wildcards):
+        paths = [i(wildcards) if callable(i) else i for i in inputs]
+        flat = [path for p in paths for path in ([p] if isinstance(p, str) else p)]
+        return contents_hash(*(path.format(**dict(wildcards.items())) for path in flat))
+
+    return contents
+
+
 def case_of(wildcards):
     return PLAN.grids[wildcards.scene].cases()[wildcards.case]
 
 
 def case_settings(wildcards):
-    return [f"--set {setting}" for setting in case_of(wildcards).settings]
+    return [f"--set {shlex.quote(setting)}" for setting in case_of(wildcards).settings]
 
 
 def case_label(wildcards):
@@ -51,7 +78,7 @@ def case_label(wildcards):
 def dynamic_settings(wildcards):
     case = PLAN.dynamic[wildcards.scene].cases()[wildcards.case]
     settings = PLAN.dynamic_settings(wildcards.scene, case)
-    return [f"--set {setting}" for setting in settings]
+    return [f"--set {shlex.quote(setting)}" for setting in settings]
 
 
 def dynamic_label(wildcards):
@@ -121,3 +148,17 @@ def recommended_preload(wildcards):
 
 def recommendation_option(wildcards, input):
     return f"--recommendation {input.recommendation}" if input.recommendation else ""
+
+
+def trade_scene(wildcards):
+    return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"
+
+
+def design_results(wildcards):
+    # no part of rule all; but what is there is kept up to date
+    folder = "results/*/design"
+    return sorted(
+        file
+        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png")
+        for file in glob(f"{folder}/{kind}")
+    )

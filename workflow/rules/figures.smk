@@ -30,6 +30,7 @@ rule figure_friction:
     wildcard_constraints:
         figure="fig07_fresh|fig08_worn",
     params:
+        made_from=made_from(*REPORT),
         loss_um=loss_of_figure,
     message:
         "{wildcards.scene}: QV and load against friction at {params.loss_um} um"
@@ -52,6 +53,8 @@ rule figure_slip:
         png="results/{scene}/figures/fig09_slip.png",
     log:
         "logs/{scene}/fig09_slip.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "{wildcards.scene}: slip over the contact ellipse"
     shell:
@@ -74,6 +77,7 @@ rule figure_wear:
     log:
         "logs/{scene}/fig10_wear.log",
     params:
+        made_from=made_from(*REPORT),
         friction=scene_frictions,
     message:
         "{wildcards.scene}: QV, preload, angles and wear rate against wear"
@@ -97,6 +101,7 @@ rule figure_life:
     log:
         "logs/{scene}/wear_life_figure.log",
     params:
+        made_from=made_from(*REPORT),
         friction=scene_frictions,
     message:
         "{wildcards.scene}: wear and preload over the life"
@@ -120,6 +125,8 @@ rule figure_dynamic:
         png="results/{scene}/figures/dynamic.png",
     log:
         "logs/{scene}/dynamic_figure.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "{wildcards.scene}: solved in time, beside the steady state"
     shell:
@@ -143,6 +150,7 @@ rule figure_running_average:
     log:
         "logs/{scene}/fig06_running_average-{case}.log",
     params:
+        made_from=made_from(reference_values, *REPORT),
         reference=reference_option,
     message:
         "{wildcards.scene}: wear rates of ball 1 and of the cage as they settle"
@@ -166,6 +174,7 @@ rule figure_wear_columns:
     log:
         "logs/figures/fig10_wear.log",
     params:
+        made_from=made_from(*REPORT),
         friction=PLAN.column_frictions,
     message:
         "QV, preload, angles and wear rate against wear, across scenes"
@@ -189,6 +198,7 @@ rule figure_spread:
     log:
         "logs/figures/spread_{spread}.log",
     params:
+        made_from=made_from(*REPORT),
         friction=spread_friction,
     message:
         "spread over {wildcards.spread}"

@@ -18,6 +18,8 @@ rule gather:
         "results/{scene}/study.nc",
     log:
         "logs/{scene}/study.log",
+    params:
+        made_from=made_from(*STUDY),
     message:
         "{wildcards.scene}: gather the cases"
     shell:
@@ -33,6 +35,8 @@ rule gather_dynamic:
         "results/{scene}/dynamic.nc",
     log:
         "logs/{scene}/dynamic.log",
+    params:
+        made_from=made_from(*STUDY),
     message:
         "{wildcards.scene}: gather the cases solved in time"
     shell:
@@ -42,7 +46,7 @@ rule gather_dynamic:
 # Wear life by both routes: the solver in the loop, and interpolation of the study.
 rule wear_life:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         study="results/{scene}/study.nc",
         sources=SOLVER + STUDY,
     output:
@@ -51,6 +55,8 @@ rule wear_life:
         "logs/{scene}/wear_life.log",
     benchmark:
         "logs/{scene}/wear_life.tsv"
+    params:
+        made_from=made_from(SCENE, *SOLVER, *STUDY),
     message:
         "{wildcards.scene}: wear life"
     shell:
@@ -73,6 +79,8 @@ rule tables:
         ),
     log:
         "logs/{scene}/tables.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "{wildcards.scene}: tables"
     shell:
@@ -95,10 +103,12 @@ rule compare:
         ),
     log:
         "logs/{scene}/compare.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "{wildcards.scene}: tables of cases solved in time"
     shell:
-        "bearingwear compare {input.study} {input.dynamic} -o {output.all} {output.summary} > {log} 2>&1"
+        "bearingwear tables-dynamic {input.study} {input.dynamic} -o {output.all} {output.summary} > {log} 2>&1"
 
 
 # Comes last and fails, each time anew, if a case or a life could not be solved.
@@ -111,6 +121,7 @@ rule verdict:
         lives=PLAN.lives(),
         tables=PLAN.tables(),
         figures=PLAN.figures(),
+        page="results/report/index.html",
     output:
         "results/verdict.txt",
     log:

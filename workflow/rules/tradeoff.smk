@@ -27,14 +27,6 @@ localrules:
     tradeoff,
 
 
-def trade_scene(wildcards):
-    return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"
-
-
-def trade_points(wildcards):
-    return TRADE.text(wildcards.bench, wildcards.sweep)
-
-
 # All points of one sweep on one scene. Takes every core, so that nothing else is timed with it.
 rule trade:
     input:
@@ -47,9 +39,10 @@ rule trade:
     wildcard_constraints:
         bench=r"[a-z0-9_]+",
         sweep=r"[a-z0-9_]+",
-    threads: workflow.cores or 1
+    threads: workflow.resource_settings.cores or 1  # a cluster has no total: one each
     params:
-        points=trade_points,
+        made_from=made_from(trade_scene, *SOLVER, *TRADE_SOURCES),
+        points=lambda wildcards: TRADE.text(wildcards.bench, wildcards.sweep),
         plan=TRADE_PLAN,
     message:
         "accuracy against time: {wildcards.bench}, {wildcards.sweep}"
@@ -69,6 +62,8 @@ rule gather_tradeoff:
         "results/tradeoff/tradeoff.nc",
     log:
         "logs/tradeoff/tradeoff.log",
+    params:
+        made_from=made_from(*TRADED_SOURCES),
     message:
         "accuracy against time: gather the sweeps"
     shell:
@@ -92,6 +87,8 @@ rule figure_tradeoff:
         "logs/tradeoff/{figure}.log",
     wildcard_constraints:
         figure="|".join(TRADE_FIGURES),
+    params:
+        made_from=made_from(*REPORT),
     message:
         "accuracy against time: figure {wildcards.figure}"
     shell:
@@ -114,6 +111,8 @@ rule table_tradeoff:
         ),
     log:
         "logs/tradeoff/tables.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "accuracy against time: tables"
     shell:
@@ -132,6 +131,8 @@ rule check_tradeoff:
         "results/tradeoff/check.txt",
     log:
         "logs/tradeoff/check.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "accuracy against time: compare with docs/accuracy.md"
     shell:

@@ -1,0 +1,391 @@
+"""Breaks a study on purpose; what the README says then finishes it, and nothing finished is lost.
+
+The long ones, `make test-faults`, break a study in mid-run. What they end with is compared, byte by
+byte, with a study that nothing happened to.
+"""
+
+import base64
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from support import ROOT
+
+METHODS = ["constant_force", "fixed_position"]
+TINY = {
+    "studies": [
+        {
+            "scenes": ["gyro_s1"],
+            "preload_method": METHODS,
+            "friction": [0.08],
+            "ball_diameter_loss_um": [0, 0.5],
+        },
+    ],
+    "figures": {"worn_loss_um": 0.5, "friction": [0.08]},
+}
+CASES = [f"{method}-mu0.080-loss{loss}" for method in METHODS for loss in ("0.00", "0.50")]
+WITHOUT_PRIVILEGES = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
+TEN_DAYS = 10 * 86400.0
+
+
+@pytest.fixture(scope="session")
+def undisturbed(new_project):
+    """A tiny study that nothing happened to."""
+    project = new_project()
+    project.configure(TINY)
+    run = project.run()
+    assert run.status == 0, run.text
+    return project
+
+
+@pytest.fixture
+def project(new_project):
+    """The same, not yet run."""
+    project = new_project()
+    project.configure(TINY)
+    return project
+
+
+@pytest.fixture
+def done(undisturbed, tmp_path):
+    """A copy of the tiny study."""
+    shutil.copytree(undisturbed.root, tmp_path / "study")
+    return type(undisturbed)(tmp_path / "study")
+
+
+def wait(condition, seconds=120.0):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.02)
+
+
+def finished(project):
+    """Date and content of every case that Snakemake knows to be finished."""
+    markers = (project.root / ".snakemake/incomplete").glob("*")
+    running = {base64.b64decode(marker.name).decode() for marker in markers if marker.is_file()}
+    paths = [p for p in project.cases() if p.relative_to(project.root).as_posix() not in running]
+    return {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in paths}
+
+
+def solver_processes(process):
+    """Processes below one that solve a case."""
+    try:
+        below = psutil.Process(process.pid).children(recursive=True)
+        return [child for child in below if "solve" in child.cmdline()]
+    except psutil.Error:
+        return []
+
+
+def resumes(project, before, undisturbed, *arguments):
+    """The study ends as if nothing had happened, and solves no finished case again."""
+    run = project.run(*arguments)
+    assert run.status == 0, run.text
+    assert run.jobs.get("solve", 0) == len(CASES) - len(before)
+    after = finished(project)
+    assert {path: after[path] for path in before} == before
+    # who is killed while writing leaves a part; see test_parts_of_files_that_nobody_writes
+    results = {name: data for name, data in project.results().items() if name[-5:] != ".part"}
+    assert results == undisturbed.results()
+
+
+# what is quickly shown: looked for at the start of every run
+
+
+def truncated(path):
+    path.write_bytes(path.read_bytes()[:20_000])
+
+
+def emptied(path):
+    path.write_bytes(b"")
+
+
+def foreign(path):
+    import netCDF4
+
+    path.unlink()
+    with netCDF4.Dataset(path, "w") as file:
+        file.title = "somebody else's"
+
+
+def of_another_case(path):
+    shutil.copy(path.with_name(path.name.replace("0.080", "0.020")), path)
+
+
+def test_damaged_results_are_set_aside_and_made_anew(solved):
+    path = solved.case("fixed_position-mu0.080-loss0.50")
+    others = [path.with_name(path.name.replace("0.50.nc", "0.00.nc")),
+              path.with_name(path.name.replace("fixed_position", "constant_force")),
+              solved.root / "results/gyro_s1/wear_life.nc"]  # fmt: skip
+    for damage, hit in zip(
+        (of_another_case, truncated, foreign, emptied), (path, *others), strict=True
+    ):
+        damage(hit)
+        # an old date: nothing would tell Snakemake that it changed
+        os.utime(hit, (0, 0))
+    run = solved.run("-n")
+    for hit in (path, *others):
+        name = hit.relative_to(solved.root).as_posix()
+        (line,) = [line for line in run.text.splitlines() if line.startswith(f"{name}: ")]
+        assert line.endswith(f"set aside as {name}.damaged, to be made anew")
+        assert not hit.exists() and Path(f"{hit}.damaged").exists()
+    assert run.jobs["solve"] == 3 and run.jobs["wear_life"] == 1
+
+
+def test_an_edit_with_an_old_date_counts(solved):
+    for path, old, new in (
+        ("config/scenes/gyro_s1_drag.yaml", "drag_density_kg_m3: 250", "drag_density_kg_m3: 240"),
+        ("bearingwear/report/figures.py", "contact angle (degree)", "angle (degree)"),
+    ):
+        solved.edit(path, old, new)
+        os.utime(solved.root / path, (0, 0))
+    planned = solved.run("-n")
+    assert planned.jobs["solve"] == 2
+    assert planned.jobs["figure_wear"] == 2
+    assert "gyro_s1: fixed" not in planned.text
+
+
+def test_a_clock_that_was_set_back(solved):
+    """Results and scenes are then dated in the future."""
+    results = [path for path in (solved.root / "results").rglob("*") if path.is_file()]
+    scene = solved.root / "config/scenes/gyro_s1.yaml"
+    for path in [*results, scene]:
+        os.utime(path, (time.time() + TEN_DAYS,) * 2)
+    run = solved.run("-n")
+    assert "Nothing to be done" in run.text
+    assert f"{len(results) + 1} files were dated in the future" in run.text
+    assert all(path.stat().st_mtime <= time.time() for path in [*results, scene])
+    # what is changed from now on counts
+    solved.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")
+    assert solved.run("-n").jobs["solve"] == 8
+
+
+def test_parts_of_files_that_nobody_writes(solved):
+    """They are left by who is killed while writing; one of just now may still be written."""
+    case = solved.case("fixed_position-mu0.080-loss0.50")
+    old, new = (case.with_name(f".{case.name}.{pid}.part") for pid in (1234, 5678))
+    for part in (old, new):
+        part.write_bytes(case.read_bytes()[:1000])
+    os.utime(old, (time.time() - 61.0,) * 2)
+    assert "Nothing to be done" in solved.run("-n").text
+    assert new.exists() and not old.exists()
+
+
+# in mid-run
+
+
+@pytest.mark.faults
+def test_a_job_is_killed(project, undisturbed):
+    process = project.start()
+    wait(lambda: finished(project) and solver_processes(process))
+    victim = solver_processes(process)[0]
+    victim.kill()
+    assert process.wait(timeout=120) != 0
+    before = finished(project)
+    assert 1 <= len(before) < len(CASES)
+    resumes(project, before, undisturbed)
+
+
+@pytest.mark.faults
+def test_snakemake_is_killed_and_its_jobs_run_on(project, undisturbed):
+    process = project.start()
+    wait(lambda: finished(project) and solver_processes(process))
+    left = solver_processes(process)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    before = finished(project)
+    assert 1 <= len(before) < len(CASES)
+    refused = project.run()
+    assert refused.status == 1 and "--rerun-incomplete" in refused.text
+    assert project.run("--unlock").status == 0
+    resumes(project, before, undisturbed, "--rerun-incomplete")
+    psutil.wait_procs(left, timeout=60)
+
+
+@pytest.mark.faults
+def test_everything_is_killed(project, undisturbed):
+    process = project.start()
+    wait(lambda: finished(project) and solver_processes(process))
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    before = finished(project)
+    assert project.run("--unlock").status == 0
+    resumes(project, before, undisturbed, "--rerun-incomplete")
+
+
+@pytest.mark.faults
+def test_two_runs_at_once(project, undisturbed):
+    first = project.start()
+    wait(lambda: list((project.root / ".snakemake/locks").glob("*")))
+    second = project.run()
+    assert second.status != 0 and "lock" in second.text.lower()
+    assert first.wait(timeout=300) == 0
+    assert project.results() == undisturbed.results()
+
+
+@pytest.mark.faults
+def test_two_runs_of_one_case_at_once(project, undisturbed):
+    """Not even where the lock is overruled do two writers mix their bytes."""
+    case = CASES[0]
+    target = f"results/gyro_s1/cases/{case}.nc"
+    scene = "config/scenes/gyro_s1.yaml"
+    settings = ["operation.preload_method=constant_force", "friction.ball_race=0.080"]
+    command = [*project.command()[:1], "-m", "bearingwear", "solve", scene, "-o", target]
+    command += ["--set", *settings, "wear.ball_diameter_loss_um=0.00"]
+    writers = [
+        subprocess.Popen(command, cwd=project.root, env=project.environment) for _ in range(3)
+    ]
+    assert [writer.wait(timeout=120) for writer in writers] == [0, 0, 0]
+    assert project.case(case).read_bytes() == undisturbed.case(case).read_bytes()
+    assert os.listdir(project.case(case).parent) == [f"{case}.nc"]
+
+
+def can_mount():
+    if os.geteuid() != 0 or shutil.which("unshare") is None:
+        return False
+    script = "mount -t tmpfs -o size=64k none /mnt"
+    return (
+        subprocess.run(["unshare", "-m", "sh", "-c", script], capture_output=True).returncode == 0
+    )
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("room", ["60k", "120k", "250k"])
+def test_the_disk_is_full(project, undisturbed, room):
+    if not can_mount():
+        pytest.skip("needs the right to mount a small file system of its own")
+    (project.root / "results").mkdir()
+    run = " ".join(project.command())
+    script = f"""
+        mount -t tmpfs -o size={room} none results
+        {run} > first.txt 2>&1 && exit 1
+        cp -a results full
+        cp -a logs full_logs
+        mount -o remount,size=20m results
+        {run} > second.txt 2>&1
+        cp -a results with_room
+    """
+    done = subprocess.run(
+        ["unshare", "-m", "sh", "-e", "-c", script],
+        cwd=project.root, env=project.environment, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+    def files(folder):
+        paths = [path for path in (project.root / folder).rglob("*") if path.is_file()]
+        return {p.relative_to(project.root / folder).as_posix(): p.read_bytes() for p in paths}
+
+    logs = b"".join(files("full_logs").values())
+    assert b"No space left on device" in logs
+    assert b"Traceback" not in logs + (project.root / "first.txt").read_bytes()
+    # what was there is whole, and nothing half-written lay about
+    full, expected = files("full"), undisturbed.results()
+    assert full.items() < expected.items()
+    kept = [name for name in full if "/cases/" in name]
+    again = (project.root / "second.txt").read_text().split("\nsolve ")[1:]
+    assert (int(again[0].split()[0]) if again else 0) == len(CASES) - len(kept)
+    assert files("with_room") == expected
+
+
+@pytest.mark.faults
+def test_results_cannot_be_written(done, undisturbed):
+    unprivileged = () if os.geteuid() else WITHOUT_PRIVILEGES
+    if unprivileged and shutil.which(unprivileged[0]) is None:
+        pytest.skip("root may write everywhere, and there is no setpriv to take that right away")
+    case = done.case(CASES[0])
+    case.unlink()
+    before = finished(done)
+    case.parent.chmod(0o555)
+    run = done.run(prefix=unprivileged)
+    case.parent.chmod(0o755)
+    assert run.status == 1 and "Traceback" not in run.text
+    name = case.relative_to(done.root)
+    log = (done.root / f"logs/gyro_s1/cases/{CASES[0]}.log").read_text()
+    assert log == f"{name}: cannot be written (Permission denied)\n"
+    resumes(done, before, undisturbed)
+
+
+@pytest.mark.faults
+def test_damaged_files_do_not_get_into_the_study(done, undisturbed):
+    truncated(done.case(CASES[0]))
+    emptied(done.case(CASES[1]))
+    foreign(done.case(CASES[2]))
+    emptied(done.root / "results/gyro_s1/study.nc")
+    before = {path: path.stat().st_mtime_ns for path in done.cases()[3:]}
+    run = done.run()
+    assert run.status == 0 and run.jobs["solve"] == 3, run.text
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    results = done.results()
+    aside = [name for name in results if name.endswith(".damaged")]
+    assert len(aside) == 4
+    assert {name: data for name, data in results.items() if name not in aside} == (
+        undisturbed.results()
+    )
+
+
+@pytest.mark.faults
+def test_a_run_after_the_clock_was_set_back(done, undisturbed):
+    """Edited, killed and taken up again, all while results seem to come from the future."""
+    for path in (done.root / "results").rglob("*"):
+        if path.is_file():
+            os.utime(path, (time.time() + TEN_DAYS,) * 2)
+    done.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")
+    # only the cases: whoever comes next must see that the study is older than they are
+    half = done.run(*(f"results/gyro_s1/cases/{case}.nc" for case in CASES))
+    assert half.status == 0 and half.jobs == {"solve": 4}
+    rest = done.run()
+    assert rest.status == 0 and rest.jobs["gather"] == 1 and "solve" not in rest.jobs
+    assert "preload_N: 7.5" in (done.root / "config/scenes/gyro_s1.yaml").read_text()
+    assert done.results()["gyro_s1/study.nc"] != undisturbed.results()["gyro_s1/study.nc"]
+    # and back again, by a copy that keeps its date
+    shutil.copy2(ROOT / "config/scenes/gyro_s1.yaml", done.root / "config/scenes/gyro_s1.yaml")
+    back = done.run()
+    assert back.status == 0 and back.jobs["solve"] == 4, back.text
+    assert done.results() == undisturbed.results()
+
+
+@pytest.mark.faults
+def test_the_clock_is_set_back_in_mid_run(done, undisturbed):
+    """A scene that is newer than now: Snakemake itself would refuse what is made from it."""
+    scene = done.root / "config/scenes/gyro_s1.yaml"
+    done.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.00")
+    os.utime(scene, (time.time() + TEN_DAYS,) * 2)
+    run = done.run()
+    assert run.status == 0 and run.jobs["solve"] == 4, run.text
+    assert "Nothing to be done" in done.run().text
+    assert done.results() == undisturbed.results()
+
+
+@pytest.mark.faults
+def test_cases_that_do_not_converge(done, undisturbed):
+    """All iterations are taken away, as if they had not sufficed."""
+    source = "bearingwear/kernels/steady.py"
+    for _ in range(2):  # Newton's, and those of the steps that come after it
+        done.edit(source, "for iteration in range(most):", "for iteration in range(0 * most):")
+    run = done.run()
+    assert run.status == 1
+    says = "no_steady_state"
+    assert all(f"{case}.nc: {says}: " in run.text for case in CASES), run.text
+    results = done.results()
+    assert set(results) == set(undisturbed.results()) - {"verdict.txt"}
+    assert results["gyro_s1/tables/summary.md"].decode().count(f": {says}\n") == len(CASES)
+    for name in ("fig09_slip", "fig10_wear", "wear_life"):
+        assert b"not solved" in results[f"gyro_s1/figures/{name}.svg"]
+    again = done.run()
+    assert again.status == 1 and again.jobs == {"verdict": 1}
+    shutil.copy(ROOT / source, done.root / source)
+    mended = done.run()
+    assert mended.status == 0 and mended.jobs["solve"] == 4
+    assert done.results() == undisturbed.results()
+
+
+@pytest.mark.faults
+def test_one_job_at_a_time_gives_the_same_bytes(project, undisturbed):
+    run = project.run(jobs=1)
+    assert run.status == 0, run.text
+    assert project.results() == undisturbed.results()

@@ -1,0 +1,152 @@
+"""The study on a cluster: a real Slurm of one node, started here and stopped again.
+
+`make test-slurm`; needs root, the Debian packages slurm-wlm and munge (or others that bring the
+same programs), and the extra `slurm`. Skipped with a reason where one is missing; with
+REQUIRE_SLURM set, that fails instead.
+"""
+
+import importlib.util
+import os
+import shutil
+import signal
+import subprocess
+import time
+from contextlib import ExitStack, suppress
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.cluster
+
+CONF = Path("/etc/slurm/slurm.conf")  # job steps look nowhere else
+PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "sinfo", "scancel")
+
+CONFIG = {
+    "studies": [
+        {
+            "scenes": ["gyro_s1"],
+            "preload_method": ["constant_force", "fixed_position"],
+            "friction": [0.08],
+            "ball_diameter_loss_um": [0, 0.5],
+        }
+    ],
+    "figures": {"worn_loss_um": 0.5, "friction": [0.08]},
+}
+
+# No accounting, or its client would be waited for for ever; jobs stay known to squeue for an hour.
+SETTINGS = """\
+ClusterName=bearingwear
+SlurmctldHost=localhost(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/munge
+CredType=cred/munge
+SlurmctldPort=16817
+SlurmdPort=16818
+StateSaveLocation={root}/state
+SlurmdSpoolDir={root}/spool
+SlurmctldPidFile={root}/slurmctld.pid
+SlurmdPidFile={root}/slurmd.pid
+SlurmctldLogFile={root}/slurmctld.log
+SlurmdLogFile={root}/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+JobCompType=jobcomp/none
+MpiDefault=none
+ReturnToService=2
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=sched_interval=2,bf_interval=2,batch_sched_delay=0
+MinJobAge=3600
+KillWait=5
+NodeName=localhost NodeAddr=127.0.0.1 CPUs={cores} RealMemory={memory_mb} State=UNKNOWN
+PartitionName=local Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+def missing() -> str:
+    """Why no Slurm can be started here; empty if one can."""
+    lacking = [name for name in PROGRAMS if not shutil.which(name)]
+    if lacking:
+        return f"not installed: {', '.join(lacking)}"
+    if importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
+        return "not installed: snakemake-executor-plugin-slurm (extra slurm)"
+    if os.geteuid():
+        return "starting Slurm needs root"
+    return f"{CONF} is there: this machine has a Slurm of its own" if os.path.lexists(CONF) else ""
+
+
+def stop(pid_file: Path) -> None:
+    """End the daemon that this file names, and see it gone."""
+    with suppress(FileNotFoundError, ProcessLookupError):
+        pid = int(pid_file.read_text())
+        os.kill(pid, signal.SIGTERM)
+        for _ in range(100):
+            os.kill(pid, 0)
+            time.sleep(0.1)
+
+
+@pytest.fixture(scope="module")
+def slurm(tmp_path_factory):
+    """A cluster of one node that takes jobs."""
+    if reason := missing():
+        if os.environ.get("REQUIRE_SLURM"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    root = tmp_path_factory.mktemp("slurm")
+    for name in ("state", "spool"):
+        (root / name).mkdir()
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") * 9 // 10 // 2**20
+    conf = root / "slurm.conf"
+    conf.write_text(SETTINGS.format(root=root, cores=os.cpu_count(), memory_mb=memory))
+    with ExitStack() as undo:
+        CONF.parent.mkdir(exist_ok=True)
+        CONF.symlink_to(conf)
+        undo.callback(CONF.unlink)
+        munge_pid = Path("/run/munge/munged.pid")
+        if not munge_pid.exists():
+            call("install", "-d", "-o", "munge", "-g", "munge", "-m", "755", "/run/munge")
+            undo.callback(stop, munge_pid)
+            call("setpriv", "--reuid=munge", "--regid=munge", "--init-groups",
+                 shutil.which("munged"))  # fmt: skip
+        undo.callback(stop, root / "slurmctld.pid")
+        call("slurmctld", "-c")
+        undo.callback(stop, root / "slurmd.pid")
+        call("slurmd", "-N", "localhost")
+        for _ in range(100):
+            if "idle" in call("sinfo", "-h", "-o", "%T"):
+                break
+            time.sleep(0.2)
+        else:
+            pytest.fail((root / "slurmctld.log").read_text()[-2000:])
+        undo.callback(call, "scancel", "--user", "root")
+        yield root
+
+
+def call(*argv) -> str:
+    done = subprocess.run(argv, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, f"{argv}: {done.stderr}"
+    return done.stdout
+
+
+def test_a_study_on_slurm(slurm, new_project):
+    project, here = new_project(), new_project()
+    for one in (project, here):
+        one.configure(CONFIG)
+    run = project.run(
+        "--workflow-profile", "workflow/profiles/slurm", "--slurm-no-account",
+        "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "10",
+    )  # fmt: skip
+    assert run.status == 0, run.text
+    assert run.jobs["solve"] == 4 and run.jobs["wear_life"] == 1
+    # four cases and a life went through the queue; what takes a second stayed out of it
+    states = call("squeue", "-h", "-t", "all", "-o", "%T").split()
+    assert states == 5 * ["COMPLETED"]
+    names = call("squeue", "-h", "-t", "all", "-o", "%k")
+    assert "solve" in names and "fixed_position-mu0.080-loss0.50" in names
+    assert here.run().status == 0
+    assert project.results() == here.results()
+    again = project.run("-n")
+    assert "Nothing to be done" in again.text

@@ -1,0 +1,85 @@
+"""docs/tutorial.md and the Python of the README: what they say to run is run.
+
+Of each block of output the lines must stand in what the block of commands before it printed,
+numbers to a part in a thousand.
+"""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+from support import ROOT
+
+NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+
+
+def blocks(path):
+    """(language, text) of every fenced block of a Markdown file."""
+    return re.findall(r"^```(\w+)\n(.*?)^```$", path.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def agree(said: str, printed: str) -> bool:
+    """Whether two lines are the same but for the last digits of their numbers."""
+    words, others = said.split(), printed.split()
+    if len(words) != len(others):
+        return False
+    return all(
+        float(a) == pytest.approx(float(b), rel=1e-3)
+        if NUMBER.fullmatch(a) and NUMBER.fullmatch(b)
+        else a == b
+        for a, b in zip(words, others, strict=True)
+    )
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Function (language, text) -> what it prints, in a folder of its own."""
+    command = tmp_path / "bin" / "bearingwear"
+    command.parent.mkdir()
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bearingwear "$@"\n')
+    command.chmod(0o755)
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    environment = os.environ | {
+        "PATH": f"{command.parent}:{os.environ['PATH']}",
+        "PYTHONPATH": str(ROOT),
+        "MPLBACKEND": "agg",
+    }
+
+    def run(language, text):
+        argv = {"sh": ["bash", "-eu", "-c"], "python": [sys.executable, "-c"]}[language]
+        done = subprocess.run(
+            [*argv, text], cwd=folder, env=environment, capture_output=True, text=True, timeout=300
+        )
+        assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
+        return done.stdout
+
+    run.folder = folder
+    return run
+
+
+def test_tutorial(run):
+    printed, python, compared = "", "", 0
+    for language, text in blocks(ROOT / "docs/tutorial.md"):
+        if language == "text":
+            lines = printed.splitlines()
+            for said in text.splitlines():
+                assert any(agree(said, line) for line in lines), f"{said!r} is not in\n{printed}"
+                compared += 1
+        elif language == "python":
+            python += text  # a block goes on from the ones before it
+            printed = run("python", python)
+        else:
+            printed = run(language, text)
+    assert compared > 40
+    drawn = (run.folder / "life_against_preload.svg").read_text(encoding="utf-8")
+    assert "</svg>" in drawn
+
+
+def test_readme_python(run):
+    (run.folder / "config").symlink_to(ROOT / "config")
+    python = [text for language, text in blocks(ROOT / "README.md") if language == "python"]
+    assert python and "solve" in python[0]
+    assert "life" in run("python", python[0])
