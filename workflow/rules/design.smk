@@ -11,6 +11,12 @@ except ValueError as error:
 
 DESIGN_SOURCES = [os.path.relpath(path) for path in bearingwear.study.DESIGN_SOURCES]
 FAMILY_SOURCES = [os.path.relpath(path) for path in bearingwear.study.FAMILY_SOURCES]
+FAMILY_SCENES = sorted(
+    {
+        f"config/scenes/{name}.yaml"
+        for name in (DESIGN.family.scene, *DESIGN.family.marks)
+    }
+)
 DESIGN_FIGURES = ("design", "map", "uncertainty")
 
 
@@ -32,7 +38,7 @@ wildcard_constraints:
 # Lives over preload and speed, for one method and one friction coefficient.
 rule design_map:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         sources=SOLVER + DESIGN_SOURCES,
     output:
         "results/{scene}/design/map/{method}-mu{mu}.nc",
@@ -41,6 +47,7 @@ rule design_map:
     wildcard_constraints:
         mu=r"\d+\.\d{3}",
     params:
+        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
         axes=design_text,
         plan=DESIGN_PLAN,
     message:
@@ -58,6 +65,8 @@ rule gather_design:
         "results/{scene}/design/design.nc",
     log:
         "logs/{scene}/design/design.log",
+    params:
+        made_from=made_from(*DESIGN_SOURCES),
     message:
         "{wildcards.scene}: gather the design map"
     shell:
@@ -67,13 +76,15 @@ rule gather_design:
 # The preload with the longest life within the limits, between those of the map.
 rule recommend:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         design="results/{scene}/design/design.nc",
         sources=SOLVER + DESIGN_SOURCES,
     output:
         "results/{scene}/design/recommendation.nc",
     log:
         "logs/{scene}/design/recommendation.log",
+    params:
+        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
     message:
         "{wildcards.scene}: recommended preload"
     shell:
@@ -83,7 +94,7 @@ rule recommend:
 # A part of the lives at sampled values, at the scene's own or the recommended preload.
 rule sample_lives:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         recommendation=recommended_preload,
         sources=SOLVER + DESIGN_SOURCES,
     output:
@@ -91,6 +102,7 @@ rule sample_lives:
     log:
         "logs/{scene}/design/{method}-{where}-{chunk}.log",
     params:
+        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
         sampling=str(DESIGN.sampling),
         plan=DESIGN_PLAN,
         recommendation=recommendation_option,
@@ -103,7 +115,7 @@ rule sample_lives:
 # Quantiles of life, and which uncertain value decides.
 rule spread_lives:
     input:
-        scene="config/scenes/{scene}.yaml",
+        scene=SCENE,
         lives=lives_of_sample,
         sources=SOLVER + DESIGN_SOURCES,
     output:
@@ -111,6 +123,7 @@ rule spread_lives:
     log:
         "logs/{scene}/design/uncertainty.log",
     params:
+        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
         plan=DESIGN_PLAN,
     message:
         "{wildcards.scene}: uncertainty of the life"
@@ -137,6 +150,8 @@ rule figure_design:
         "logs/{scene}/design/figure-{figure}.log",
     wildcard_constraints:
         figure="|".join(DESIGN_FIGURES),
+    params:
+        made_from=made_from(*REPORT, *DESIGN_SOURCES),
     message:
         "{wildcards.scene}: figure {wildcards.figure} of the design study"
     shell:
@@ -160,6 +175,8 @@ rule table_design:
         ),
     log:
         "logs/{scene}/design/tables.log",
+    params:
+        made_from=made_from(*REPORT, *DESIGN_SOURCES),
     message:
         "{wildcards.scene}: tables of the design study"
     shell:
@@ -180,18 +197,14 @@ rule design:
 # Every bearing of a grid: does it fit what the paper states?
 rule find_family:
     input:
-        scenes=sorted(
-            {
-                f"config/scenes/{name}.yaml"
-                for name in (DESIGN.family.scene, *DESIGN.family.marks)
-            }
-        ),
+        scenes=FAMILY_SCENES,
         sources=SOLVER + FAMILY_SOURCES,
     output:
         "results/family/family.nc",
     log:
         "logs/family/family.log",
     params:
+        made_from=made_from(*FAMILY_SCENES, *SOLVER, *FAMILY_SOURCES),
         family=DESIGN.family.text(),
         plan=DESIGN_PLAN,
     message:
@@ -215,6 +228,8 @@ rule figure_family:
         png="results/family/figures/family.png",
     log:
         "logs/family/figure.log",
+    params:
+        made_from=made_from(*REPORT, *FAMILY_SOURCES),
     message:
         "figure of the bearings that fit"
     shell:
@@ -230,6 +245,8 @@ rule table_family:
         "results/family/tables/family.md",
     log:
         "logs/family/table.log",
+    params:
+        made_from=made_from(*REPORT, *FAMILY_SOURCES),
     message:
         "table of the bearings that fit"
     shell:
