@@ -83,6 +83,14 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     )
     written.set_defaults(run=_design_tables)
 
+    checked = commands.add_parser(
+        "tables-check", help="set a recommended preload solved in time beside the steady one"
+    )
+    checked.add_argument("recommendation", metavar="RECOMMENDATION.nc", type=Path)
+    checked.add_argument("cases", nargs="+", metavar="CASE.nc", type=Path)
+    checked.add_argument("-o", "--output", required=True, metavar="CHECK.md", type=Path)
+    checked.set_defaults(run=_check_table)
+
     listed = commands.add_parser("tables-family", help="write the bearings that fit as Markdown")
     listed.add_argument("files", nargs=1, metavar="FAMILY.nc", type=Path)
     listed.add_argument("-o", "--output", required=True, metavar="FAMILY.md", type=Path)
@@ -121,6 +129,10 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     tables.add_argument("study", metavar="STUDY.nc", type=Path)
     tables.add_argument("life", metavar="WEAR_LIFE.nc", type=Path)
     tables.add_argument(
+        "--uncertainty", nargs="*", default=[], metavar="UNCERTAINTY.nc", type=Path,
+        help="of the design study: how lives spread",
+    )  # fmt: skip
+    tables.add_argument(
         "-o", "--output", required=True, nargs=2, metavar=("CASES.csv", "SUMMARY.md"), type=Path
     )
     tables.set_defaults(run=_tables)
@@ -136,7 +148,8 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     )
     page.add_argument(
         "--design", nargs="*", default=[], metavar="FILE", type=Path,
-        help="tables (.md) and figures of a design study; its first sentence is the answer",
+        help="tables (.md), figures and uncertainty.nc of a design study; the first sentence of "
+        "its design.md is the answer",
     )  # fmt: skip
     page.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=Path)
     page.set_defaults(run=_page)
@@ -239,13 +252,14 @@ def _both_ways(given: argparse.Namespace) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 def _tables(given: argparse.Namespace) -> int:
+    from bearingwear.io.spread import uncertainty
     from bearingwear.report.tables import write_cases, write_summary
 
     study = _loaded(given.study, ball_diameter_loss=())
     lives = _loaded(given.life, interpolated_step=())
     cases, summary = given.output
     write_cases(study, cases)
-    write_summary(study, lives, summary)
+    write_summary(study, lives, summary, [uncertainty(path) for path in given.uncertainty])
     return 0
 
 
@@ -324,6 +338,14 @@ def _design_tables(given: argparse.Namespace) -> int:
     files = _design_files(given)
     write_map(files[0], given.output[0])
     write_design(*files, given.output[1])
+    return 0
+
+
+def _check_table(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import load
+    from bearingwear.report.check_table import write_check
+
+    write_check(load(given.recommendation), given.cases, given.output)
     return 0
 
 

@@ -25,7 +25,7 @@ from bearingwear.report.drawing import (
     new_figure,
     scene_of,
 )
-from bearingwear.study.design import ACTIVE, counted, front, limits_of, margins
+from bearingwear.study.design import ACTIVE, best_method, counted, front, limits_of, margins
 
 LIMIT_WORDS = {
     "gyroscopic_slip_share": "gyroscopic slip share",
@@ -49,12 +49,6 @@ def at_scene(design: xr.Dataset) -> xr.Dataset:
     return design.sel(
         friction=scene["friction"]["ball_race"], shaft_speed=scene["operation"]["shaft_speed_rpm"]
     )
-
-
-def best_method(recommendation: xr.Dataset) -> int | None:
-    """Number of the method with the longest recommended life; None if no preload is allowed."""
-    lives = recommendation["life"].isel(counts=counted(recommendation)).values
-    return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None
 
 
 def of_method(dataset: xr.Dataset, flag: int) -> xr.Dataset:
@@ -201,7 +195,7 @@ def message(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
     return (
         f"{name}: {in_words(method)} at {float(chosen['preload']):.3g} N lives longest within the "
         f"limits, {float(chosen['life'][counts]):.3g} h (L10 {float(spread[0]):.2g} h, "
-        f"L50 {float(spread[1]):.2g} h); held by {held}"
+        f"L50 {float(spread[1]):.2g} h), counting {in_words(COUNTS[counts])}; held by {held}"
     )
 
 

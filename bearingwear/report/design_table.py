@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.io.spread import RECOMMENDED, SPREAD_TEXT, spread_of, spread_text
 from bearingwear.io.variables import COUNTS
+from bearingwear.io.whole import whole_file, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.model.scene import PARAMETERS
 from bearingwear.report.design import (
@@ -23,7 +25,7 @@ from bearingwear.report.design import (
 )
 from bearingwear.report.drawing import in_words, methods, scene_of
 from bearingwear.report.tables import markdown_table, meanings, text_of
-from bearingwear.study.design import ACTIVE, counted, limits_of
+from bearingwear.study.design import ACTIVE, best_method, counted, limits_of
 
 AXES = ("preload_method", "friction", "shaft_speed", "preload")
 LIMIT_TEXT = {
@@ -51,9 +53,7 @@ def write_map(design: xr.Dataset, path: str | Path) -> None:
         meanings(design["preload_method"]),
         *([f"{x:g}" for x in design[axis].values] for axis in AXES[1:]),
     ]
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow([AXES[0], AXES[1], "shaft_speed (rpm)", "preload (N)", *columns])
         for point, row in zip(
@@ -71,15 +71,14 @@ def write_design(
     limits = "; ".join(LIMIT_TEXT[name].format(value) for name, value in given.items())
     text = [
         f"# Which preload for {scene['name']}",
-        f"{message(recommendation, uncertainty)}.",
+        f"{message(recommendation, uncertainty)}.{_both_ways(recommendation, uncertainty)}",
         f"At {scene['operation']['shaft_speed_rpm']:g} r/min and friction "
         f"{scene['friction']['ball_race']:g}. Limits, from new to the end of life: "
         f"{limits or 'none'}.",
         *_choice(recommendation, uncertainty),
         "## How sure the life is",
         f"{int(uncertainty.attrs['samples'])} base samples, seed {int(uncertainty.attrs['seed'])}. "
-        "L10 is the life that 10 % of bearings do not reach. In brackets: the "
-        f"{100 * float(uncertainty.attrs['confidence']):g} % confidence interval of the quantile.",
+        "In brackets: confidence intervals.",
         *_spread(uncertainty),
         "## What decides",
         "Total Sobol index of log life: the share of its variance that goes with the value, its "
@@ -89,9 +88,23 @@ def write_design(
         "## The map",
         *_statuses(design),
     ]
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n\n".join(part for part in text if part) + "\n", encoding="utf-8")
+    write_text(path, "\n\n".join(part for part in text if part) + "\n")
+
+
+def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+    """The recommended life with its spread, by each way of counting wear."""
+    k = best_method(recommendation)
+    if k is None:
+        return ""
+    one, scene = recommendation.isel(preload_method=k), scene_of(recommendation)
+    method = methods(recommendation)[k][0]
+    spread = spread_of([uncertainty], scene, method, scene["friction"]["ball_race"], RECOMMENDED)
+    said = [
+        f"{float(one['life'].isel(counts=c)):.4g} h counting {in_words(way)} "
+        f"({spread_text((spread or {}).get(way, ()))})"
+        for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
+    ]
+    return f" Life: {'; '.join(said)}. {SPREAD_TEXT}"
 
 
 def _choice(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> list[str]:

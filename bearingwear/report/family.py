@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.variables import COUNTS
+from bearingwear.io.whole import write_text
 from bearingwear.report.drawing import (
     COLOURS,
     Figure,
@@ -141,6 +142,4 @@ def write_family(family: xr.Dataset, path: str | Path) -> None:
             rows,
         ),
     ]
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n\n".join(text) + "\n", encoding="utf-8")
+    write_text(path, "\n\n".join(text) + "\n")

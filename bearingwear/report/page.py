@@ -16,6 +16,7 @@ import xarray as xr
 from markupsafe import Markup
 
 from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.spread import uncertainty
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.report.answer import answer, lives_of
 from bearingwear.report.drawing import MESSAGE, scene_of
@@ -23,6 +24,7 @@ from bearingwear.report.markup import to_html
 
 TEMPLATE = Path(__file__).with_name("page.html")
 LIFE_FIGURE = "wear_life"  # that of the first scene stands with the answer
+DESIGN = "design"  # table and figure of a design study with its answer
 HEAVY = 300_000  # bytes of an SVG beyond which its PNG is taken, if there is one
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
@@ -68,7 +70,8 @@ def write_page(
     docs : iterable of path
         Markdown to append, a section each.
     design : iterable of path
-        Markdown and figures of a design study. Its first sentence is then the headline.
+        Markdown and figures of a design study, and the spread of lives (.nc). The first sentence of
+        its design.md is then the headline.
     path : path
         The page.
 
@@ -80,6 +83,7 @@ def write_page(
     from bearingwear.io.whole import write_text
 
     results, design = list(results), list(design)
+    known = [uncertainty(file) for file in design if file.suffix == ".nc"]
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     sections = _sections(datasets)
     across: list[Drawing] = []
@@ -90,7 +94,12 @@ def write_page(
         if file.suffix == ".md" and (owner := sections.get(file.parent.parent)):
             owner.tables.append(file)
     found = answer(
-        [life for dataset in datasets.values() if _is_life(dataset) for life in lives_of(dataset)]
+        [
+            life
+            for dataset in datasets.values()
+            if _is_life(dataset)
+            for life in lives_of(dataset, known)
+        ]
     )
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -197,6 +206,7 @@ def _small(root: ET.Element) -> str:
 
 def _design(files: Sequence[Path]) -> dict[str, Any] | None:
     """Headline, texts and figures of a design study, if there is one."""
+    files = sorted(files, key=lambda file: file.stem != DESIGN)  # the answer first
     texts = [_titled(file)[1] for file in files if file.suffix == ".md"]
     figures = list(_drawings(files))
     if not texts and not figures:

@@ -10,6 +10,7 @@ TRADED_SOURCES = [Path(__file__).with_name(name) for name in ("sweeps.py", "trad
 DESIGN_SOURCES = [
     Path(__file__).with_name(name) for name in ("design.py", "design_plan.py", "uncertainty.py")
 ]
+CHECK_SOURCES = [Path(__file__).with_name(name) for name in ("check.py", "design.py")]
 FAMILY_SOURCES = [Path(__file__).with_name(name) for name in ("family.py", "design_plan.py")]
 STRESS_SOURCES = [Path(__file__).with_name(name) for name in ("extremes.py", "stress.py")]
 COUNT_SOURCES = [Path(__file__).with_name("counts.py")]

@@ -66,6 +66,14 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     recommend.add_argument("design", metavar="DESIGN.nc", type=Path)
     recommend.set_defaults(run=_recommend)
 
+    checked = commands.add_parser(
+        "check-scene", help="write the scene at its recommended preload, or at a multiple of it"
+    )
+    checked.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    checked.add_argument("recommendation", metavar="RECOMMENDATION.nc", type=Path)
+    checked.add_argument("--times", type=float, default=1.0, metavar="FACTOR", help="default 1")
+    checked.set_defaults(run=_check_scene)
+
     sample = commands.add_parser("sample-lives", help="find lives at sampled uncertain values")
     sample.add_argument("scene", metavar="SCENE.yaml", type=Path)
     sample.add_argument("--recommendation", metavar="FILE.nc", type=Path, help="take its preload")
@@ -105,8 +113,8 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     stressed.add_argument("files", nargs="+", metavar="FILE.nc", type=Path)
     stressed.set_defaults(run=_gather_extremes)
 
-    for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, sample,
-                   spread, identify, extremes, stressed):  # fmt: skip
+    for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, checked,
+                   sample, spread, identify, extremes, stressed):  # fmt: skip
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -190,6 +198,17 @@ def _recommend(given: argparse.Namespace) -> int:
     from bearingwear.study.stack import write
 
     write(recommendation(_design_scene(given.scene), load(given.design)), given.output)
+    return 0
+
+
+def _check_scene(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError, load
+    from bearingwear.study.check import write_check_scene
+
+    if not 0.0 < given.times < float("inf"):
+        raise CaseFileError(f"--times: given {given.times:g}; allowed a number > 0")
+    scene = _design_scene(given.scene)
+    write_check_scene(scene, load(given.recommendation), given.times, given.output)
     return 0
 
 

@@ -409,6 +409,27 @@ def _recommended(rows: list[dict[str, Any]], line: xr.Dataset, design: xr.Datase
     )
 
 
+def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
+    """The same, if it is the recommendation of this scene.
+
+    Raises
+    ------
+    CaseFileError
+        Where it is not.
+    """
+    if recommendation is None or recommendation.attrs.get("kind") != "recommendation":
+        raise CaseFileError("the recommended preload needs the file of a recommendation")
+    if json.loads(recommendation.attrs["scene"]) != scene.to_dict():
+        raise CaseFileError("the recommendation is not of this scene")
+    return recommendation
+
+
+def best_method(recommendation: xr.Dataset) -> int | None:
+    """Number of the method with the longest recommended life; None if no preload is allowed."""
+    lives = recommendation["life"].isel(counts=counted(recommendation)).values
+    return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None
+
+
 def front(design: xr.Dataset, counts: int) -> xr.DataArray:
     """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
     solved = design["status"] == OK

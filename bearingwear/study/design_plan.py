@@ -20,6 +20,9 @@ from bearingwear.study.grid import PRELOAD_METHODS
 AT = ("given", "recommended")
 """The preloads at which life is spread: the scene's own, and the recommended one."""
 
+CHECKED = ("0.80", "1.00", "1.25")
+"""Preloads at which the recommended one is solved in time as well, over it; as in file names."""
+
 MOST_POINTS = 1000
 
 

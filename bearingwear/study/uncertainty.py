@@ -19,12 +19,13 @@ from scipy import stats
 
 from bearingwear.io.config import schema_at, uncertain_key
 from bearingwear.io.netcdf import CaseFileError, common_attributes, load
+from bearingwear.io.spread import CONFIDENCE
 from bearingwear.io.variables import COUNTS, CRITERIA, HOUR, STATUS
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, STATUS_NAMES
 from bearingwear.model.life import course_of, steady_states
 from bearingwear.model.sampled import sampled
 from bearingwear.model.scene import WORN, Distribution, Scene
-from bearingwear.study.design import COUNTED, attrs, flags
+from bearingwear.study.design import COUNTED, attrs, flags, recommended_for
 from bearingwear.study.design_plan import AT, Sampling
 from bearingwear.study.grid import PRELOAD_METHODS
 
@@ -32,7 +33,6 @@ OF = ("life", "life_at_stated_wear")
 """What is spread: life with all that is uncertain, and with the scene's own K_s and hardness."""
 
 PROBABILITIES = (0.1, 0.5, 0.9)
-CONFIDENCE = 0.95
 RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
 
 
@@ -131,10 +131,7 @@ def preload_at(scene: Scene, method: str, where: str, recommendation: xr.Dataset
     if where == AT[0]:
         return scene.operation.preload_N
     flag = PRELOAD_METHODS.index(method)
-    if recommendation is None or recommendation.attrs.get("kind") != "recommendation":
-        raise CaseFileError("the recommended preload needs the file of a recommendation")
-    if json.loads(recommendation.attrs["scene"]) != scene.to_dict():
-        raise CaseFileError("the recommendation is not of this scene")
+    recommendation = recommended_for(scene, recommendation)
     if flag not in recommendation["preload_method"]:
         raise CaseFileError(f"the recommendation has no {method}")
     return float(recommendation["preload"].sel(preload_method=flag))

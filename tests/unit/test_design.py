@@ -13,14 +13,17 @@ from support import ROOT, scene_file
 from bearingwear.cli import main
 from bearingwear.io.config import SceneError, load_scene, scene_from_dict
 from bearingwear.io.netcdf import load
+from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model import parameters
 from bearingwear.model.sampled import sampled
+from bearingwear.study.check import check_scene
 from bearingwear.study.design import ACTIVE, chosen, front
 from bearingwear.study.design_plan import DesignPlan, Limits, design_scene
 from bearingwear.study.uncertainty import value_at
 
 PLAN_FILE = ROOT / "config" / "design.yaml"
-NOT_CONVERGED = 1
+NOT_CONVERGED, BEYOND_GROOVE = (STATUS_NAMES.index(n) for n in ("not_converged", "beyond_groove"))
+METHODS = ("constant_force", "fixed_position")
 
 
 @pytest.fixture
@@ -255,6 +258,102 @@ def test_figures_and_tables_are_drawn(folder):
     assert len((folder / "map.csv").read_text().splitlines()) == 11
     assert main(["figure", "design", "other", *files, "-o", str(folder / "x.svg")]) == 2
     assert main(["tables-design", *reversed(files), "-o", *tables]) == 2
+
+
+def changed(path, target, **values):
+    """A case file with other numbers."""
+    case = load(path)
+    for name, value in values.items():
+        case[name] = case[name] * 0 + value if name == "status" else case[name] * value
+    case.to_netcdf(target)
+    return str(target)
+
+
+def test_recommended_preload_in_time(folder, tmp_path, capsys):
+    """Without a cage, motion in time stays in the steady state that the map is made of."""
+    recommendation = str(folder / "recommendation.nc")
+    found = load(recommendation)
+    longest = int(np.argmax(found["life"].values[:, 1]))
+    cases = []
+    for times in ("0.80", "1.00", "1.25"):
+        path = tmp_path / f"{times}.yaml"
+        given = [str(scene_file("gyro_s1")), recommendation, "--times", times]
+        assert main(["check-scene", *given, "-o", str(path)]) == 0
+        plain = yaml.safe_load(path.read_text())
+        preload = float(found["preload"][longest])
+        assert plain["operation"]["preload_N"] == pytest.approx(float(times) * preload, rel=1e-12)
+        assert plain["operation"]["preload_method"] == METHODS[longest]
+        assert load_scene(path).cage is not None
+        path.write_text(yaml.safe_dump({k: v for k, v in plain.items() if k != "cage"}))
+        for tier in ("steady", "dynamic"):
+            cases.append(str(tmp_path / f"{times}-{tier}.nc"))
+            assert main(["solve", str(path), "--fidelity", tier, "-o", cases[-1]]) == 0
+    out = tmp_path / "check.md"
+
+    def table(*paths):
+        assert main(["tables-check", recommendation, *paths, "-o", str(out)]) == 0
+        return out.read_text()
+
+    text = table(*cases)
+    assert "The dynamic tier agrees with the steady values of the map within" in text
+    assert text.count("| no |") == 9 and "| yes |" not in text
+    for steady, dynamic in zip(map(load, cases[::2]), map(load, cases[1::2]), strict=True):
+        assert_allclose(dynamic["total_qv"], steady["total_qv"], rtol=1e-9)
+    # and the table sees where it does not
+    beyond = 1.0 + 2.0 * float(load(cases[0])["qv_error_estimate"]) + 0.01
+    text = table(*cases[:-1], changed(cases[-1], tmp_path / "qv.nc", total_qv=beyond))
+    assert "agrees with the steady values of the map in part" in text
+    assert "Beyond them: QV of the bearing differs by" in text and text.count("| yes |") == 1
+    failed = changed(cases[-1], tmp_path / "failed.nc", status=NOT_CONVERGED)
+    text = table(*cases[:-1], failed)
+    assert "Not solved: dynamic at" in text and "not converged" in text
+    capsys.readouterr()
+    for wrong in ([*cases[:-1]], [recommendation], [*cases, str(folder / "design.nc")]):
+        assert main(["tables-check", recommendation, *wrong, "-o", str(out)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 3
+
+
+def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder):
+    none = load(folder / "recommendation.nc")
+    none["life"] *= math.nan
+    none["preload"] *= math.nan
+    checked = check_scene(scene, none, 0.8)
+    assert checked.operation.preload_N == pytest.approx(0.8 * scene.operation.preload_N)
+    assert checked.operation.preload_method == scene.operation.preload_method
+
+
+def test_every_status_is_counted(folder, tmp_path):
+    """Lives that were not solved keep their status, in the map, the CSV and the table."""
+    design = load(folder / "design.nc")
+    assert int(design["solves"].min()) >= 5 and int(design["failed_solves"].min()) >= 0
+    design["status"].values[0, 0, 0, :2] = NOT_CONVERGED, BEYOND_GROOVE
+    design.to_netcdf(tmp_path / "design.nc")
+    files = [str(tmp_path / "design.nc")]
+    files += [str(folder / f"{name}.nc") for name in ("recommendation", "uncertainty")]
+    out = [str(tmp_path / "map.csv"), str(tmp_path / "design.md")]
+    assert main(["tables-design", *files, "-o", *out]) == 0
+    text = (tmp_path / "design.md").read_text()
+    for name, count in (("ok", 8), ("not_converged", 1), ("beyond_groove", 1)):
+        assert f"| {name} | {count} |" in text
+        assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
+    solves = int(design["solves"].sum())
+    assert (
+        f"10 lives over preload, method, friction and speed (`map.csv`), made of {solves}" in text
+    )
+
+
+def test_answer_stands_first(folder):
+    """Preload, method, life with its spread and the active limit, in the first sentence."""
+    files = [str(folder / f"{name}.nc") for name in ("design", "recommendation", "uncertainty")]
+    out = [str(folder / "map.csv"), str(folder / "design.md")]
+    assert main(["tables-design", *files, "-o", *out]) == 0
+    first = (folder / "design.md").read_text().split("\n\n")[1].partition(". ")[0]
+    found = load(folder / "recommendation.nc").isel(preload_method=0)
+    spread = load(folder / "uncertainty.nc").isel(preload_method=0, at=1, of=0, counts=1)
+    l10, l50 = (float(q) for q in spread["life_quantile"][:2])
+    assert f"constant force at {float(found['preload']):.3g} N" in first
+    assert f"{float(found['life'][1]):.3g} h (L10 {l10:.2g} h, L50 {l50:.2g} h)" in first
+    assert first.endswith("held by axial stiffness")
 
 
 def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):

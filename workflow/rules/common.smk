@@ -150,6 +150,15 @@ def recommendation_option(wildcards, input):
     return f"--recommendation {input.recommendation}" if input.recommendation else ""
 
 
+def known_spread(wildcards):
+    # no part of rule all; but what is there is kept up to date
+    return glob(f"results/{wildcards.scene}/design/uncertainty.nc")
+
+
+def spread_option(wildcards, input):
+    return f"--uncertainty {input.spread}" if input.spread else ""
+
+
 def trade_scene(wildcards):
     return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"
 
@@ -159,6 +168,6 @@ def design_results(wildcards):
     folder = "results/*/design"
     return sorted(
         file
-        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png")
+        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png", "uncertainty.nc")
         for file in glob(f"{folder}/{kind}")
     )

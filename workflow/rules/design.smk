@@ -1,6 +1,6 @@
 # `snakemake -j2 design`: which preload, and how sure. Not a part of rule all.
 
-from bearingwear.study.design_plan import AT, DesignPlan
+from bearingwear.study.design_plan import AT, CHECKED, DesignPlan
 
 DESIGN_PLAN = "config/design.yaml"
 
@@ -10,6 +10,7 @@ except ValueError as error:
     sys.exit(str(error))
 
 DESIGN_SOURCES = [os.path.relpath(path) for path in bearingwear.study.DESIGN_SOURCES]
+CHECK_SOURCES = [os.path.relpath(path) for path in bearingwear.study.CHECK_SOURCES]
 FAMILY_SOURCES = [os.path.relpath(path) for path in bearingwear.study.FAMILY_SOURCES]
 FAMILY_SCENES = sorted(
     {
@@ -23,7 +24,9 @@ DESIGN_FIGURES = ("design", "map", "uncertainty")
 localrules:
     gather_design,
     recommend,
+    check_scene,
     table_design,
+    table_check,
     table_family,
     design,
     identify,
@@ -33,6 +36,7 @@ wildcard_constraints:
     method="constant_force|fixed_position",
     where="|".join(AT),
     chunk=r"\d+",
+    times="|".join(CHECKED),
 
 
 # Lives over preload and speed, for one method and one friction coefficient.
@@ -183,6 +187,70 @@ rule table_design:
         "bearingwear tables-design {input.design} {input.recommendation} {input.uncertainty} -o {output} > {log} 2>&1"
 
 
+# The scene at a multiple of its recommended preload.
+rule check_scene:
+    input:
+        scene=SCENE,
+        recommendation="results/{scene}/design/recommendation.nc",
+        sources=CHECK_SOURCES,
+    output:
+        "results/{scene}/design/check/{times}.yaml",
+    log:
+        "logs/{scene}/design/check-{times}.log",
+    params:
+        made_from=made_from(SCENE, *CHECK_SOURCES),
+    message:
+        "{wildcards.scene}: scene at {wildcards.times} times the recommended preload"
+    shell:
+        "bearingwear check-scene {input.scene} {input.recommendation} --times {wildcards.times} -o {output} > {log} 2>&1"
+
+
+# It is solved by both tiers.
+rule solve_check:
+    input:
+        scene="results/{scene}/design/check/{times}.yaml",
+        sources=SOLVER,
+    output:
+        "results/{scene}/design/check/{times}-{tier}.nc",
+    log:
+        "logs/{scene}/design/check-{times}-{tier}.log",
+    wildcard_constraints:
+        tier="steady|dynamic",
+    params:
+        made_from=made_from(*SOLVER),
+    message:
+        "{wildcards.scene}: {wildcards.times} times the recommended preload, {wildcards.tier}"
+    shell:
+        "bearingwear solve {input.scene} -o {output} --fidelity {wildcards.tier} --record-failures > {log} 2>&1"
+
+
+# Do the dynamic numbers agree with the steady ones that the map is made of?
+rule table_check:
+    input:
+        recommendation="results/{scene}/design/recommendation.nc",
+        cases=expand(
+            "results/{{scene}}/design/check/{times}-{tier}.nc",
+            times=CHECKED,
+            tier=("steady", "dynamic"),
+        ),
+        sources=REPORT,
+    output:
+        report(
+            "results/{scene}/design/tables/check.md",
+            caption="../report/design.rst",
+            category="{scene}",
+            labels={"result": "design, in time"},
+        ),
+    log:
+        "logs/{scene}/design/check.log",
+    params:
+        made_from=made_from(*REPORT),
+    message:
+        "{wildcards.scene}: the recommended preload, solved in time"
+    shell:
+        "bearingwear tables-check {input.recommendation} {input.cases} -o {output} > {log} 2>&1"
+
+
 rule design:
     input:
         expand(
@@ -191,7 +259,11 @@ rule design:
             figure=DESIGN_FIGURES,
             suffix=("svg", "png"),
         ),
-        expand("results/{scene}/design/tables/design.md", scene=DESIGN.scenes),
+        expand(
+            "results/{scene}/design/tables/{table}.md",
+            scene=DESIGN.scenes,
+            table=("design", "check"),
+        ),
 
 
 # Every bearing of a grid: does it fit what the paper states?
