@@ -173,8 +173,8 @@ def _letter_keys(design: xr.Dataset) -> list[Any]:
     shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
     return [
         key(
-            f"held by {LIMIT_WORDS[name]}" if name != ACTIVE[-1] else LIMIT_WORDS[name],
-            color="0.2", linestyle="none", marker=f"${LETTERS[name]}$",
+            f"{LETTERS[name]}: {'' if name == ACTIVE[-1] else 'held by '}{LIMIT_WORDS[name]}",
+            linestyle="none",
         )
         for name in shown
     ]  # fmt: skip
@@ -347,7 +347,8 @@ def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None
     for q, y in enumerate(places):
         for end in (0, 1):
             panel.barh(y, shown[q, end], color=colour, alpha=0.9 if end else 0.45, height=0.7)
-        low, high = (100.0 * (r - 1.0) for r in sorted(ratio[q]))
+        # rounded first: no minus before a zero
+        low, high = (round(100.0 * (r - 1.0), 1) + 0.0 for r in sorted(ratio[q]))
         panel.annotate(
             f"{low:+.1f} … {high:+.1f} %", (max(shown[q].max(), 0.0), y), xytext=(3, 0),
             textcoords="offset points", va="center", fontsize=6,
@@ -358,7 +359,7 @@ def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None
     panel.set_xlim(-ends - 0.2, ends + 0.55 * ends + 0.4)
     panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])
     panel.set_xlabel("life, times the nominal one")
-    panel.set_title("10 % to 90 % of one value", fontsize=8)
+    panel.set_title("one value at its 10 %, 90 % quantile", fontsize=8)
 
 
 def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
