@@ -73,7 +73,7 @@ def write_check(recommendation: xr.Dataset, paths: Sequence[str | Path], path: s
     known = np.isfinite(recommendation["preload"].values).any()
     middle = "its recommended preload" if known else "its own preload (none is recommended)"
     text = [
-        f"# The dynamic tier at the recommended preload of {plain_text(scene['name'])}",
+        f"# The dynamic tier at the recommended preload of {scene['name']}",
         verdict(points),
         f"New bearing, {method}, {scene['operation']['shaft_speed_rpm']:g} r/min, friction "
         f"{scene['friction']['ball_race']:g}, at and beside {middle}. "
@@ -210,9 +210,9 @@ def _rows(point: Point, limit: float | None) -> list[list[str]]:
         rated = np.isfinite(one.errors)
         beyond = ("yes" if one.beyond else "no") if rated else "–"
         if one.name == SHARE and limit is not None:
-            within = {one.steady <= limit, one.dynamic <= limit}
-            words = {(True,): "both within", (False,): "both beyond"}
-            beyond = f"{words.get(tuple(within), 'one within, one beyond')} the limit {limit:g}"
+            within = (one.steady <= limit) + (one.dynamic <= limit)
+            words = ("both beyond", "one within, one beyond", "both within")
+            beyond = f"{words[within]} the limit {limit:g}"
         rows.append(
             [
                 preload,
