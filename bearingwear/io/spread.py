@@ -102,10 +102,13 @@ def spread_text(quantiles: Iterable[Quantile]) -> str:
 
 
 def _point(scene: Mapping[str, Any], method: str, friction: float | None = None) -> dict[str, Any]:
-    """A scene at a method and friction, with what a study leaves out filled in."""
+    """A scene at a method and friction, with what a study leaves out filled in.
+
+    Settings of accuracy move a life by far less than it spreads; they may differ.
+    """
     wear = {"ball_diameter_loss_um": 0.0} | scene["wear"]
     mu = scene["friction"]["ball_race"] if friction is None else friction
-    return dict(scene) | {
+    return {key: scene[key] for key in scene if key not in ("description", "model")} | {
         "operation": scene["operation"] | {"preload_method": method},
         "friction": scene["friction"] | {"ball_race": mu},
         "wear": wear,

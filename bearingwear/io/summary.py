@@ -295,11 +295,11 @@ def _spreads(file: Any, folder: Path) -> list[str]:
         return ["", f"  {NO_SPREAD}; {SEE}"] if "life" in file.variables else []
     known, scene = _uncertainty(folder), json.loads(file.scene)
     lines = ["", _row("spread of the life", "h", *(c.replace("_and_", " + ") for c in COUNTS))]
-    missing = []
+    missing = 0
     for label, method, friction, at in lives:
         found = spread_of(known, scene, method, friction, at)
         if not found or not all(found.values()):
-            missing.append(label)
+            missing += 1
             continue
         lines += [_row(label, "")] if label else []
         for quantiles in zip(*found.values(), strict=True):
@@ -307,7 +307,7 @@ def _spreads(file: Any, folder: Path) -> list[str]:
             ends = (f" {q.low:.3g} to {q.high:.3g}" for q in quantiles)
             lines.append(_row(f"  {100 * CONFIDENCE:g} % confidence", "h", *ends))
     if missing:
-        where = "" if len(missing) == len(lives) else f" for {'; '.join(missing)}"
+        where = "" if missing == len(lives) else f" for the other {missing}"
         lines.append(f"  {NO_SPREAD}{where}; {SEE}")
     return lines
 

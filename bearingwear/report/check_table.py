@@ -24,6 +24,7 @@ SHARE = "largest gyroscopic slip share"
 class Compared(NamedTuple):
     """One number by both tiers; their error estimates, relative, NaN where there is none."""
 
+    preload: float  # [N]
     name: str
     steady: float
     dynamic: float
@@ -72,10 +73,11 @@ def write_check(recommendation: xr.Dataset, paths: Sequence[str | Path], path: s
     known = np.isfinite(recommendation["preload"].values).any()
     middle = "its recommended preload" if known else "its own preload (none is recommended)"
     text = [
-        f"# The dynamic tier at the recommended preload of {plain_text(scene['name'])}",
+        f"# The dynamic tier at the recommended preload of {scene['name']}",
         verdict(points),
         f"New bearing, {method}, {scene['operation']['shaft_speed_rpm']:g} r/min, friction "
         f"{scene['friction']['ball_race']:g}, at and beside {middle}. "
+        + f"Life counts {in_words(scene['wear']['counts'])}. "
         + _about_cage("cage" in first)
         + " The run in time starts from the steady state: agreement says that the motion stays "
         "there, not that every start leads there.",
@@ -123,7 +125,7 @@ def _point(preload: float, tiers: dict[str, xr.Dataset]) -> Point:
         def compared(name: str, variable: str, error: str, **of: int) -> Compared:
             values = [float(case[variable].isel(of)) for case in both]
             errors = [float(case[error].isel(of)) if error in case else np.nan for case in both]
-            return Compared(name, values[0], values[1], sum(errors))
+            return Compared(preload, name, values[0], values[1], sum(errors))
 
         numbers = [compared("QV of the bearing (W)", "total_qv", "qv_error_estimate")]
         for k, way in enumerate(COUNTS):
@@ -131,7 +133,7 @@ def _point(preload: float, tiers: dict[str, xr.Dataset]) -> Point:
             rate = compared(name, "ball_diameter_loss_rate", "wear_rate_error_estimate", counts=k)
             numbers.append(rate._replace(steady=3.6e9 * rate.steady, dynamic=3.6e9 * rate.dynamic))
         shares = [float(case["gyroscopic_slip_share"].max()) for case in both]
-        numbers.append(Compared(SHARE, shares[0], shares[1], np.nan))
+        numbers.append(Compared(preload, SHARE, shares[0], shares[1], np.nan))
     return Point(preload, numbers, str(tiers["dynamic"].attrs.get("settled", "–")), status)
 
 
@@ -148,36 +150,35 @@ def verdict(points: Sequence[Point]) -> str:
     if not numbers:
         said.append("The dynamic tier cannot be compared with the steady values.")
     else:
-        worst = {one.name: one for one in sorted(numbers, key=lambda n: abs(n.difference))}
+        # of each name the last: beyond the estimates if any is, and there the largest
+        order = sorted(numbers, key=lambda one: (one.beyond, abs(one.difference)))
+        worst = {one.name: one for one in order}
         rated = [one.name for one in numbers if np.isfinite(one.errors)]
         beyond = {one.name for one in numbers if one.beyond}
         told = {
-            name: f"{_short(name)} differs by {_percent(worst[name].difference)} at most"
-            + (
-                f" (estimate {100.0 * worst[name].errors:.2g} %)"
-                if np.isfinite(worst[name].errors)
-                else ""
-            )
-            for name in dict.fromkeys(one.name for one in numbers)
+            name: f"{_short(name)} by {_percent(one.difference)} at {one.preload:.4g} N"
+            + (f" (estimates {100.0 * one.errors:.2g} %)" if np.isfinite(one.errors) else "")
+            for name, one in worst.items()
         }
         within = "; ".join(told[name] for name in dict.fromkeys(rated) if name not in beyond)
         outside = "; ".join(told[name] for name in dict.fromkeys(rated) if name in beyond)
+        largest = "The largest differences"
         if not outside:
             said.append(
                 "The dynamic tier agrees with the steady values of the map within the numerical "
-                f"error estimates of both: {within}."
+                f"error estimates of both. {largest}: {within}."
             )
         elif not within:
             said.append(
                 "The dynamic tier does not agree with the steady values of the map within the "
-                f"numerical error estimates of both: {outside}."
+                f"numerical error estimates of both. {largest}: {outside}."
             )
         else:
             said.append(
-                "The dynamic tier agrees with the steady values of the map in part. Within the "
-                f"numerical error estimates of both: {within}. Beyond them: {outside}."
+                f"The dynamic tier agrees with the steady values of the map in part. {largest} "
+                f"within the numerical error estimates of both: {within}. Beyond them: {outside}."
             )
-        said.append(f"The {told[SHARE]}.")
+        said.append(f"The {told[SHARE].replace(' by ', ' differs by ')} at most.")
     if unsolved:
         said.append(f"Not solved: {'; '.join(unsolved)}.")
     return " ".join(said)
@@ -196,7 +197,7 @@ def _about_cage(there: bool) -> str:
         return "The scene has no cage."
     return (
         "The dynamic cases have the cage, which the steady tier has not: its pockets slow the "
-        "balls and wear them, which counts in the loss of ball diameter."
+        "balls and wear them, which counts in the loss of ball diameter (counting ball above all)."
     )
 
 
@@ -209,8 +210,9 @@ def _rows(point: Point, limit: float | None) -> list[list[str]]:
         rated = np.isfinite(one.errors)
         beyond = ("yes" if one.beyond else "no") if rated else "–"
         if one.name == SHARE and limit is not None:
-            same = (one.steady <= limit) == (one.dynamic <= limit)
-            beyond = f"{'both' if same else 'not both'} on one side of the limit {limit:g}"
+            within = (one.steady <= limit) + (one.dynamic <= limit)
+            words = ("both beyond", "one within, one beyond", "both within")
+            beyond = f"{words[within]} the limit {limit:g}"
         rows.append(
             [
                 preload,

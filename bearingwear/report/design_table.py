@@ -75,7 +75,7 @@ def write_design(
         f"At {scene['operation']['shaft_speed_rpm']:g} r/min and friction "
         f"{scene['friction']['ball_race']:g}. Limits, from new to the end of life: "
         f"{limits or 'none'}.",
-        *_choice(recommendation, uncertainty),
+        *_choice(recommendation),
         "## How sure the life is",
         f"{int(uncertainty.attrs['samples'])} base samples, seed {int(uncertainty.attrs['seed'])}. "
         "In brackets: confidence intervals.",
@@ -107,33 +107,31 @@ def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
     return f" Life: {'; '.join(said)}. {SPREAD_TEXT}"
 
 
-def _choice(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> list[str]:
+def _choice(recommendation: xr.Dataset) -> list[str]:
     counts = counted(recommendation)
-    rows = []
-    for name, one in methods(recommendation):
-        held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
-        rows.append(
-            [
-                in_words(name),
-                f"{float(one['preload']):.3f}",
-                held,
-                *(f"{float(one['life'][k]):.4g}" for k in (counts, 1 - counts)),
-                f"{100 * float(one['life_error_estimate'][counts]):.2g} %",
-                f"{float(one['gyroscopic_slip_share']):.3f}",
-                f"{N_UM * float(one['axial_stiffness']):.3f}",
-                f"{GPA * float(one['maximum_pressure']):.3f}",
-                f"{float(one['friction_power']):.4f}",
-                f"{float(one['residual_preload_at_end']):.3f}",
-            ]
-        )
-    ways = " | ".join(f"life counting {in_words(COUNTS[k])} (h)" for k in (counts, 1 - counts))
+    rows: dict[str, list[str]] = {}
+    for _, one in methods(recommendation):
+        cells = {
+            "preload (N)": f"{float(one['preload']):.3f}",
+            "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
+            **{
+                f"life counting {in_words(COUNTS[k])} (h)": f"{float(one['life'][k]):.4g}"
+                for k in (counts, 1 - counts)
+            },
+            "estimated numerical error of the life": (
+                f"{100 * float(one['life_error_estimate'][counts]):.2g} %"
+            ),
+            "largest gyroscopic slip share": f"{float(one['gyroscopic_slip_share']):.3f}",
+            "least stiffness (N/µm)": f"{N_UM * float(one['axial_stiffness']):.3f}",
+            "largest pressure (GPa)": f"{GPA * float(one['maximum_pressure']):.3f}",
+            "largest friction power (W)": f"{float(one['friction_power']):.4f}",
+            "preload left at the end (N)": f"{float(one['residual_preload_at_end']):.3f}",
+        }
+        for label, cell in cells.items():
+            rows.setdefault(label, []).append(cell)
+    names = " | ".join(in_words(name) for name, _ in methods(recommendation))
     return [
-        markdown_table(
-            f"method | preload (N) | held by | {ways} | numerical error of the life, estimated | "
-            "largest gyroscopic slip share | least stiffness (N/µm) | largest pressure (GPa) | "
-            "largest friction power (W) | preload left at the end (N)",
-            rows,
-        )
+        markdown_table(f"recommended | {names}", [[label, *cells] for label, cells in rows.items()])
     ]
 
 

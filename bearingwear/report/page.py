@@ -205,18 +205,27 @@ def _small(root: ET.Element) -> str:
 
 
 def _design(files: Sequence[Path]) -> dict[str, Any] | None:
-    """Headline, texts and figures of a design study, if there is one."""
+    """Headline, texts and figures of a design study, if there is one.
+
+    The text before the first heading, without the sentence that is the headline, stands apart.
+    """
     files = sorted(files, key=lambda file: file.stem != DESIGN)  # the answer first
-    texts = [_titled(file)[1] for file in files if file.suffix == ".md"]
+    titled = [_titled(file) for file in files if file.suffix == ".md"]
     figures = list(_drawings(files))
-    if not texts and not figures:
+    if not titled and not figures:
         return None
-    html = [to_html(text, 2) for text in texts]
-    first = next((one.partition("<p>")[2].partition("</p>")[0] for one in html if "<p>" in one), "")
-    sentence, stop, _ = " ".join(first.split()).partition(". ")
+    html = [to_html(text, 2) for _, text in titled]
+    text = html[0] if html else ""
+    before, _, rest = text.partition("<p>")
+    first, _, after = rest.partition("</p>")
+    sentence, stop, more = " ".join(first.split()).partition(". ")
+    kept = f"{before}<p>{more}</p>{after}" if more else before + after
+    intro, heading, rest = kept.partition("<h")
     return {
         "headline": Markup(sentence + stop.strip()).striptags() if first else "",
-        "texts": html,
+        "intro": Markup(intro),
+        "texts": [("", Markup(heading + rest))]
+        + [(title, text) for (title, _), text in zip(titled[1:], html[1:], strict=True)],
         "figures": figures,
     }
 
