@@ -359,7 +359,7 @@ def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None
     panel.set_xlim(-ends - 0.2, ends + 0.55 * ends + 0.4)
     panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])
     panel.set_xlabel("life, times the nominal one")
-    panel.set_title("one value at its 10 %, 90 % quantile", fontsize=8)
+    panel.set_title("one value, 10 % to 90 %", fontsize=8)
 
 
 def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
