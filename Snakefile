@@ -18,6 +18,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/lives.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/design.smk"
 include: "workflow/rules/extremes.smk"
 
 

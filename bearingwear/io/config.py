@@ -16,8 +16,11 @@ from typing import Any
 from bearingwear.io.strict_yaml import DEEPEST, data_of, text_of
 from bearingwear.model.accuracy import rung
 from bearingwear.model.scene import (
+    UNCERTAIN,
+    WORN,
     Bearing,
     Cage,
+    Distribution,
     EndOfLife,
     Friction,
     Lubricant,
@@ -114,6 +117,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
     try:
         plain = _copied(data, "", 0)
         _check_schema(plain)
+        _check_spread(plain)
         return _built(_dialled(_completed(plain, schema())))
     except SceneError as error:
         raise SceneError(error.key, error.problem, error.involved, source) from None
@@ -260,6 +264,28 @@ def _place(data: Any, path: Iterable[str | int]) -> list[int]:
     return place
 
 
+def uncertain_key(name: str, material: str) -> str:
+    """The key whose value an uncertainty is about."""
+    block = f"{UNCERTAIN[name]}.{material}" if name in WORN else UNCERTAIN[name]
+    return f"{block}.{name}"
+
+
+def _check_spread(data: Any) -> None:
+    """The middle and the ends of a distribution are values that the key itself may take."""
+    import jsonschema
+
+    for name, spread in (data.get("uncertainty") or {}).items():
+        key = uncertain_key(name, "NAME")
+        for part in ("mean", "median", "low", "high"):
+            value = spread.get(part)
+            if value is not None and not jsonschema.Draft202012Validator(schema_at(key)).is_valid(
+                value
+            ):
+                raise SceneError(
+                    f"uncertainty.{name}.{part}", f"given {_shown(value)}; allowed {allowed(key)}"
+                )
+
+
 def _schema_error(error: Any, path: str) -> SceneError:
     def below(name: str) -> str:
         return f"{path}.{name}" if path else name
@@ -380,5 +406,8 @@ def _built(d: dict[str, Any]) -> Scene:
             end_of_life=None if end is None else EndOfLife(**end),
             **wear,
         ),
+        uncertainty=None
+        if d["uncertainty"] is None
+        else {name: Distribution(**spread) for name, spread in d["uncertainty"].items()},
         model=Model(**d["model"]),
     )

@@ -16,7 +16,7 @@ from bearingwear.model.accuracy import REGULARISATION
 from bearingwear.model.scene import Scene
 from bearingwear.provenance import source_hash
 
-MAY_DIFFER = ("description", "wear", "model", REGULARISATION)
+MAY_DIFFER = ("description", "wear", "uncertainty", "model", REGULARISATION)
 """What of a scene a run may change when it goes on from another; the rest decides the state."""
 
 

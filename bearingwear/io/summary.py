@@ -8,15 +8,29 @@ import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from bearingwear.io.netcdf import SOURCE, CaseFileError, damaged, foreign, readable
+from bearingwear.io.spread import (
+    CONFIDENCE,
+    GIVEN,
+    KIND,
+    NO_SPREAD,
+    PLACES,
+    RECOMMENDED,
+    SEE,
+    spread_of,
+    uncertainty,
+)
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from bearingwear.model.scene import Scene
 
 NOT_SOLVED = "not solved"
@@ -141,6 +155,7 @@ def summary(path: str | os.PathLike[str]) -> str:
     """
     with opened(path) as file:
         lines = {"life": _life, "case": _case}.get(kind_of(file), _several)(file)
+        lines += _spreads(file, Path(path).parent)
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -318,6 +333,59 @@ def _several(file: Any) -> list[str]:
     return lines + _lives(file)
 
 
+def _spreads(file: Any, folder: Path) -> list[str]:
+    """How sure the lives of a file are, by the study of uncertainty beside it."""
+    lives = list(_points_of(file))
+    if not lives:
+        return ["", f"  {NO_SPREAD}; {SEE}"] if "life" in file.variables else []
+    known, scene = _uncertainty(folder), json.loads(file.scene)
+    lines = ["", _row("spread of the life", "h", *(c.replace("_and_", " + ") for c in COUNTS))]
+    missing = 0
+    for label, method, friction, at in lives:
+        found = spread_of(known, scene, method, friction, at)
+        if not found or not all(found.values()):
+            missing += 1
+            continue
+        lines += [_row(label, "")] if label else []
+        for quantiles in zip(*found.values(), strict=True):
+            lines.append(_row(quantiles[0].name, "h", *(_number(q.hours) for q in quantiles)))
+            ends = (f" {q.low:.3g} to {q.high:.3g}" for q in quantiles)
+            lines.append(_row(f"  {100 * CONFIDENCE:g} % confidence", "h", *ends))
+    if missing:
+        where = "" if missing == len(lives) else f" for the other {missing}"
+        lines.append(f"  {NO_SPREAD}{where}; {SEE}")
+    return lines
+
+
+def _points_of(file: Any) -> Iterator[tuple[str, str, float, int]]:
+    """Label, preload method, friction and kind of preload of each life that may have a spread."""
+    kind = str(getattr(file, "kind", ""))
+    if kind_of(file) == "life":
+        scene = json.loads(file.scene)
+        yield "", scene["operation"]["preload_method"], scene["friction"]["ball_race"], GIVEN
+    elif kind in ("recommendation", KIND):
+        mu = json.loads(file.scene)["friction"]["ball_race"]
+        methods = file["preload_method"].flag_meanings.split()
+        for flag in _values(file, "preload_method"):
+            for at in (GIVEN, RECOMMENDED) if kind == KIND else (RECOMMENDED,):
+                where = "own" if at == GIVEN else "recommended"
+                yield f"{methods[int(flag)]}, {where}", methods[int(flag)], mu, at
+    elif _has_lives(file):
+        methods = file["preload_method"].flag_meanings.split()
+        for flag in _values(file, "preload_method"):
+            for mu in _values(file, "friction"):
+                yield f"{methods[int(flag)]}, mu {mu:g}", methods[int(flag)], float(mu), GIVEN
+
+
+def _uncertainty(folder: Path) -> list[xr.Dataset]:
+    """The file of the study of uncertainty beside this one, if it is there and of use."""
+    found = []
+    for path in (folder / place for place in PLACES):
+        with contextlib.suppress(CaseFileError):
+            found += [uncertainty(path)] if path.is_file() else []
+    return found
+
+
 def _along(file: Any, name: str) -> str:
     """The values of a coordinate, or the first and the last where they are many."""
     if name not in file.variables or file[name].dimensions != (name,):
@@ -342,10 +410,14 @@ def _numbers_in(file: Any) -> list[str]:
     ]
 
 
+def _has_lives(file: Any) -> bool:
+    axes = ("preload_method", "friction")
+    return "end_criterion" in file.variables and file["end_criterion"].dimensions == axes
+
+
 def _lives(file: Any) -> list[str]:
     """A row for each life in a file that has them over preload method and friction."""
-    axes = ("preload_method", "friction")
-    if "end_criterion" not in file.variables or file["end_criterion"].dimensions != axes:
+    if not _has_lives(file):
         return []
     methods = file["preload_method"].flag_meanings.split()
     ends = file["end_criterion"].flag_meanings.split()

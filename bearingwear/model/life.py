@@ -16,7 +16,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, SHARE, TRACK
+from bearingwear.kernels.steady import drag_force
+from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import choice_for_life
@@ -61,6 +62,9 @@ class WearState:
     total_qv: float = np.nan  # whole bearing [W]
     share: np.ndarray = field(default_factory=lambda: np.zeros(2))  # gyroscopic slip shares [1]
     skid: float = np.nan  # [1]
+    pressure: float = np.nan  # largest contact pressure [Pa]
+    stiffness: float = np.nan  # axial [N/m]
+    friction_power: float = np.nan  # friction heat and drag, whole bearing [W]
     ball_rate: float = np.nan  # wear of one ball [m3/s]
     race_rate: np.ndarray = field(
         default_factory=lambda: np.zeros(2)
@@ -88,6 +92,7 @@ def steady_states(
             return WearState(loss, case.status)
         solved[loss] = case.u
         c = case.contacts
+        F_v, _ = drag_force(g, D, problem.motion.drag, case.u[3])
         wear = wear_values(
             scene, np.array([D]), c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
         )
@@ -102,6 +107,9 @@ def steady_states(
             float(g.n_balls * c[:, QV].sum()),
             c[:, SHARE],
             case.skid,
+            float(c[:, PRESSURE].max()),
+            float(g.n_balls * case.S_xx),
+            float(g.n_balls * (c[:, HEAT].sum() + F_v * case.r * case.u[3])),
             float(wear["ball_wear_rate"][0]),
             wear["race_wear_rate"],
         )
@@ -113,6 +121,8 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
     """Function from loss to state on the race-control model, every ball losing the same."""
     fresh = np.array(scene.wear.ball_diameter_loss_um)
     first = fresh[0] * parameters.UM
+    m = parameters.motion(scene)
+    slip_speed = abs(m.omega_i - m.omega_o)
 
     def state(loss: float) -> WearState:
         worn = tuple(fresh + (loss - first) / parameters.UM)
@@ -132,6 +142,9 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
             float(values["total_qv"]),
             np.zeros(2),
             0.0,
+            float(values["maximum_pressure"].max()),
+            float(values["axial_stiffness"]),
+            float(values["shaft_torque"]) * slip_speed,
             float(values["ball_wear_rate"].mean()),
             values["race_wear_rate"],
         )

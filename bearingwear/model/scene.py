@@ -190,6 +190,47 @@ class Model:
         return self.evaluated_turns or 0.5 * self.simulated_turns
 
 
+UNCERTAIN = {
+    "ball_diameter_mm": "bearing",
+    "contact_angle_deg": "bearing",
+    "inner_groove_factor": "bearing",
+    "outer_groove_factor": "bearing",
+    "brinell_hardness_GPa": "materials",
+    "wear_coefficient": "materials",
+    "preload_N": "operation",
+    "ball_race": "friction",
+    "drag_density_kg_m3": "lubricant",
+}
+"""Keys of a scene that may be uncertain, and the block each stands in."""
+
+WORN = ("brinell_hardness_GPa", "wear_coefficient")
+"""Those of them that are a material's: the races', and the balls' in proportion."""
+
+PARAMETERS = {
+    "normal": (("standard_deviation",), ("mean",)),
+    "lognormal": (("factor",), ("median",)),
+    "uniform": (("low", "high"), ()),
+}
+"""What each distribution needs, and what it may be given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distribution:
+    """How a value of the scene is distributed, in that value's unit.
+
+    `mean` and `median` are the scene's own value where they are None. `factor` is the geometric
+    standard deviation: two thirds of the values lie between median/factor and median*factor.
+    """
+
+    distribution: str
+    mean: float | None = None
+    standard_deviation: float | None = None
+    median: float | None = None
+    factor: float | None = None
+    low: float | None = None
+    high: float | None = None
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """One bearing, how it runs, and how worn it is.
@@ -210,26 +251,37 @@ class Scene:
     friction: Friction
     lubricant: Lubricant = field(default_factory=Lubricant)
     wear: Wear = field(default_factory=Wear)
+    uncertainty: Mapping[str, Distribution] | None = None
     model: Model = field(default_factory=Model)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
+        if self.uncertainty is not None:
+            object.__setattr__(self, "uncertainty", MappingProxyType(dict(self.uncertainty)))
         _check_materials(self)
         _check_balls(self)
         _check_wear(self)
         _check_cage_limits(self)
         if self.cage is not None:
             _check_cage(self, self.cage)
+        _check_uncertainty(self)
         _check_model(self)
 
     def __hash__(self) -> int:
-        values = (getattr(self, f.name) for f in fields(self) if f.name != "materials")
-        return hash((tuple(self.materials.items()), *values))
+        values = (getattr(self, f.name) for f in fields(self))
+        return hash(tuple(tuple(v.items()) if isinstance(v, Mapping) else v for v in values))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy can be neither pickled nor copied
         values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return _rebuilt, (values | {"materials": dict(self.materials)},)
+        return _rebuilt, (
+            {key: dict(v) if isinstance(v, Mapping) else v for key, v in values.items()},
+        )
+
+    def nominal(self, name: str) -> float:
+        """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
+        block: Any = getattr(self, UNCERTAIN[name])
+        return getattr(block[self.bearing.race_material] if name in WORN else block, name)
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain nested data, in the order of a scene file, all defaults filled in.
@@ -383,6 +435,31 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
             f"given {width:g}, which the pockets cut through; allowed a number > {most / wall:.4g}",
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
         )
+
+
+def _check_uncertainty(scene: Scene) -> None:
+    for name, given in (scene.uncertainty or {}).items():
+        key = f"uncertainty.{name}"
+        needs, takes = PARAMETERS[given.distribution]
+        parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
+        for part, value in parts.items():
+            if value is None and part in needs:
+                raise SceneError(
+                    f"{key}.{part}",
+                    f"given nothing; the distribution {given.distribution} needs it",
+                    (key,),
+                )
+            if value is not None and part not in needs + takes:
+                raise SceneError(
+                    f"{key}.{part}",
+                    f"given {value:g} with the distribution {given.distribution}; "
+                    f"allowed {', '.join(needs + takes)}",
+                    (key,),
+                )
+        if given.low is not None and given.high is not None and given.low >= given.high:
+            raise SceneError(
+                f"{key}.high", f"given {given.high:g}; allowed a number > {given.low:g}", (key,)
+            )
 
 
 def _check_model(scene: Scene) -> None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import xarray as xr
 
+from bearingwear.io.spread import NO_SPREAD, SEE, SPREAD_TEXT, Spread, spread_of, spread_text
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.report.drawing import in_words, methods, mu_is, percent_in_text, scene_of
@@ -17,6 +18,7 @@ ENDS = {  # words for a criterion, and by how much its limit in the scene is mul
     "skid_ratio": ("skid ratio up to {:g}\N{NO-BREAK SPACE}%", 100.0),
     "ball_diameter_loss_um": ("{:g}\N{NO-BREAK SPACE}µm of ball diameter lost", 1.0),
 }
+WORDS = {"ball_and_races": "balls and races", "ball": "the balls alone"}
 NO_END = "no end of life is met"
 
 
@@ -30,6 +32,7 @@ class Life(NamedTuple):
     counts: str  # what counts in the scene
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
+    spread: Spread | None = None  # L10 and L50, by what counts as wear
 
     @property
     def counted(self) -> float:
@@ -37,8 +40,11 @@ class Life(NamedTuple):
         return self.hours[self.counts]
 
 
-def lives_of(dataset: xr.Dataset) -> list[Life]:
-    """Every life in a file of `bearingwear wear-life`."""
+def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life]:
+    """Every life in a file of `bearingwear wear-life`.
+
+    `known` are files of the study of uncertainty, if there are any.
+    """
     scene = scene_of(dataset)
     wear = scene.get("wear", {})
     limits = wear.get("end_of_life") or {}
@@ -67,6 +73,7 @@ def lives_of(dataset: xr.Dataset) -> list[Life]:
                     counts,
                     float(error[ways.index(counts)]),
                     end,
+                    spread_of(known, scene, method, mu),
                 )
             )
     return found
@@ -96,6 +103,7 @@ def answer(lives: Sequence[Life]) -> Answer | None:
     contests = _contests(here)
     if contests:
         facts.insert(0, ("Which preload method", _verdicts(contests)))
+    facts.append(("How sure that is", _how_sure(here)))
     if others:
         facts.append(("On the other bearings", _elsewhere(others)))
     facts.append(("How much preload", ["Not varied in this study, so none is recommended here."]))
@@ -166,11 +174,10 @@ def _margin(ratio: float) -> str:
 
 
 def _how_long(lives: Sequence[Life]) -> list[str]:
-    ways = {"ball_and_races": "balls and races", "ball": "the balls alone"}
     counts = lives[0].counts
     said = [
-        f"{_hours([life.hours[way] for life in lives])} if the wear of {ways[way]} counts"
-        for way in sorted(ways, key=lambda way: way != counts)
+        f"{_hours([life.hours[way] for life in lives])} if the wear of {WORDS[way]} counts"
+        for way in sorted(WORDS, key=lambda way: way != counts)
     ]
     spread = ", over the methods and frictions studied" if len(lives) > 1 else ""
     errors = [life.error for life in lives if math.isfinite(life.error)]
@@ -178,6 +185,26 @@ def _how_long(lives: Sequence[Life]) -> list[str]:
         _sentence("; ".join(said) + spread),
         *([f"Numerical error: {percent_in_text(max(errors))} at most."] if errors else []),
     ]
+
+
+def _how_sure(lives: Sequence[Life]) -> list[str]:
+    """L10 and L50 where they were computed."""
+    said = [
+        _sentence(
+            f"{in_words(life.method)} at {mu_is(life.friction)}, if the wear of {WORDS[way]} "
+            f"counts: {spread_text(life.spread[way])}"
+        )
+        for life in lives
+        if life.spread
+        for way in sorted(life.spread, key=lambda way: way != life.counts)
+    ]
+    if said:
+        said.append(SPREAD_TEXT)
+    if not all(life.spread for life in lives):
+        said.append(
+            _sentence(f"{NO_SPREAD}{' for the others' if said else ''}, {SEE}".replace("`", ""))
+        )
+    return said
 
 
 def _what_ends(lives: Sequence[Life]) -> list[str]:
@@ -215,6 +242,7 @@ def _row(life: Life, lives: Sequence[Life]) -> dict[str, str]:
     row = {"friction": f"{life.friction:g}", "preload method": in_words(life.method)}
     for way, words in (("ball_and_races", "balls and races"), ("ball", "ball alone")):
         row[f"life, {words}"] = _hours([life.hours[way]])
+        row[f"spread, {words}"] = spread_text((life.spread or {}).get(way, ()))
         if len({one.scene for one in lives}) > 1:
             row[f"{words}, all bearings"] = _hours([one.hours[way] for one in twins])
     return row | {"numerical error": percent_in_text(life.error), "ended by": life.end}

@@ -26,6 +26,7 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         parser.set_defaults(run=run)
         return parser.add_argument
 
+    add("family", _family_figure, "the bearings that fit what the paper states", "FAMILY.nc")
     option = add("friction", _friction, "QV and contact load against friction", "STUDY.nc")
     option("--loss-um", required=True, type=float, metavar="UM", help="the state of wear")
     add("slip", _slip, "slip over the contact ellipse", "CASE.nc", several=True)
@@ -71,6 +72,35 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     trade.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     trade.set_defaults(run=_trade_figure)
 
+    designed = figures.add_parser("design", help="which preload to take, and how sure that is")
+    designed.add_argument("which", metavar="WHICH", help="design, map, uncertainty")
+    written = commands.add_parser(
+        "tables-design", help="write a design map as CSV, and what to choose as Markdown"
+    )
+    for parser in (designed, written):
+        parser.add_argument("design", metavar="DESIGN.nc", type=Path)
+        parser.add_argument("recommendation", metavar="RECOMMENDATION.nc", type=Path)
+        parser.add_argument("uncertainty", metavar="UNCERTAINTY.nc", type=Path)
+    designed.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    designed.set_defaults(run=_design_figure)
+    written.add_argument(
+        "-o", "--output", required=True, nargs=2, metavar=("MAP.csv", "DESIGN.md"), type=Path
+    )
+    written.set_defaults(run=_design_tables)
+
+    checked = commands.add_parser(
+        "tables-check", help="set a recommended preload solved in time beside the steady one"
+    )
+    checked.add_argument("recommendation", metavar="RECOMMENDATION.nc", type=Path)
+    checked.add_argument("cases", nargs="+", metavar="CASE.nc", type=Path)
+    checked.add_argument("-o", "--output", required=True, metavar="CHECK.md", type=Path)
+    checked.set_defaults(run=_check_table)
+
+    listed = commands.add_parser("tables-family", help="write the bearings that fit as Markdown")
+    listed.add_argument("files", nargs=1, metavar="FAMILY.nc", type=Path)
+    listed.add_argument("-o", "--output", required=True, metavar="FAMILY.md", type=Path)
+    listed.set_defaults(run=_family_table)
+
     extremes = figures.add_parser("extremes", help="a map or branches far beyond the study")
     extremes.add_argument("file", metavar="FILE.nc", type=Path)
     extremes.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
@@ -104,6 +134,10 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     tables.add_argument("study", metavar="STUDY.nc", type=Path)
     tables.add_argument("life", metavar="WEAR_LIFE.nc", type=Path)
     tables.add_argument(
+        "--uncertainty", nargs="*", default=[], metavar="UNCERTAINTY.nc", type=Path,
+        help="of the design study: how lives spread",
+    )  # fmt: skip
+    tables.add_argument(
         "-o", "--output", required=True, nargs=2, metavar=("CASES.csv", "SUMMARY.md"), type=Path
     )
     tables.set_defaults(run=_tables)
@@ -119,7 +153,8 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     )
     page.add_argument(
         "--design", nargs="*", default=[], metavar="FILE", type=Path,
-        help="tables (.md) and figures of a design study; its first sentence is the answer",
+        help="tables (.md), figures and uncertainty.nc of a design study; the first sentence of "
+        "its design.md is the answer",
     )  # fmt: skip
     page.add_argument("-o", "--output", required=True, metavar="PAGE.html", type=Path)
     page.set_defaults(run=_page)
@@ -251,13 +286,14 @@ def _both_ways(given: argparse.Namespace) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 def _tables(given: argparse.Namespace) -> int:
+    from bearingwear.io.spread import uncertainty
     from bearingwear.report.tables import write_cases, write_summary
 
     study = _loaded(given.study, ball_diameter_loss=())
     lives = _loaded(given.life, interpolated_step=())
     cases, summary = given.output
     write_cases(study, cases)
-    write_summary(study, lives, summary)
+    write_summary(study, lives, summary, [uncertainty(path) for path in given.uncertainty])
     return 0
 
 
@@ -304,6 +340,64 @@ def _trade_docs(given: argparse.Namespace) -> int:
         sys.stderr.write(f"{line}\n")
     print(f"{given.docs}: {len(found)} numbers differ" if found else f"{given.docs}: agrees")
     return 3 if found else 0
+
+
+def _family_figure(given: argparse.Namespace) -> int:
+    from bearingwear.report.drawing import save
+    from bearingwear.report.family import family_figure
+
+    save(family_figure(_loaded(given.files[0], candidate=())), given.output)
+    return 0
+
+
+def _family_table(given: argparse.Namespace) -> int:
+    from bearingwear.report.family import write_family
+
+    write_family(_loaded(given.files[0], candidate=()), given.output)
+    return 0
+
+
+def _design_figure(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.report.design import FIGURES
+    from bearingwear.report.drawing import save
+
+    if given.which not in FIGURES:
+        raise CaseFileError(f"WHICH: given {given.which}; allowed {', '.join(FIGURES)}")
+    save(FIGURES[given.which](*_design_files(given)), given.output)
+    return 0
+
+
+def _design_tables(given: argparse.Namespace) -> int:
+    from bearingwear.report.design_table import write_design, write_map
+
+    files = _design_files(given)
+    write_map(files[0], given.output[0])
+    write_design(*files, given.output[1])
+    return 0
+
+
+def _check_table(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import load
+    from bearingwear.report.check_table import write_check
+
+    write_check(load(given.recommendation), given.cases, given.output)
+    return 0
+
+
+def _design_files(given: argparse.Namespace) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """Design map, recommendation and uncertainty of one scene."""
+    from bearingwear.io.netcdf import CaseFileError, load
+
+    paths = given.design, given.recommendation, given.uncertainty
+    found = load(paths[0]), load(paths[1]), load(paths[2])
+    kinds = ("design map", "recommendation", "uncertainty")
+    for path, dataset, kind in zip(paths, found, kinds, strict=True):
+        if dataset.attrs.get("kind") != kind:
+            raise CaseFileError(f"{path}: not a file of the kind {kind}")
+        if dataset.attrs["scene"] != found[0].attrs["scene"]:
+            raise CaseFileError(f"{path}: not of the scene of {paths[0]}")
+    return found
 
 
 def _extremes_figure(given: argparse.Namespace) -> int:

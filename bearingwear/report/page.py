@@ -17,6 +17,7 @@ from markupsafe import Markup
 
 from bearingwear.io.keys import leaves
 from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.spread import uncertainty
 from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.report.answer import answer, lives_of
@@ -26,6 +27,7 @@ from bearingwear.report.markup import to_html
 TEMPLATE = Path(__file__).with_name("page.html")
 LIFE_FIGURE = "wear_life"  # that of the first scene stands with the answer
 FIGURES = (".svg", ".png")
+DESIGN = "design"  # table and figure of a design study with its answer
 HEAVY = 300_000  # bytes of an SVG beyond which its PNG is taken, if there is one
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
@@ -71,7 +73,8 @@ def write_page(
     docs : iterable of path
         Markdown to append, a section each.
     design : iterable of path
-        Markdown and figures of a design study. Its first sentence is then the headline.
+        Markdown and figures of a design study, and the spread of lives (.nc). The first sentence of
+        its design.md is then the headline.
     path : path
         The page.
 
@@ -82,7 +85,8 @@ def write_page(
     """
     results, design = list(results), list(design)
     _check_kinds(results, (".nc", ".md", *FIGURES))
-    _check_kinds(design, (".md", *FIGURES))
+    _check_kinds(design, (".nc", ".md", *FIGURES))
+    known = [uncertainty(file) for file in design if file.suffix == ".nc"]
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     sections = _sections(datasets)
     across: list[Drawing] = []
@@ -93,7 +97,12 @@ def write_page(
         if file.suffix == ".md" and (owner := sections.get(file.parent.parent)):
             owner.tables.append(file)
     found = answer(
-        [life for dataset in datasets.values() if _is_life(dataset) for life in lives_of(dataset)]
+        [
+            life
+            for dataset in datasets.values()
+            if _is_life(dataset)
+            for life in lives_of(dataset, known)
+        ]
     )
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -208,17 +217,27 @@ def _small(root: ET.Element) -> str:
 
 
 def _design(files: Sequence[Path]) -> dict[str, Any] | None:
-    """Headline, texts and figures of a design study, if there is one."""
-    texts = [_titled(file)[1] for file in files if file.suffix == ".md"]
+    """Headline, texts and figures of a design study, if there is one.
+
+    The text before the first heading, without the sentence that is the headline, stands apart.
+    """
+    files = sorted(files, key=lambda file: file.stem != DESIGN)  # the answer first
+    titled = [_titled(file) for file in files if file.suffix == ".md"]
     figures = list(_drawings(files))
-    if not texts and not figures:
+    if not titled and not figures:
         return None
-    html = [to_html(text, 2) for text in texts]
-    first = next((one.partition("<p>")[2].partition("</p>")[0] for one in html if "<p>" in one), "")
-    sentence, stop, _ = " ".join(first.split()).partition(". ")
+    html = [to_html(text, 2) for _, text in titled]
+    text = html[0] if html else ""
+    before, _, rest = text.partition("<p>")
+    first, _, after = rest.partition("</p>")
+    sentence, stop, more = " ".join(first.split()).partition(". ")
+    kept = f"{before}<p>{more}</p>{after}" if more else before + after
+    intro, heading, rest = kept.partition("<h")
     return {
         "headline": Markup(sentence + stop.strip()).striptags() if first else "",
-        "texts": html,
+        "intro": Markup(intro),
+        "texts": [("", Markup(heading + rest))]
+        + [(title, text) for (title, _), text in zip(titled[1:], html[1:], strict=True)],
         "figures": figures,
     }
 

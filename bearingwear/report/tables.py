@@ -4,12 +4,14 @@ import csv
 import html
 import itertools
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from bearingwear.io.spread import SEE, SPREAD_TEXT, spread_of, spread_text
+from bearingwear.io.variables import COUNTS
 from bearingwear.io.whole import whole_file, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.report.drawing import in_words, methods, scene_of
@@ -24,7 +26,7 @@ def write_cases(study: xr.Dataset, path: str | Path) -> None:
     """
     columns = dict(_columns(study))
     axes = {
-        "preload_method": _meanings(study["preload_method"]),
+        "preload_method": meanings(study["preload_method"]),
         "friction": [f"{mu:g}" for mu in study["friction"].values],
         "ball_diameter_loss (um)": [f"{loss:g}" for loss in study["ball_diameter_loss"].values],
     }
@@ -48,29 +50,34 @@ def _columns(study: xr.Dataset) -> Iterator[tuple[str, np.ndarray]]:
             values = values.isel(ball=0) if is_flag else values.mean("ball")
         inner = values.dims[len(AXES) :]
         unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
-        labels = [_meanings(study[dim]) for dim in inner]
+        labels = [meanings(study[dim]) for dim in inner]
         for index in np.ndindex(*values.shape[len(AXES) :]):
             words = [label[k] for label, k in zip(labels, index, strict=True)]
             header = ".".join([str(name), *words]) + unit
             numbers = values.values[(..., *index)]
             names = variable.attrs["flag_meanings"].split() if is_flag else None
-            yield header, np.vectorize(lambda x, n=names: _text(x, n), otypes=[object])(numbers)
+            yield header, np.vectorize(lambda x, n=names: text_of(x, n), otypes=[object])(numbers)
 
 
-def _text(number: float, flags: list[str] | None) -> str:
+def text_of(number: float, flags: list[str] | None) -> str:
     """A number with nine digits, a flag by its name, nothing where it is missing."""
     if not np.isfinite(number):
         return ""
     return flags[int(number)] if flags else f"{number:.9g}"
 
 
-def _meanings(coordinate: xr.DataArray) -> list[str]:
+def meanings(coordinate: xr.DataArray) -> list[str]:
     names = coordinate.attrs["flag_meanings"].split()
     return [names[int(flag)] for flag in coordinate.values]
 
 
-def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> None:
-    """Write what wear does to QV and preload, the wear life, and what could not be solved."""
+def write_summary(
+    study: xr.Dataset, lives: xr.Dataset, path: str | Path, known: Sequence[xr.Dataset] = ()
+) -> None:
+    """Write what wear does to QV and preload, the wear life, and what could not be solved.
+
+    `known` are files of the study of uncertainty, if there are any.
+    """
     scene = scene_of(study)
     losses = study["ball_diameter_loss"].values
     first, last = f"{losses[0]:g} µm", f"{losses[-1]:g} µm"
@@ -85,15 +92,21 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
         for mu in study["friction"].values
     ]
     ends = lives["end_criterion"].attrs["flag_meanings"].split()
-    life = []
+    life, spreads = [], []
     for name, of_method in methods(lives):
         for mu in lives["friction"].values:
             one = of_method.sel(friction=mu)
+            spread = spread_of(known, scene, name, mu) or {}
+            spreads.append(spread)
             life.append(
                 [
                     in_words(name),
                     f"{mu:g}",
-                    *(f"{hours:.4g}" for hours in one["life"].values),
+                    *(
+                        cell
+                        for hours, way in zip(one["life"].values, COUNTS, strict=True)
+                        for cell in (f"{hours:.4g}", spread_text(spread.get(way, ())))
+                    ),
                     in_words(ends[int(one["end_criterion"])]),
                     f"{1e6 * one['loss_at_end']:.4f}",
                     f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
@@ -111,10 +124,12 @@ def write_summary(study: xr.Dataset, lives: xr.Dataset, path: str | Path) -> Non
         "QV is that of the whole bearing.",
         "## Wear life",
         markdown_table(
-            "preload method | friction | life (h), ball alone | balls and races | ended by "
-            "| at loss (µm) | interpolated against solved",
+            "preload method | friction | life (h), ball alone | its spread | balls and races "
+            "| its spread | ended by | at loss (µm) | interpolated against solved",
             life,
         ),
+        SPREAD_TEXT if any(spreads) else "",
+        f"Where no spread is computed: {SEE}." if not all(spreads) else "",
         "## Not solved",
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
     ]  # fmt: skip

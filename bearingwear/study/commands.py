@@ -6,7 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
+from bearingwear.study.grid import PRELOAD_METHODS
+
 PLAN = Path("config/tradeoff.yaml")
+DESIGN_PLAN = Path("config/design.yaml")
 EXTREMES = Path("config/extremes.yaml")
 
 
@@ -39,6 +42,57 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     traded.add_argument("files", nargs="+", metavar="POINTS.nc", type=Path)
     traded.set_defaults(run=_gather_tradeoff)
 
+    mapped = commands.add_parser(
+        "design-map", help="find the lives of a scene over preload and speed"
+    )
+    mapped.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    mapped.add_argument("--friction", required=True, type=float, metavar="MU")
+    mapped.set_defaults(run=_design_map)
+
+    gathered = commands.add_parser(
+        "gather-design", help="gather the parts of a design map, and choose preloads"
+    )
+    gathered.add_argument("files", nargs="+", metavar="PART.nc", type=Path)
+    gathered.set_defaults(run=_gather_design)
+
+    recommend = commands.add_parser(
+        "recommend", help="find the preload with the longest life within the limits of a design map"
+    )
+    recommend.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    recommend.add_argument("design", metavar="DESIGN.nc", type=Path)
+    recommend.set_defaults(run=_recommend)
+
+    checked = commands.add_parser(
+        "check-scene", help="write the scene at its recommended preload, or at a multiple of it"
+    )
+    checked.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    checked.add_argument("recommendation", metavar="RECOMMENDATION.nc", type=Path)
+    checked.add_argument("--times", type=float, default=1.0, metavar="FACTOR", help="default 1")
+    checked.set_defaults(run=_check_scene)
+
+    sample = commands.add_parser("sample-lives", help="find lives at sampled uncertain values")
+    sample.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    sample.add_argument("--recommendation", metavar="FILE.nc", type=Path, help="take its preload")
+    sample.add_argument("--chunk", required=True, type=int, metavar="NUMBER", help="from 0")
+    sample.set_defaults(run=_sample_lives)
+
+    spread = commands.add_parser(
+        "spread", help="quantiles of life and Sobol indices from sampled lives"
+    )
+    spread.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    spread.add_argument("files", nargs="+", metavar="LIVES.nc", type=Path)
+    spread.set_defaults(run=_spread)
+
+    identify = commands.add_parser(
+        "identify", help="find the bearings that fit what the paper states"
+    )
+    identify.add_argument("scenes", metavar="FOLDER", type=Path, help="folder of the scenes")
+    identify.set_defaults(run=_identify)
+
+    for parser in (mapped, sample):
+        parser.add_argument("--method", required=True, choices=PRELOAD_METHODS)
+    for parser in (mapped, sample, spread, identify):
+        parser.add_argument("--plan", type=Path, default=DESIGN_PLAN, metavar="FILE.yaml")
     extremes = commands.add_parser(
         "extremes", help="solve scenes far beyond the study: random ones, a map, or branches"
     )
@@ -55,7 +109,8 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     stressed.add_argument("files", nargs="+", metavar="FILE.nc", type=Path)
     stressed.set_defaults(run=_gather_extremes)
 
-    for parser in (gather, life, verdict, trade, traded, extremes, stressed):
+    for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, checked,
+                   sample, spread, identify, extremes, stressed):  # fmt: skip
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -107,6 +162,83 @@ def _gather_tradeoff(given: argparse.Namespace) -> int:
     from bearingwear.study.tradeoff import gathered
 
     write(gathered(given.files), given.output)
+    return 0
+
+
+def _design_map(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.design import chunk
+    from bearingwear.study.design_plan import DesignPlan, design_scene
+    from bearingwear.study.stack import write
+
+    scene, plan = design_scene(given.scene), DesignPlan.from_file(given.plan)
+    if scene.name not in plan.scenes:
+        raise CaseFileError(f"{given.plan}: scenes: has no {scene.name}")
+    write(chunk(scene, plan.scenes[scene.name], given.method, given.friction), given.output)
+    return 0
+
+
+def _gather_design(given: argparse.Namespace) -> int:
+    from bearingwear.study.design import gathered
+    from bearingwear.study.stack import write
+
+    write(gathered(given.files), given.output)
+    return 0
+
+
+def _recommend(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import load
+    from bearingwear.study.design import recommendation
+    from bearingwear.study.design_plan import design_scene
+    from bearingwear.study.stack import write
+
+    write(recommendation(design_scene(given.scene), load(given.design)), given.output)
+    return 0
+
+
+def _check_scene(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError, load
+    from bearingwear.study.check import write_check_scene
+    from bearingwear.study.design_plan import design_scene
+
+    if not 0.0 < given.times < float("inf"):
+        raise CaseFileError(f"--times: given {given.times:g}; allowed a number > 0")
+    scene = design_scene(given.scene)
+    write_check_scene(scene, load(given.recommendation), given.times, given.output)
+    return 0
+
+
+def _sample_lives(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError, load
+    from bearingwear.study.design_plan import AT, DesignPlan, design_scene
+    from bearingwear.study.stack import write
+    from bearingwear.study.uncertainty import chunk
+
+    scene, plan = design_scene(given.scene), DesignPlan.from_file(given.plan).sampling
+    if not 0 <= given.chunk < plan.chunks:
+        raise CaseFileError(f"--chunk: given {given.chunk}; allowed 0 to {plan.chunks - 1}")
+    recommendation = None if given.recommendation is None else load(given.recommendation)
+    where = AT[0] if recommendation is None else AT[1]
+    write(chunk(scene, plan, given.method, where, given.chunk, recommendation), given.output)
+    return 0
+
+
+def _spread(given: argparse.Namespace) -> int:
+    from bearingwear.study.design_plan import DesignPlan, design_scene
+    from bearingwear.study.stack import write
+    from bearingwear.study.uncertainty import spread
+
+    plan = DesignPlan.from_file(given.plan).sampling
+    write(spread(given.files, design_scene(given.scene), plan), given.output)
+    return 0
+
+
+def _identify(given: argparse.Namespace) -> int:
+    from bearingwear.study.design_plan import DesignPlan
+    from bearingwear.study.family import identified
+    from bearingwear.study.stack import write
+
+    write(identified(DesignPlan.from_file(given.plan).family, given.scenes), given.output)
     return 0
 
 

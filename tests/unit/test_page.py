@@ -1,6 +1,7 @@
 """The page of a study: what it says, and that it is one valid file that needs nothing else."""
 
 import base64
+import json
 import math
 import os
 import pathlib
@@ -9,7 +10,9 @@ from urllib.parse import unquote_to_bytes, urlsplit
 
 import html5lib
 import matplotlib
+import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from support import ROOT, scene_file
 
@@ -207,13 +210,93 @@ def test_a_design_study_gives_the_answer(folder, results, tmp_path, made):
         "# mine\n\nTake **9.5 N** in fixed position. Its life is long.\n\n"
         "| a | b |\n| --- | --- |\n| 1 | <b>2</b> |\n"
     )
-    text = made(*results, "--design", table, *drawn(folder, "fig10"))
+    check = tmp_path / "check.md"
+    check.write_text("# check\n\nThe tiers agree.\n")
+    text = made(*results, "--design", check, table, *drawn(folder, "fig10"))
     tree = check_self_contained(text)
     assert words(next(tree.iter("h1"))) == "Take 9.5 N in fixed position."
     said = words(tree)
     assert "none is recommended" not in said and "Its life is long." in said
+    assert said.count("Take 9.5 N") == 1 and said.index("Its life") < said.index("The tiers agree.")
     assert "<b>2</b>" in said
     assert len(list(tree.iter("img"))) == 4
+
+
+@pytest.fixture
+def sure(folder, tmp_path):
+    """The lives with a made-up spread beside them, and that file."""
+    from bearingwear.io.config import load_scene
+
+    scene = load_scene(folder / "mine.yaml")
+    middle = np.arange(1.0, 25.0).reshape(2, 2, 3, 2)  # method, at, probability, counts
+    names = {"life_quantile": 1.0, "life_quantile_low": 0.9, "life_quantile_high": 1.25}
+    dims = ("preload_method", "at", "of", "probability", "counts")
+    methods = {"flag_values": [0, 1], "flag_meanings": " ".join(PRELOAD_METHODS)}
+    dataset = xr.Dataset(
+        {name: (dims, (middle * factor)[:, :, None]) for name, factor in names.items()},
+        {"preload_method": ("preload_method", [0, 1], methods), "probability": [0.1, 0.5, 0.9]},
+        load(folder / "wear_life.nc").attrs
+        | {"kind": "uncertainty", "scene": json.dumps(scene.to_dict())},
+    )
+    (tmp_path / "design").mkdir()
+    path = tmp_path / "design" / "uncertainty.nc"
+    dataset.to_netcdf(path)
+    lives = tmp_path / "wear_life.nc"
+    lives.write_bytes((folder / "wear_life.nc").read_bytes())
+    return lives, path
+
+
+def test_lives_stand_with_their_spread(folder, sure, made, capsys):
+    lives, spread = sure
+    # at the scene's own preload; methods by rows of 12, quantiles by pairs of counts
+    constant = "L10 1 h [0.9, 1.25]; L50 3 h [2.7, 3.75]", "L10 2 h [1.8, 2.5]; L50 4 h [3.6, 5]"
+    fixed = "L10 13 h [11.7, 16.2]; L50 15 h [13.5, 18.8]"
+    study, table = folder / "study.nc", lives.parent / "summary.md"
+    command = ["tables", study, lives, "--uncertainty", spread, "-o", lives.parent / "a.csv", table]
+    assert main([str(part) for part in command]) == 0
+    rows = [line.split(" | ") for line in table.read_text().splitlines()]
+    rows = {(row[0][2:], row[1]): (row[3], row[5]) for row in rows if len(row) == 9}
+    assert rows["constant force", "0.08"] == constant
+    assert rows["fixed position", "0.08"][0] == fixed
+    assert rows["constant force", "0.02"] == ("no spread computed",) * 2
+    assert "snakemake -j2 design" in table.read_text()
+
+    said = words(check_self_contained(made(lives, "--design", spread)))
+    assert (
+        f"Constant force at µ = 0.08, if the wear of the balls alone counts: {constant[0]}." in said
+    )
+    assert f"{constant[1]}." in said and fixed in said
+    assert "No spread computed for the others" in said
+
+    capsys.readouterr()
+    assert main(["show", str(lives)]) == 0
+    shown = capsys.readouterr().out
+    of_force = shown.partition("constant_force, mu 0.08\n  L10")[2].partition("fixed_pos")[0]
+    assert "L50                       h                    3             4" in of_force
+    assert "0.9 to 1.25    1.8 to 2.5" in shown
+    assert "no spread computed for the other 2; see" in shown
+
+
+def test_no_spread_is_invented(folder, sure, results, made, capsys):
+    """Without a study of uncertainty, or with that of another scene, no life has a spread."""
+    lives, path = sure
+    other = load(path)
+    scene = json.loads(other.attrs["scene"])
+    scene["operation"]["shaft_speed_rpm"] += 1.0
+    other.attrs["scene"] = json.dumps(scene)
+    path.unlink()
+    other.to_netcdf(path)
+    said = words(check_self_contained(made(lives, "--design", path)))
+    assert "L10" not in said and "No spread computed, see snakemake -j2 design" in said
+    assert "L10" not in (folder / "tables" / "summary.md").read_text()
+    for place in (lives, folder / "wear_life.nc"):
+        capsys.readouterr()
+        assert main(["show", str(place)]) == 0
+        shown = capsys.readouterr().out
+        assert "L10" not in shown and "  no spread computed; see `snakemake -j2 design`" in shown
+    bad = ["tables", folder / "study.nc", lives, "--uncertainty", lives, "-o", "a", "b"]
+    assert main(list(map(str, bad))) == 2
+    assert "not a file of the kind uncertainty" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

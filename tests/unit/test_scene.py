@@ -114,7 +114,7 @@ def test_round_trip(path):
 
 def test_order_is_that_of_a_scene_file(plain):
     order = ["name", "description", "bearing", "materials", "cage", "operation"]
-    assert list(plain) == [*order, "friction", "lubricant", "wear", "model"]
+    assert list(plain) == [*order, "friction", "lubricant", "wear", "uncertainty", "model"]
 
 
 def test_defaults():
@@ -320,6 +320,7 @@ def test_schema_has_the_keys_of_the_scene():
         "lubricant": module.Lubricant,
         "wear": module.Wear,
         "wear.end_of_life": module.EndOfLife,
+        "uncertainty.x": module.Distribution,
         "model": module.Model,
     }
     found = {path: part for path, part in blocks(config.schema()) if "properties" in part}

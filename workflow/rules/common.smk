@@ -141,6 +141,43 @@ def spread_friction(wildcards):
     return PLAN.spreads[wildcards.spread].friction
 
 
+def design_parts(wildcards):
+    names = DESIGN.scenes[wildcards.scene].chunks()
+    return [f"results/{wildcards.scene}/design/map/{name}.nc" for name in names]
+
+
+def design_text(wildcards):
+    return DESIGN.scenes[wildcards.scene].text()
+
+
+def lives_of_sample(wildcards):
+    return [
+        f"results/{wildcards.scene}/design/samples/{method}-{where}-{chunk}.nc"
+        for method in DESIGN.scenes[wildcards.scene].preload_method
+        for where in AT
+        for chunk in range(DESIGN.sampling.chunks)
+    ]
+
+
+def recommended_preload(wildcards):
+    if wildcards.where == AT[0]:
+        return []
+    return f"results/{wildcards.scene}/design/recommendation.nc"
+
+
+def recommendation_option(wildcards, input):
+    return f"--recommendation {input.recommendation}" if input.recommendation else ""
+
+
+def known_spread(wildcards):
+    # no part of rule all; but what is there is kept up to date
+    return glob(f"results/{wildcards.scene}/design/uncertainty.nc")
+
+
+def spread_option(wildcards, input):
+    return f"--uncertainty {input.spread}" if input.spread else ""
+
+
 def trade_scene(wildcards):
     return f"config/scenes/{TRADE.scenes[wildcards.bench].file}.yaml"
 
@@ -150,6 +187,6 @@ def design_results(wildcards):
     folder = "results/*/design"
     return sorted(
         file
-        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png")
+        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png", "uncertainty.nc")
         for file in glob(f"{folder}/{kind}")
     )

@@ -68,6 +68,7 @@ rule tables:
     input:
         study="results/{scene}/study.nc",
         life="results/{scene}/wear_life.nc",
+        spread=known_spread,
         sources=REPORT,
     output:
         cases="results/{scene}/tables/cases.csv",
@@ -81,10 +82,11 @@ rule tables:
         "logs/{scene}/tables.log",
     params:
         made_from=made_from(*REPORT),
+        spread=spread_option,
     message:
         "{wildcards.scene}: tables"
     shell:
-        "bearingwear tables {input.study} {input.life} -o {output.cases} {output.summary} > {log} 2>&1"
+        "bearingwear tables {input.study} {input.life} {params.spread} -o {output.cases} {output.summary} > {log} 2>&1"
 
 
 # Cases solved in time beside the steady ones, as CSV and Markdown.

@@ -1,0 +1,126 @@
+"""How sure a life is: what a study of uncertainty found for the bearing that the life is of."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.variables import COUNTS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+KIND = "uncertainty"
+PLACES = (Path("design/uncertainty.nc"), Path("uncertainty.nc"))
+"""Where it lies beside the results of its scene, and beside those of the design study."""
+
+GIVEN, RECOMMENDED = 0, 1
+"""Indices along `at`: the scene's own preload, and the recommended one."""
+
+CONFIDENCE = 0.95
+"""Of the intervals of quantiles and Sobol indices."""
+
+NO_SPREAD = "no spread computed"
+SEE = "see `snakemake -j2 design`, which needs `uncertainty` in the scene"
+SPREAD_TEXT = (
+    "Spread: L10 is the life that 10 % of bearings do not reach, L50 the one that half of them do "
+    f"not, with all that the scene calls uncertain; in brackets their {100 * CONFIDENCE:g} % "
+    "confidence intervals, by the size of the sample."
+)
+
+
+class Quantile(NamedTuple):
+    """A quantile of the life, and the ends of its confidence interval [h]."""
+
+    name: str  # L10: the life that 10 % of bearings do not reach
+    hours: float
+    low: float
+    high: float
+
+    @property
+    def text(self) -> str:
+        """`L10 1.2 h [1.1, 1.3]`."""
+        return f"{self.name} {self.hours:.3g} h [{self.low:.3g}, {self.high:.3g}]"
+
+
+Spread = dict[str, tuple[Quantile, ...]]
+"""L10 and L50 by each way of counting wear."""
+
+
+def uncertainty(path: str | Path) -> xr.Dataset:
+    """A file of the study of uncertainty.
+
+    Raises
+    ------
+    CaseFileError
+    """
+    found = load(path)
+    if found.attrs.get("kind") != KIND:
+        raise CaseFileError(f"{path}: not a file of the kind {KIND}")
+    return found
+
+
+def spread_of(
+    known: Iterable[xr.Dataset],
+    scene: Mapping[str, Any],
+    method: str,
+    friction: float,
+    at: int = GIVEN,
+) -> Spread | None:
+    """The spread of the life of a scene, or None where none was computed for just that one.
+
+    Parameters
+    ----------
+    known : iterable of Dataset
+        Files of the study of uncertainty.
+    scene : mapping
+        The life's, as its file states it; that of a study leaves out what is varied.
+    method, friction
+        Of the life.
+    at : int
+        The preload: the scene's own or the recommended one.
+    """
+    for dataset in known:
+        of = json.loads(dataset.attrs["scene"])
+        flags = dataset["preload_method"].attrs["flag_meanings"].split()
+        rows = [flags[int(flag)] for flag in dataset["preload_method"].values]
+        if method in rows and _point(scene, method, friction) == _point(of, method):
+            # of=0: with all that is uncertain
+            one = dataset.isel(preload_method=rows.index(method), at=at, of=0)
+            return {way: _quantiles(one.isel(counts=k)) for k, way in enumerate(COUNTS)}
+    return None
+
+
+def spread_text(quantiles: Iterable[Quantile]) -> str:
+    """L10 and L50 on a line, or that there are none."""
+    return "; ".join(one.text for one in quantiles) or NO_SPREAD
+
+
+def _point(scene: Mapping[str, Any], method: str, friction: float | None = None) -> dict[str, Any]:
+    """A scene at a method and friction, with what a study leaves out filled in.
+
+    Settings of accuracy move a life by far less than it spreads; they may differ.
+    """
+    wear = {"ball_diameter_loss_um": 0.0} | scene["wear"]
+    mu = scene["friction"]["ball_race"] if friction is None else friction
+    return {key: scene[key] for key in scene if key not in ("description", "model")} | {
+        "operation": scene["operation"] | {"preload_method": method},
+        "friction": scene["friction"] | {"ball_race": mu},
+        "wear": wear,
+    }
+
+
+def _quantiles(one: xr.Dataset) -> tuple[Quantile, ...]:
+    return tuple(
+        Quantile(
+            f"L{100.0 * float(p):.0f}",
+            *(float(one[f"life_quantile{end}"][k]) for end in ("", "_low", "_high")),
+        )
+        for k, p in enumerate(one["probability"].values)
+        if p <= 0.5 and np.isfinite(one["life_quantile"][k])
+    )
