@@ -28,7 +28,7 @@ class Choice:
 
     def reduced(self, scene: Scene) -> Scene:
         """The scene without what is not solved."""
-        return scene if self.cage or scene.cage is None else replace(scene, cage=None)
+        return scene if self.cage or scene.cage is None else scene.without_cage
 
 
 def asymmetries(scene: Scene) -> list[str]:

@@ -283,6 +283,13 @@ class Scene:
         block: Any = getattr(self, UNCERTAIN[name])
         return getattr(block[self.bearing.race_material] if name in WORN else block, name)
 
+    @property
+    def without_cage(self) -> Scene:
+        """The scene without its cage, and without the limits of its wear."""
+        end = self.wear.end_of_life
+        wear = replace(self.wear, end_of_life=end and end.without_cage)
+        return replace(self, cage=None, wear=wear)
+
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain nested data, in the order of a scene file, all defaults filled in.
 

@@ -478,9 +478,8 @@ def histories(way: WearInTime, course: CourseInTime) -> dict:
 def steady_scene(scene: Scene) -> Scene:
     """What of a scene has a steady life: thrust alone, no cage, every ball with the mean loss."""
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
-    end = (scene.wear.end_of_life or EndOfLife()).without_cage
-    wear = replace(scene.wear, ball_diameter_loss_um=(mean,), end_of_life=end)
-    return replace(thrust_alone(scene), cage=None, wear=wear)
+    reduced = thrust_alone(scene).without_cage
+    return replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
 
 
 def steady_told(scene: Scene) -> str:

@@ -183,7 +183,7 @@ def runner(scene: Scene, point: Point) -> Callable[[], dict]:
         return lambda: solve(thrust, tier).values
     if tier == "three_balls":
         return lambda: three_balls(scene)
-    trial = replace(scene, cage=None) if tier == "no_cage" else scene
+    trial = scene.without_cage if tier == "no_cage" else scene
     start, hertz = point.special.get("start"), point.special.get("hertz")
     if start is None and hertz is None:
         return lambda: solve(trial, "dynamic").values

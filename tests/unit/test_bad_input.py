@@ -370,17 +370,15 @@ def test_refuses_fidelity_that_does_not_apply(capsys):
     assert line.startswith("--set model.fidelity: ")
 
 
-@pytest.mark.parametrize(
-    "setting, key",
-    [
-        ("model.fidelity=dynamic", "--set model.fidelity"),
-        ("model.cage_results=true", "--set model.cage_results"),
-    ],
-)
-def test_life_is_not_solved_in_time(setting, key, tmp_path, capsys):
+def test_life_with_limits_of_the_cage_alone_needs_its_wear(tmp_path, capsys):
     output = tmp_path / "life.nc"
-    argv = ["life", str(SCENES / "gyro_s1.yaml"), "-o", str(output), "--set", setting]
-    assert refused(capsys, argv).startswith(f"{key}: ")
+    alone = "wear.end_of_life={pocket_clearance_mm: 0.2}"
+    argv = ["life", str(SCENES / "gyro_s1.yaml"), "-o", str(output), "--set", alone]
+    line = refused(capsys, argv)
+    assert line.startswith("--set wear.end_of_life: ") and "dynamic" in line
+    refused(capsys, [*argv, "--fidelity", "steady"])
+    rest = ["operation.shaft_speed_rpm=0", "--fidelity", "dynamic"]
+    assert "operation.shaft_speed_rpm" in refused(capsys, [*argv, *rest])
     assert not output.exists()
 
 
