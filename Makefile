@@ -5,7 +5,7 @@ JOBS ?= 2
 BIN := .venv/bin
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test test-slurm test-faults fuzz bench venv clean
+.PHONY: study test test-slurm test-faults fuzz always bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -26,12 +26,15 @@ test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not p
 
 # 100 000 steady and race-control solves and 300 short runs in time of random scenes, about an hour; exit 3 if one is wrong.
 FUZZ := steady:25000 steady_stress:35000 race_control:20000 race_control_stress:20000 dynamic:150 dynamic_stress:150
+FUZZ_FILES := $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc)
 SEED ?= 2
 fuzz: $(STAMP)
-	set -e; for f in $(FUZZ); do \
-	  $(BIN)/bearingwear extremes families $${f%:*} --scenes $${f#*:} --seed $(SEED) -o results/fuzz/$${f%:*}.nc; done
-	$(BIN)/bearingwear gather-extremes $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc) -o results/fuzz/fuzz.nc
+	$(MAKE) -j$(JOBS) $(FUZZ_FILES)
+	$(BIN)/bearingwear gather-extremes $(FUZZ_FILES) -o results/fuzz/fuzz.nc
 	$(BIN)/bearingwear tables-extremes results/fuzz/fuzz.nc -o results/fuzz/fuzz.md
+
+results/fuzz/%.nc: always
+	$(BIN)/bearingwear extremes families $* --scenes $(patsubst $*:%,%,$(filter $*:%,$(FUZZ))) --seed $(SEED) -o $@
 
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py

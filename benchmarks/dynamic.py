@@ -39,11 +39,11 @@ from bearingwear.kernels.integrators import (
 )
 from bearingwear.kernels.motion import (
     BALL,
-    agreed_equilibrium,
     ball_blocks,
     contacts_at,
-    equilibrium_with_cage,
+    equilibrium,
     friction_sums,
+    joint_equilibrium,
     motion_rates,
     race_contact_of,
     slip_of,
@@ -227,7 +227,7 @@ def loop_rates(count, times, states, run, b, dy, places):
 def loop_equilibrium(count, times, states, run, b, dy, places):
     for _ in range(count):
         for i in range(times.size):
-            equilibrium_with_cage(times[i], states[i], run, b, places)
+            equilibrium(times[i], states[i], run, b, places)
 
 
 @jit
@@ -243,7 +243,7 @@ def loop_sweep(count, y, run, b, matrix, step):
 @jit
 def loop_cage(count, y, run, b, places):
     for _ in range(count):
-        contacts_at(y, run, b, places, 1.0)
+        contacts_at(y, run, b, places)
 
 
 @jit
@@ -334,9 +334,8 @@ class Counts:
 
     def __init__(self):
         self.sweeps = self.passes = 0
-        settle = self.with_changed(quasistatic.settle, sweep=self.sweep)
         self.equilibrium = self.with_changed(
-            agreed_equilibrium, settle=settle, contacts_at=self.contacts_at
+            joint_equilibrium, sweep=self.sweep, contacts_at=self.contacts_at
         )
 
     @staticmethod

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingwear.io.keys import leaves
 from bearingwear.io.netcdf import CaseFileError
 from bearingwear.io.summary import kind_of, opened
 
@@ -62,7 +63,7 @@ def difference(
                 f"{os.fspath(second)}: given a {kinds[1]} beside a {kinds[0]}; allowed two files "
                 "of one kind"
             )
-        scenes = [dict(_flat(json.loads(getattr(file, "scene", "{}")))) for file in (a, b)]
+        scenes = [leaves(json.loads(getattr(file, "scene", "{}"))) for file in (a, b)]
         keys = _texts(*scenes)
         attributes = _texts(*({k: file.getncattr(k) for k in file.ncattrs()} for file in (a, b)))
         attributes.pop("scene", None)
@@ -90,15 +91,6 @@ def difference(
         else f"{len(keys)} keys of the scene and {len(found)} of {len(names)} variables differ"
     )
     return "\n".join(line.rstrip() for line in lines), same
-
-
-def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested data as pairs of a dotted key and a value."""
-    if not isinstance(value, dict):
-        yield path, value
-        return
-    for key, part in value.items():
-        yield from _flat(part, f"{path}.{key}" if path else key)
 
 
 def _texts(a: dict[str, Any], b: dict[str, Any]) -> dict[str, tuple[str, str]]:

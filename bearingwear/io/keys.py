@@ -1,4 +1,4 @@
-"""The table of all keys of a scene, made from the schema.
+"""The keys of a scene: the table of all, made from the schema, and their values in nested data.
 
 `python -m bearingwear.io.keys config/README.md` puts it between that file's two markers.
 """
@@ -39,6 +39,17 @@ def _rows(block: Mapping[str, Any], path: str) -> Iterator[tuple[str, ...]]:
 def scene_keys() -> list[str]:
     """Every key of a scene that takes a value of its own, `operation.preload_N`."""
     return [row[0].strip("`") for row in _rows(schema(), "") if "a block of keys" not in row[3]]
+
+
+def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    """Values of nested data by their whole keys, `operation.preload_N`."""
+    found: dict[str, Any] = {}
+    for key, value in block.items():
+        if isinstance(value, Mapping):
+            found |= leaves(value, f"{path}{key}.")
+        else:
+            found[f"{path}{key}"] = value
+    return found
 
 
 def _default(part: Mapping[str, Any], required: bool) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.io.keys import leaves
 from bearingwear.io.netcdf import SOURCE, CaseFileError, foreign, readable
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.model.accuracy import REGULARISATION
@@ -84,7 +85,7 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
 def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
     """Refuse a case of a scene that differs in what decides the state."""
     one, other = (
-        _leaves({key: part for key, part in scene.items() if key not in MAY_DIFFER})
+        leaves({key: part for key, part in scene.items() if key not in MAY_DIFFER})
         for scene in (before, now)
     )
     for key in [*other, *one]:
@@ -94,17 +95,6 @@ def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) ->
                 f"scene, {_shown(other.get(key))} (only wear, model and {REGULARISATION} may "
                 "differ)"
             )
-
-
-def _leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Values by their whole keys, `operation.preload_N`."""
-    found: dict[str, Any] = {}
-    for key, value in block.items():
-        if isinstance(value, Mapping):
-            found |= _leaves(value, f"{path}{key}.")
-        else:
-            found[f"{path}{key}"] = value
-    return found
 
 
 def _shown(value: Any) -> str:

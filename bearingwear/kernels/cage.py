@@ -269,9 +269,32 @@ def cage_contacts(cage, z, y_balls, stride, D0, D, mass, r, X1, delta, omega_i, 
         )  # fmt: skip
         # The normal turns as the ball moves across it in the pocket.
         a, nn, turning = (a0, a1, a2), (n0, n1, n2), F / offset
-        for u in range(3):
-            for v in range(3):
-                K[u, v] += turning * ((1.0 if u == v else 0.0) - a[u] * a[v] - nn[u] * nn[v])
+        # And with it the contact point, where the surfaces have other speeds: friction turns.
+        W = math.sqrt(slip * slip + cage.v_r * cage.v_r)
+        drift, lever, s = cage.mu * F / W, R_b / offset, (s0 / W, s1 / W, s2 / W)
+        # The cage against the ball at a point that moves over the ball, and at one fixed to it.
+        o0, o1, o2 = lever * (wx - w0), lever * (wy - w1), lever * (wz - w2)
+        for v in range(3):
+            e = (1.0 if v == 0 else 0.0, 1.0 if v == 1 else 0.0, 1.0 if v == 2 else 0.0)
+            t = (
+                e[0] - a0 * a[v] - n0 * nn[v],
+                e[1] - a1 * a[v] - n1 * nn[v],
+                e[2] - a2 * a[v] - n2 * nn[v],
+            )
+            c0, c1, c2 = cross(o0, o1, o2, t[0], t[1], t[2])
+            u0, u1, u2 = cross(wx, wy, wz, e[0], e[1], e[2])
+            # Less what is normal, which turns with the place.
+            c0, c1, c2 = c0 + u0, c1 + u1, c2 + u2
+            back = c0 * n0 + c1 * n1 + c2 * n2 + (s0 * t[0] + s1 * t[1] + s2 * t[2]) / offset
+            ahead = closing / offset
+            c = (
+                c0 + ahead * t[0] - back * n0,
+                c1 + ahead * t[1] - back * n1,
+                c2 + ahead * t[2] - back * n2,
+            )
+            along = c[0] * s[0] + c[1] * s[1] + c[2] * s[2]
+            for u in range(3):
+                K[u, v] += turning * t[u] - drift * (c[u] - along * s[u])
         C[1, 1] += c_n * cp * cp
         C[1, 2] += c_n * cp * sp
         C[2, 1] += c_n * cp * sp

@@ -20,7 +20,13 @@ import numpy as np
 from bearingwear.kernels.cage import CAGE, angular_velocity, turn
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.coupling import System, add_cage_powers, factorise, solve, system
-from bearingwear.kernels.motion import BALL, ball_blocks, motion_rates
+from bearingwear.kernels.motion import (
+    BALL,
+    ball_blocks,
+    keep_places,
+    motion_rates,
+    restore_places,
+)
 from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 
 ROSENBROCK, RUNGE_KUTTA = 0, 1
@@ -82,6 +88,8 @@ class Stages(NamedTuple):
     error: np.ndarray  # (size,)
     before: np.ndarray  # (3 n + 2,) see `contacts_now`, at both ends of a step
     after: np.ndarray  # (3 n + 2,)
+    kept: np.ndarray  # (10 n + 11,) see motion.keep_places
+    hertz: np.ndarray  # (n, 2, 2) see `stiffened`
     system: System
 
 
@@ -90,7 +98,8 @@ def stages(n, size):
     """Buffers for n balls and states of so many numbers in all."""
     return Stages(
         np.zeros((6, size)), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size),
-        np.zeros(3 * n + 2), np.zeros(3 * n + 2), system(n),
+        np.zeros(3 * n + 2), np.zeros(3 * n + 2), np.zeros(10 * n + 11),
+        np.zeros((n, 2, 2)), system(n),
     )  # fmt: skip
 
 
@@ -251,6 +260,28 @@ def contacts_now(run, b, places, touch):
 
 
 @jit
+def stiffened(b, last):
+    """Elastic energy that came with Hertz factors alone since the last call [J].
+
+    The contact force is that of a factor which stands still: as the contact angle changes, the
+    energy 2/5 K d^(5/2) changes by more than the work of the force.
+
+    Parameters
+    ----------
+    last : ndarray (n, 2, 2)
+        K and 2/5 d^(5/2) of the last call [N/m^1.5, m^2.5]; replaced.
+    """
+    total = 0.0
+    for j in range(b.r.size):
+        for k in range(2):
+            K = b.s.factors[j, k, 0]
+            depth = 0.4 * (b.s.Q[j, k] / K) ** (5.0 / 3.0)
+            total += 0.5 * (depth + last[j, k, 1]) * (K - last[j, k, 0])
+            last[j, k, 0], last[j, k, 1] = K, depth
+    return total
+
+
+@jit
 def event_in(before, after, n, depth):
     """Events between two instants, and where in between the first deep contact is made.
 
@@ -297,6 +328,8 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
     located = False
     depth = EVENT_DEPTH * min(run.cage.ramp_pocket, run.cage.ramp_land)
     most = MOST_STEPS * max(1.0, (end - time) / longest)
+    keep_places(b, w.kept)
+    stiffened(b, w.hertz)
     while status == OK and time < end:
         if accepted + rejected > most:
             status = TOO_STIFF
@@ -325,8 +358,10 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
         if error <= 1.0 and trial == OK and (located or fraction == 1.0):
             time = now
             y[:] = w.new
+            y[places.hertz] += stiffened(b, w.hertz)
             rebase(y, run, b, places, w.f)
             w.before[:] = w.after
+            keep_places(b, w.kept)
             accepted += 1
             events += count
             located = False
@@ -341,7 +376,11 @@ def advance(method, time, end, y, run, b, places, w, tolerance, h, longest):
                 shrunk = 0.25 if trial != OK else max(0.2, 0.9 * error ** (-1.0 / order))
                 h = shrunk * step
             if not h > 1e-15 * max(end, 1e-9) or math.isnan(error):
-                status = NOT_CONVERGED if trial == OK else trial
+                if trial == OK:
+                    trial = NOT_CONVERGED if math.isnan(error) else TOO_STIFF
+                status = trial
                 break
+            # A step that failed leaves places that mislead.
+            restore_places(b, w.kept)
             status = motion_rates(time, y, run, b, w.f, places)
     return Tally(status, time, h, accepted, rejected, evaluations, events)

@@ -24,13 +24,13 @@ from bearingwear.kernels.cage import (
 from bearingwear.kernels.compile import REORDER_SUMS, jit
 from bearingwear.kernels.contact import slip_map, traction_slope
 from bearingwear.kernels.ellipse import Rule, most_points, place
+from bearingwear.kernels.linear import solve_in_place
 from bearingwear.kernels.params import Contact, Geometry, Motion
-from bearingwear.kernels.quasistatic import Suspension, settle, suspension
-from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.quasistatic import Suspension, move, settle, suspension, sweep
+from bearingwear.kernels.status import BEYOND_GROOVE, NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
 from bearingwear.kernels.steady import LARGEST_AXIS, drag_force
 
-# Shares of a step by turns: short ones past an edge of the contact law, whole ones to converge.
-SHORTER = (0.5, 0.5, 1.0, 1.0, 0.2, 0.2, 1.0, 1.0)
+MOST_TRIALS = 200  # of an equilibrium with a cage, which usually takes three
 BALL = 5  # states of a ball: w_x, w_y, w_z, Omega, psi
 
 
@@ -107,6 +107,7 @@ class Account(NamedTuple):
     turning: int  # sum of m r^2 2 Omega dOmega/dt, for the Coriolis term [J]
     azimuth: int  # sum of Omega dU/dpsi: the circumferential force left out [J]
     load: int  # delta . dF/dt of the loads that change [J]
+    hertz: int  # elastic energy from Hertz factors that change with the contact angle [J]
     cage_heat: int  # friction heat of pockets and land [J]
     damping: int  # of pockets and land [J]
     pocket_torque: int  # angular impulse of the pockets on the cage [N m s]
@@ -123,7 +124,7 @@ def account(n, with_cage):
     i = pockets + n
     return Account(
         cage, qv, pockets, i, i + 1, i + 2, i + 3, i + 4, i + 5, i + 6, i + 7, i + 8, i + 9,
-        i + 10, i + 11,
+        i + 10, i + 11, i + 12,
     )  # fmt: skip
 
 
@@ -135,7 +136,7 @@ class Buffers(NamedTuple):
     extra: np.ndarray  # (n, 8) the cage's forces on each ball, see quasistatic.settle
     land: np.ndarray  # (8,) and those of an inner land on the race
     r: np.ndarray  # (n,) orbit radii [m]
-    axial: np.ndarray  # (n,) axial places of the balls at which the cage's contacts were found [m]
+    axial: np.ndarray  # (n,) and axial places of the balls [m]
     f: np.ndarray  # (6,) force and moment on the cage
     rest: np.ndarray  # (3,) displacement of the race at rest, a safe start [m]
     cage: CageBuffers
@@ -175,13 +176,12 @@ def slip_of(contact, w_x, w_y, w_z, Omega, r):
 
 
 @jit
-def contacts_at(y, run, b, places, share):
-    """Cage contacts with every ball at a share of its way from where they were last found."""
+def contacts_at(y, run, b, places):
+    """Cage contacts where the balls and the race are now."""
     g, s, m = run.g, b.s, run.motion
     for j in range(run.D.size):
-        x = b.extra[j]
-        b.axial[j] = x[2] + share * (s.X[j, 0] - x[2])
-        b.r[j] = g.R_o + x[3] + share * (s.X[j, 1] - x[3])
+        b.axial[j] = s.X[j, 0]
+        b.r[j] = g.R_o + s.X[j, 1]
     z = y[places.cage : places.cage + CAGE]
     f = cage_contacts(
         run.cage, z, y, BALL, g.D0, run.D, run.mass, b.r, b.axial, s.delta, m.omega_i, m.omega_o,
@@ -192,87 +192,167 @@ def contacts_at(y, run, b, places, share):
 
 
 @jit
-def agreed_equilibrium(time, y, run, b, places):
+def lines_here(psi, run, b):
+    """Straight lines of the cage's forces on balls and inner race, about their present places."""
+    s, n = b.s, run.D.size
+    force = b.cage.race_force
+    if run.cage.land == INNER_LAND:
+        x = b.land
+        x[0], x[1], x[2], x[3] = force[0], force[1], s.delta[1], s.delta[2]
+        x[4:] = 0.0
+        for k in range(n, n + 2):
+            if b.cage.normal[k] > 0.0:
+                for i in range(2):
+                    x[4 + i] += b.cage.K[k, 1, 1 + i]
+                    x[6 + i] += b.cage.K[k, 2, 1 + i]
+    for j in range(n):
+        x, K = b.extra[j], b.cage.K[j]
+        x[0], x[1] = b.cage.ball_force[j, 0], b.cage.ball_force[j, 2]
+        x[2], x[3] = s.X[j, 0], s.X[j, 1]
+        if b.cage.normal[j] > 0.0:
+            sp, cp = math.sin(psi[j]), math.cos(psi[j])
+            x[4] = K[0, 0]
+            x[5] = K[0, 2] * cp - K[0, 1] * sp
+            x[6] = K[2, 0] * cp - K[1, 0] * sp
+            x[7] = K[1, 1] * sp * sp - (K[1, 2] + K[2, 1]) * sp * cp + K[2, 2] * cp * cp
+        else:
+            x[4] = x[5] = x[6] = x[7] = 0.0
+
+
+@jit
+def unbalanced(Omega, psi, run, b):
+    """Force on balls and race that nothing balances, and the largest load that bears on it.
+
+    For contacts found by `sweep` and forces of the cage by `lines_here` at the same places.
+
+    Returns
+    -------
+    left, load : float
+        Root of the sum of squares [N], largest load of a ball on its outer race [N].
+    """
+    s = b.s
+    f0, f1, f2 = b.F[0], b.F[1] + b.land[0], b.F[2] + b.land[1]
+    total = load = 0.0
+    for j in range(psi.size):
+        d, x = s.direction[j], b.extra[j]
+        axial, radial = s.Q[j, 0] * d[0], s.Q[j, 0] * d[1]
+        total += (axial - s.Q[j, 1] * d[2] + x[0]) ** 2
+        centrifugal = run.mass[j] * (run.g.R_o + s.X[j, 1]) * Omega[j] ** 2
+        total += (radial - s.Q[j, 1] * d[3] + x[1] + centrifugal) ** 2
+        load = max(load, s.Q[j, 1])
+        f0 -= axial
+        f1 += radial * math.sin(psi[j])
+        f2 -= radial * math.cos(psi[j])
+    if run.first == 0:
+        total += f0 * f0
+    return math.sqrt(total + f1 * f1 + f2 * f2), load
+
+
+@jit
+def free_equilibrium(time, y, run, b):
+    """Ball centres and race from the last answer on, forces of the cage as the lines say."""
+    load_at(run, time, b.F)
+    n = run.D.size
+    status = settle(
+        run.g, run.D, run.mass, run.hertz, y[3 : BALL * n : BALL], y[4 : BALL * n : BALL],
+        b.extra, b.land, b.F, run.tilt, run.first, b.s,
+    )  # fmt: skip
+    if status == OK:
+        for j in range(n):
+            b.r[j] = run.g.R_o + b.s.X[j, 1]
+    return status
+
+
+@jit
+def joint_equilibrium(time, y, run, b, places):
     """Ball centres, race and cage contacts that agree with each other, from the last answer on.
 
-    Pocket forces enter the balls' equilibrium as straight lines about the place where they were
-    found; it is sought anew until the lines say what is there. Where a contact closes and opens in
-    turn the steps are shortened.
+    Newton for all at once; a step is shortened until it leaves less force unbalanced, for the
+    edges of the contact law where pockets open and close.
     """
-    g, s = run.g, b.s
-    n = run.D.size
+    g, s, n = run.g, b.s, run.D.size
     Omega, psi = y[3 : BALL * n : BALL], y[4 : BALL * n : BALL]
-    for attempt in range(40):
-        load_at(run, time, b.F)
-        status = settle(
-            g, run.D, run.mass, run.hertz, Omega, psi, b.extra, b.land, b.F, run.tilt, run.first, s
-        )
-        if status != OK:
-            return status
-        if not run.cage.present:
-            for j in range(n):
-                b.r[j] = g.R_o + s.X[j, 1]
+    free = 3 - run.first
+    matrix, step = np.empty((3, 3)), np.empty(3)
+    X, delta = s.X.copy(), s.delta.copy()
+    dX, d_delta = np.zeros((n, 2)), np.zeros(3)
+    size, largest, share, done = math.inf, 0.0, 1.0, False
+    load_at(run, time, b.F)
+    for _ in range(MOST_TRIALS):
+        contacts_at(y, run, b, places)
+        lines_here(psi, run, b)
+        regular = sweep(
+            g, run.D, run.mass, run.hertz, Omega, psi, b.extra, b.land, b.F, run.tilt, run.first,
+            s, matrix, step,
+        )  # fmt: skip
+        if done:
             return OK
-        contacts_at(y, run, b, places, 1.0)
-        x, force = b.land, b.cage.race_force
-        e1, e2 = s.delta[1] - x[2], s.delta[2] - x[3]
-        change = max(
-            abs(force[0] - x[0] + x[4] * e1 + x[5] * e2),
-            abs(force[1] - x[1] + x[6] * e1 + x[7] * e2),
-        )
-        largest = contact = 0.0
-        for j in range(n):
-            # What the last straight line said of this place, against what is there.
-            x = b.extra[j]
-            e1, e2 = s.X[j, 0] - x[2], s.X[j, 1] - x[3]
-            axial, radial = b.cage.ball_force[j, 0], b.cage.ball_force[j, 2]
-            change = max(change, abs(axial - x[0] + x[4] * e1 + x[5] * e2))
-            change = max(change, abs(radial - x[1] + x[6] * e1 + x[7] * e2))
-            contact = max(contact, s.Q[j, 1])
-            largest = max(largest, b.cage.normal[j])
-        largest = max(largest, b.cage.normal[n], b.cage.normal[n + 1])
-        # What rounding leaves of the ball centres shows in the pockets' forces.
-        agreed = change <= 1e-5 * largest + 1e-8 * contact
-        if not agreed and attempt >= 4:
-            share = SHORTER[attempt % 8]
-            if share < 1.0:
-                contacts_at(y, run, b, places, share)
-        if run.cage.land == INNER_LAND:
-            x = b.land
-            x[0], x[1], x[2], x[3] = force[0], force[1], s.delta[1], s.delta[2]
-            x[4:] = 0.0
-            for k in range(n, n + 2):
-                if b.cage.normal[k] > 0.0:
-                    for i in range(2):
-                        x[4 + i] += b.cage.K[k, 1, 1 + i]
-                        x[6 + i] += b.cage.K[k, 2, 1 + i]
-        for j in range(n):
-            x, K = b.extra[j], b.cage.K[j]
-            x[0], x[1] = b.cage.ball_force[j, 0], b.cage.ball_force[j, 2]
-            x[2], x[3] = b.axial[j], b.r[j] - g.R_o
-            if b.cage.normal[j] > 0.0:
-                sp, cp = math.sin(psi[j]), math.cos(psi[j])
-                x[4] = K[0, 0]
-                x[5] = K[0, 2] * cp - K[0, 1] * sp
-                x[6] = K[2, 0] * cp - K[1, 0] * sp
-                x[7] = K[1, 1] * sp * sp - (K[1, 2] + K[2, 1]) * sp * cp + K[2, 2] * cp * cp
-            else:
-                x[4] = x[5] = x[6] = x[7] = 0.0
-        if agreed:
-            return OK
+        left, load = unbalanced(Omega, psi, run, b)
+        if left < size:
+            if not (regular and solve_in_place(matrix, step, free)):
+                return NOT_CONVERGED
+            size = left
+            X[:, :], delta[:] = s.X, s.delta
+            largest = move(psi, run.first, step, s)
+            dX[:, :] = s.X - X
+            d_delta[:] = s.delta - delta
+            share = min(1.0, 0.3 * g.BD / largest) if largest > 0.0 else 1.0
+            done = largest <= 1e-10 * g.BD
+        else:
+            share *= 0.5
+            if share * largest <= 1e-15 * g.BD:
+                # Rounding allows no more, or there is no way down.
+                if size > 1e-7 * load:
+                    return NOT_CONVERGED
+                share, done = 0.0, True
+        s.X[:, :] = X + share * dX
+        s.delta[:] = delta + share * d_delta
     return NOT_CONVERGED
 
 
 @jit
-def equilibrium_with_cage(time, y, run, b, places):
-    """As agreed_equilibrium, and once more from nothing where the last answer misleads."""
-    status = agreed_equilibrium(time, y, run, b, places)
+def keep_places(b, kept):
+    """Copy where balls, race and cage contacts were found into `kept` (10 n + 11,)."""
+    s, n = b.s, b.r.size
+    for j in range(n):
+        kept[10 * j : 10 * j + 2] = s.X[j]
+        kept[10 * j + 2 : 10 * j + 10] = b.extra[j]
+    kept[10 * n : 10 * n + 3] = s.delta
+    kept[10 * n + 3 :] = b.land
+
+
+@jit
+def restore_places(b, kept):
+    """The opposite of `keep_places`: the next equilibrium starts there."""
+    s, n = b.s, b.r.size
+    for j in range(n):
+        s.X[j] = kept[10 * j : 10 * j + 2]
+        b.extra[j] = kept[10 * j + 2 : 10 * j + 10]
+    s.delta[:] = kept[10 * n : 10 * n + 3]
+    b.land[:] = kept[10 * n + 3 :]
+    s.factors[:, :, 2] = 0.0  # known
+
+
+@jit
+def equilibrium(time, y, run, b, places):
+    """Places of balls, race and cage contacts, from the last answer on.
+
+    From nothing, and at first without the cage, where that fails.
+    """
+    if not run.cage.present:
+        status = free_equilibrium(time, y, run, b)
+    elif math.isnan(b.s.factors[0, 0, 2]):
+        status = NOT_CONVERGED  # there is no last answer
+    else:
+        status = joint_equilibrium(time, y, run, b, places)
     if status != OK:
         b.extra[:, :] = 0.0
         b.land[:] = 0.0
         b.s.factors[:, :, :] = math.nan
         b.s.delta[:] = b.rest
-        status = agreed_equilibrium(time, y, run, b, places)
+        status = free_equilibrium(time, y, run, b)
+        if status == OK and run.cage.present:
+            status = joint_equilibrium(time, y, run, b, places)
     return status
 
 
@@ -298,7 +378,7 @@ def motion_rates(time, y, run, b, dy, places):
     g, m, s, rule = run.g, run.motion, b.s, run.rule
     n = run.D.size
     psi = y[4 : BALL * n : BALL]
-    status = equilibrium_with_cage(time, y, run, b, places)
+    status = equilibrium(time, y, run, b, places)
     if status != OK:
         return status
     p = places
@@ -317,6 +397,8 @@ def motion_rates(time, y, run, b, dy, places):
                 continue
             if contact.a >= LARGEST_AXIS * R:
                 return OUTSIDE_HERTZ_RANGE
+            if contact.cos_a < 0.0:
+                return BEYOND_GROOVE
             c = slip_of(contact, w_x, w_y, w_z, W, r)
             if rule.split:
                 t, weight = place(rule, contact, R, c, m.v_r, b.t, b.weight)
@@ -364,6 +446,7 @@ def motion_rates(time, y, run, b, dy, places):
     dy[p.drag] = drag
     dy[p.turning] = turning
     dy[p.azimuth] = azimuth
+    dy[p.hertz] = 0.0  # see integrators.stiffened
     theta, rate = m.omega_i * time, m.omega_i * run.F_rot
     dy[p.load] = -rate * (s.delta[1] * math.cos(theta) + s.delta[2] * math.sin(theta))
     return OK

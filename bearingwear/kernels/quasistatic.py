@@ -114,7 +114,7 @@ def sweep(g, D, mass, hertz, Omega, psi, extra, land, F, tilt, first, s, matrix,
         r2 += mass[j] * (g.R_o + X2) * Omega[j] ** 2
         k11, k12, k21, k22 = i11 + o11 + x[4], i12 + o12 + x[5], i12 + o12 + x[6], i22 + o22 + x[7]
         det = k11 * k22 - k12 * k21
-        if not det > 0.0:
+        if not abs(det) > 0.0:  # below 0 where friction in a pocket is stronger than the races
             return False
         # The ball's step is dX = e[0:2] + e[2:6] dA, dA = (axial, radial) of the groove centres.
         e = s.elimination[j]

@@ -14,6 +14,7 @@ BELOW_ROUNDING = 10
 NO_RACE_CONTROL = 11
 RACE_UNSEATED = 12
 TOO_STIFF = 13
+CAGE_JAMMED = 14
 
 STATUS_NAMES = (
     "ok",
@@ -30,12 +31,14 @@ STATUS_NAMES = (
     "no_race_control",
     "race_unseated",
     "too_stiff",
+    "cage_jammed",
 )
 
 STATUS_SENTENCES = {
     "ok": "solved and verified",
     "not_converged": "the iteration did not converge; no number of this case may be used",
-    "contact_lost": "centrifugal force lifts a ball off the inner race",
+    "contact_lost": "centrifugal force lifts a ball off the inner race, or so nearly that no state "
+    "was found",
     "no_steady_state": "no stable steady state was found: the balls do not settle",
     "preload_gone": "wear or load has taken the preload: a ball carries no load at all",
     "undetermined": "without friction the ball's rotation is undetermined",
@@ -51,4 +54,7 @@ STATUS_SENTENCES = {
     "does not seat it on the others",
     "too_stiff": "the motion asks for far more steps than its turns are worth; no average was "
     "found",
+    "cage_jammed": "balls and race have places, but none in which the cage fits too: it has no "
+    "room, or friction in a pocket holds a ball that only inertia across its orbit would free, "
+    "which is not modelled",
 }

@@ -8,13 +8,16 @@ import numpy as np
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.kinematics import rolling_orbit
-from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, OK, UNVERIFIED
+from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, NOT_CONVERGED, OK, UNVERIFIED
 from bearingwear.kernels.steady import full_jacobian, rounding, steady_state, workspace
 from bearingwear.kernels.summary import COLUMNS, SPIN, contact_summary
 from bearingwear.kernels.verification import friction_check, polygon_residual
 
 LARGEST_RESIDUAL = 1e-9  # of the friction forces, of the contact load and of the shaft power
 MOST_ROUNDING = 1e-5  # of these that the last bit of the speeds may amount to instead
+
+ROUNDING_MARGIN = 10.0  # by which its estimate may be too low, for the name of a refusal
+ALL_BUT_LOST = 1e-3  # of the outer load: friction on such an inner load hardly moves the ball
 
 OUTER_SPIN, INNER_SPIN, SHARED_SPIN, SKIDDING = range(4)
 BRANCH_NAMES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
@@ -90,12 +93,12 @@ def passes(found, rounding, most):
 
 
 @jit
-def all_pass(check, most):
-    """Whether all checks of a state pass."""
+def all_pass(check, most, margin):
+    """Whether all checks of a state pass, rounding counted so many times over."""
     return (
-        passes(check.equilibrium, check.equilibrium_rounding, most)
-        and passes(check.friction, check.friction_rounding, most)
-        and passes(check.power, check.power_rounding, most)
+        passes(check.equilibrium, margin * check.equilibrium_rounding, most)
+        and passes(check.friction, margin * check.friction_rounding, most)
+        and passes(check.power, margin * check.power_rounding, most)
     )
 
 
@@ -129,6 +132,8 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
     state = s.state
     r = g.R_o + state.X2
     status = s.status
+    if status == NOT_CONVERGED and state.Q_i < ALL_BUT_LOST * state.Q_o:
+        status = CONTACT_LOST
     if status != OK:
         work.jacobian[:, :] = np.nan
         nan = math.nan
@@ -154,9 +159,9 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
         share,
         watts / scale,
     )
-    if not all_pass(check, MOST_ROUNDING):
+    if not all_pass(check, MOST_ROUNDING, 1.0):
         status = UNVERIFIED
-        if all_pass(check, math.inf):
+        if all_pass(check, math.inf, ROUNDING_MARGIN):
             # Explained by rounding: of a load that is all but gone, or of the slip.
             gone = check.equilibrium_rounding > 0.5 * check.friction_rounding
             status = CONTACT_LOST if gone else BELOW_ROUNDING

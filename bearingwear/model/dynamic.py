@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.cage import (
@@ -26,6 +27,8 @@ from bearingwear.kernels.motion import (
     Run,
     account,
     buffers,
+    contacts_at,
+    free_equilibrium,
     load_at,
     motion_rates,
 )
@@ -33,6 +36,7 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.race import ROW, race_equilibrium, stored_state
 from bearingwear.model import parameters
 from bearingwear.model.impact import land_damping, pocket_damping
+from bearingwear.model.race_control import unseated
 from bearingwear.model.scene import Scene
 
 HERTZ_INTERVALS = 64
@@ -201,17 +205,34 @@ class Motion:
         """The cage about to be towed: every ball in the middle of its pocket, the cage slower.
 
         Its centre hangs below the axis by half of its clearance. A cage that floats in the middle
-        and turns with the balls would touch nothing, ever.
+        and turns with the balls would touch nothing, ever. Where that place squeezes it, because
+        load or tilt moves the balls out of their plane, it starts where it is squeezed least.
         """
-        p = self.places
-        self.rates()  # finds where the balls are
+        p, b, run = self.places, self.buffers, self.run
+        free_equilibrium(self.time, self.y, run, b)
         z = self.y[p.cage : p.cage + CAGE]
         z[:] = 0.0
-        cage = self.run.cage
+        cage = run.cage
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
-        z[0] = self.buffers.s.X[:, 0].mean()
+        z[0] = b.s.X[:, 0].mean()
         z[2] = -0.5 * room
-        z[9] = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, 3].mean()
+        if cage.land == INNER_LAND:
+            z[1:3] += b.s.delta[1:]
+        pose = np.array([0, 1, 2, 6, 7, 8])
+        middle = z[pose]
+
+        def squeezed(shift: np.ndarray) -> float:
+            z[pose] = middle + shift * scale
+            contacts_at(self.y, run, b, p)
+            return float(b.cage.sums[ELASTIC])
+
+        scale = np.zeros(6)
+        energy = squeezed(scale)
+        if energy > 0.0:
+            scale[:] = b.cage.approach.max()
+            scale[3:] /= cage.radius
+            squeezed(minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x)
+        z[9:] = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, 3].mean() * b.cage.R[:, 0]
 
     @property
     def turn(self) -> float:
@@ -234,26 +255,30 @@ class Motion:
         """Equilibrium at this instant; the status of the attempt."""
         return motion_rates(self.time, self.y, self.run, self.buffers, self.dy, self.places)
 
-    def why(self) -> int:
-        """Status that names why no equilibrium was found, from the last state that had one.
+    def why(self, status: int) -> int:
+        """The status; where it gives no reason, one that does, if there is one.
 
-        Balls and race alone, without the cage, from a safe start.
+        From the last state that had an equilibrium: balls and race alone, without the cage, from a
+        safe start.
         """
+        if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
+            return status
         run, b, n = self.run, self.buffers, len(self.run.D)
         Omega, psi = self.balls[:, 3].copy(), self.balls[:, 4].copy()
         loads = np.zeros((n, 6))
         loads[:, 0], loads[:, 1] = ORBIT, Omega
         load_at(run, self.time, b.F)
         rows, delta = np.empty((n, ROW)), b.rest.copy()
-        status, *_ = race_equilibrium(
+        alone, *_ = race_equilibrium(
             run.g, run.D, loads, psi, b.F, run.tilt, run.first, delta, rows
         )
-        if status not in (code.OK, code.NOT_CONVERGED):
-            return int(status)
-        states = [stored_state(row) for row in rows]
-        if any(not (s.Q_i > 0.0 and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states):
+        if alone not in (code.OK, code.NOT_CONVERGED):
+            return int(alone)
+        if unseated([stored_state(row) for row in rows]):
             return code.RACE_UNSEATED
-        return code.NOT_CONVERGED
+        if status == code.NOT_CONVERGED and alone == code.OK and run.cage.present:
+            return code.CAGE_JAMMED
+        return status
 
     def opened(self) -> tuple[float, np.ndarray, dict[str, float], float]:
         """Time, integrals, energies and the cage's angular momentum now."""
@@ -343,6 +368,7 @@ class Motion:
             "elastic": 0.4 * (s.factors[:, :, 0] * d**2.5).sum() + cage.sums[ELASTIC],
             "coriolis": -(orbit.sum() - y[p.turning]),
             "azimuth": -y[p.azimuth],
+            "hertz": -y[p.hertz],
         }
 
     def _held(self) -> np.ndarray:

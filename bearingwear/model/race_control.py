@@ -25,6 +25,8 @@ from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values, wear_values
 
+LIGHT_LOAD = 0.01  # of the largest load of a ball: so lightly seated are balls almost off
+
 
 @dataclass(frozen=True)
 class Balance:
@@ -115,10 +117,7 @@ class RaceControlProblem:
         m, alpha0 = self.motion, self.g.alpha0
         k = race_control(OUTER_CONTROL, m.omega_i, m.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0)
         without = self.balance(np.full(len(self.D), ORBIT), k.Omega)
-        if without.status == code.NOT_CONVERGED and any(
-            not (state.Q_i > 0.0 and 0.0 < state.alpha_i < 0.5 * math.pi)
-            for state in without.states
-        ):
+        if without.status == code.NOT_CONVERGED and unseated(without.states):
             return code.RACE_UNSEATED
         return code.NO_RACE_CONTROL if without.status == code.OK else without.status
 
@@ -130,6 +129,12 @@ class RaceControlProblem:
             [axial.sum(), -(radial * np.sin(self.psi)).sum(), (radial * np.cos(self.psi)).sum()]
         )
         return float(np.abs(sums - self.F)[0 if self.constant_force else 1 :].max())
+
+
+def unseated(states: list[BallState]) -> bool:
+    """Whether the inner race has come off a ball, or nearly so."""
+    light = LIGHT_LOAD * max(s.Q_i for s in states)
+    return any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states)
 
 
 def outer_controls(state: BallState) -> bool:

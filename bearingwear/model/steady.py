@@ -20,7 +20,7 @@ from bearingwear.model.values import contact_values, wear_values
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
-UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED)
+UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED, code.CONTACT_LOST)
 SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
 
@@ -130,14 +130,18 @@ class ThrustProblem:
                 self.g, D, self.motion, self.motion.v_r, self.preload, delta_a, state, u,
                 self.rule, work, 1e-9, 300,
             )  # fmt: skip
-            scale = np.abs(u).max()
-            if status == code.OK and all(
-                np.abs(u - other.u).max() > SAME_STATE * scale for other in found
-            ):
+            # Newton may go on from a state that had not settled to one that is known.
+            if status == code.OK and is_new(u, found):
                 other = self.solve(D, start=u)
-                if other.status == code.OK:
+                if other.status == code.OK and is_new(other.u, found):
                     found.append(other)
         return found[1:]
+
+
+def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
+    """Whether a motion (4,) is none of the states found."""
+    near = SAME_STATE * np.abs(u).max()
+    return all(np.abs(u - case.u).max() > near for case in found)
 
 
 def solve_steady(scene: Scene) -> tuple[dict, dict]:

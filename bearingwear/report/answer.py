@@ -9,7 +9,7 @@ import xarray as xr
 
 from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
-from bearingwear.report.drawing import in_words, methods, mu_is, scene_of
+from bearingwear.report.drawing import in_words, methods, mu_is, percent_in_text, scene_of
 
 ENDS = {  # words for a criterion, and by how much its limit in the scene is multiplied
     "preload_fraction": ("preload down to {:g}\N{NO-BREAK SPACE}%", 100.0),
@@ -161,7 +161,7 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
 
 def _margin(ratio: float) -> str:
     if ratio < 1.1:
-        return f"by {_percent(ratio - 1.0)}"
+        return f"by {percent_in_text(ratio - 1.0)}"
     return f"{ratio:.2g} times as long"
 
 
@@ -176,7 +176,7 @@ def _how_long(lives: Sequence[Life]) -> list[str]:
     errors = [life.error for life in lives if math.isfinite(life.error)]
     return [
         _sentence("; ".join(said) + spread),
-        *([f"Numerical error: {_percent(max(errors))} at most."] if errors else []),
+        *([f"Numerical error: {percent_in_text(max(errors))} at most."] if errors else []),
     ]
 
 
@@ -217,11 +217,7 @@ def _row(life: Life, lives: Sequence[Life]) -> dict[str, str]:
         row[f"life, {words}"] = _hours([life.hours[way]])
         if len({one.scene for one in lives}) > 1:
             row[f"{words}, all bearings"] = _hours([one.hours[way] for one in twins])
-    return row | {"numerical error": _percent(life.error), "ended by": life.end}
-
-
-def _percent(value: float) -> str:
-    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if math.isfinite(value) else "–"
+    return row | {"numerical error": percent_in_text(life.error), "ended by": life.end}
 
 
 def _hours(values: Iterable[float]) -> str:

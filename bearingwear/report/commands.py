@@ -11,9 +11,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bearingwear.study.sweeps import TradePlan
-
-
 PLAN = Path("config/tradeoff.yaml")
 
 
@@ -285,8 +282,9 @@ def _trade_figure(given: argparse.Namespace) -> int:
 def _trade_tables(given: argparse.Namespace) -> int:
     from bearingwear.io.whole import write_text
     from bearingwear.report.trade_table import markdown, write_points
+    from bearingwear.study.sweeps import TradePlan
 
-    trade, plan = _loaded(given.trade, point=()), _plan(given.plan)
+    trade, plan = _loaded(given.trade, point=()), TradePlan.from_file(given.plan)
     everything, summary = given.output
     write_points(trade, everything)
     write_text(summary, markdown(trade, plan))
@@ -295,8 +293,9 @@ def _trade_tables(given: argparse.Namespace) -> int:
 
 def _trade_docs(given: argparse.Namespace) -> int:
     from bearingwear.report.trade_table import block, differences, write_block
+    from bearingwear.study.sweeps import TradePlan
 
-    trade, plan = _loaded(given.trade, point=()), _plan(given.plan)
+    trade, plan = _loaded(given.trade, point=()), TradePlan.from_file(given.plan)
     if not given.check:
         write_block(block(trade, plan), given.docs)
         return 0
@@ -308,11 +307,10 @@ def _trade_docs(given: argparse.Namespace) -> int:
 
 
 def _extremes_figure(given: argparse.Namespace) -> int:
-    from bearingwear.io.netcdf import load
     from bearingwear.report.drawing import save
     from bearingwear.report.extremes import figure_of
 
-    save(figure_of(load(given.file)), given.output)
+    save(figure_of(given.file), given.output)
     return 0
 
 
@@ -325,16 +323,6 @@ def _extremes_table(given: argparse.Namespace) -> int:
         first = next(text for text in counts["first_wrong"].values if text)
         sys.stderr.write(f"{given.counts}: {wrong} wrong, the first: {first}\n")
     return 3 if wrong else 0
-
-
-def _plan(path: Path) -> TradePlan:
-    from bearingwear.io.netcdf import CaseFileError
-    from bearingwear.study.sweeps import TradePlan
-
-    try:
-        return TradePlan.from_file(path)
-    except ValueError as error:
-        raise CaseFileError(str(error)) from None
 
 
 def _loaded(path: Path, **axes: Sequence[float]) -> xr.Dataset:

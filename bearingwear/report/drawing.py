@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
 
-from bearingwear.io.whole import whole_file
+from bearingwear.io.whole import OutputError, whole_file
 from bearingwear.kernels.status import OK
 
 STYLE = Path(__file__).with_name("style.mplstyle")
@@ -21,6 +21,8 @@ STYLE = Path(__file__).with_name("style.mplstyle")
 COLOURS = {"constant_force": "C0", "fixed_position": "C1"}
 RACES = {"inner": {"linestyle": "-", "marker": "o"}, "outer": {"linestyle": "--", "marker": "s"}}
 BOTH = {"linestyle": ":", "marker": "^"}
+FORMATS = (".svg", ".png", ".pdf")
+"""Those that can be written without a clock time."""
 DASHES = ("-", "--", ":", "-.")
 CHARACTERS_PER_INCH = 14
 MESSAGE = "message"
@@ -46,16 +48,26 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     An SVG says in its `title` and `description` what the figure states and shows.
     Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
     of a logarithmic axis need it, and get plain numbers here.
+
+    Raises
+    ------
+    OutputError
+        One line; a suffix that names no format is refused before anything is written.
     """
+    kinds = {path: path.suffix.lower() for path in map(Path, paths)}
+    for path, kind in kinds.items():
+        if kind not in FORMATS:
+            allowed = ", ".join(FORMATS)
+            raise OutputError(f"{path}: given the suffix {path.suffix!r}; allowed {allowed}")
+    metadata = {".svg": _in_words(figure), ".png": {}, ".pdf": {"CreationDate": None}}
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if isinstance(axis.get_major_formatter(), LogFormatter):
                 axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
                 axis.set_minor_formatter(NullFormatter())
-    for path in map(Path, paths):
-        kind = path.suffix.removeprefix(".")
+    for path, kind in kinds.items():
         with whole_file(path) as part:
-            figure.savefig(part, format=kind, metadata=_in_words(figure) if kind == "svg" else {})
+            figure.savefig(part, format=kind[1:], metadata=metadata[kind])
 
 
 def _in_words(figure: Figure) -> dict[str, str | None]:
@@ -191,6 +203,11 @@ def mu_is(mu: float) -> str:
 def percent(value: float) -> str:
     """A ratio as a percentage for a title; a dash where it is not known."""
     return f"{100.0 * value:.0f} %" if np.isfinite(value) else "– %"
+
+
+def percent_in_text(value: float) -> str:
+    """A ratio as a percentage with two digits, in one piece; a dash where it is not known."""
+    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"
 
 
 def from_zero(axes: Any) -> None:

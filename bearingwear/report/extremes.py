@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.patches import Patch
 
-from bearingwear.io.netcdf import CaseFileError
+from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.report.drawing import Figure, frame, in_words, key, new_figure
 from bearingwear.report.tables import markdown_table
@@ -36,19 +37,21 @@ LIMITS = {
 SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 
 
-def figure_of(dataset: xr.Dataset) -> Figure:
+def figure_of(path: Path) -> Figure:
     """Figure of a map or of branches.
 
     Raises
     ------
     CaseFileError
+        One line that names the file.
     """
+    dataset = load(path)
     kind = dataset.attrs.get("kind")
     if kind == "maps":
         return stress_map(dataset)
     if kind == "branches":
         return branches(dataset)
-    raise CaseFileError("given neither a map nor branches of the extremes")
+    raise CaseFileError(f"{path}: given neither a map nor branches of the extremes")
 
 
 def edges(values: np.ndarray, log: bool) -> np.ndarray:
@@ -147,6 +150,9 @@ def verdict(found: xr.Dataset) -> str:
     return "up and down lead over the same states"
 
 
+KINDS = {"families": "random", "maps": "map"}
+
+
 def write_table(counts: xr.Dataset, path: Path) -> int:
     """Write how the scenes ended as Markdown; returns how many were wrong."""
     names = counts.attrs["ends"].split()
@@ -160,21 +166,20 @@ def write_table(counts: xr.Dataset, path: Path) -> int:
         ]
         rows.append(
             [
-                in_words(f"{str(one['name'].values)}, {str(one['kind'].values)[:-1]}")
-                .replace("familie", "random")
-                .replace("map", "map"),
-                *(f"{int(one[key])}" for key in ("trials", "verified", "refused")),
+                f"{in_words(one['name'].item())}, {KINDS[one['kind'].item()]}",
+                f"{int(one['trials'])}",
+                f"{int(one['verified'])}",
+                f"{int(one['several'])}, by {float(one['largest_other_qv']):.0e} of QV"
+                if one["several"]
+                else "0",
+                f"{int(one['refused'])}",
                 ", ".join(reasons) or "–",
                 *(f"{int(one[key])}" for key in ("unnamed", "wrong")),
             ]
         )
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(
-        markdown_table(
-            "scenes | solved | verified | refused | for what reason | without a reason | wrong",
-            rows,
-        )
-        + "\n",
-        encoding="utf-8",
+    header = (
+        "scenes | solved | verified | of these with several states | refused | for what reason | "
+        "without a reason | wrong"
     )
+    write_text(path, markdown_table(header, rows) + "\n")
     return int(counts["wrong"].sum())

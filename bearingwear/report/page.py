@@ -15,7 +15,9 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
+from bearingwear.io.keys import leaves
 from bearingwear.io.netcdf import CaseFileError, load
+from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.report.answer import answer, lives_of
 from bearingwear.report.drawing import MESSAGE, scene_of
@@ -23,6 +25,7 @@ from bearingwear.report.markup import to_html
 
 TEMPLATE = Path(__file__).with_name("page.html")
 LIFE_FIGURE = "wear_life"  # that of the first scene stands with the answer
+FIGURES = (".svg", ".png")
 HEAVY = 300_000  # bytes of an SVG beyond which its PNG is taken, if there is one
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 TITLE = f"{{{SVG}}}title"
@@ -77,9 +80,9 @@ def write_page(
     CaseFileError, OutputError
         One line.
     """
-    from bearingwear.io.whole import write_text
-
     results, design = list(results), list(design)
+    _check_kinds(results, (".nc", ".md", *FIGURES))
+    _check_kinds(design, (".md", *FIGURES))
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     sections = _sections(datasets)
     across: list[Drawing] = []
@@ -125,6 +128,15 @@ def write_page(
         html=lambda file: to_html(_tables(file), 2),
     )
     write_text(path, text)
+
+
+def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
+    """Refuse what would silently be missing on the page."""
+    for file in files:
+        if file.suffix not in suffixes:
+            raise CaseFileError(
+                f"{file}: given the suffix {file.suffix!r}; allowed {', '.join(suffixes)}"
+            )
 
 
 def _is_life(dataset: xr.Dataset) -> bool:
@@ -228,7 +240,7 @@ def _largest_errors(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, float
 
 def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
     """Rows of the table of scenes: key, a value for each, whether they differ."""
-    flat = [dict(_flat(scene)) for scene in scenes]
+    flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
     names = list(dict.fromkeys(name for values in flat for name in values))
     blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
     for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
@@ -237,16 +249,12 @@ def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bo
             yield name, row, len(set(row)) > 1
 
 
-def _flat(data: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    for name, value in data.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name}.")
-        elif isinstance(value, float):
-            yield prefix + name, f"{value:.6g}"
-        elif isinstance(value, list):
-            yield prefix + name, ", ".join(map(str, value))
-        else:
-            yield prefix + name, "–" if value is None else str(value)
+def _value(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    return "–" if value is None else str(value)
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:

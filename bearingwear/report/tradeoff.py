@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from bearingwear.kernels.status import OK
-from bearingwear.report.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.report.drawing import Figure, frame, in_words, key, new_figure, percent_in_text
 from bearingwear.study.tradeoff import pareto
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
@@ -151,8 +151,8 @@ def steady(trade: xr.Dataset) -> Figure:
     worst = _worst(chosen(points, sweep="strips", label="strips 50"), "total_qv")
     best = _worst(chosen(points, sweep="split", label="split 32"), "total_qv")
     title = (
-        f"Steady state: 50 equal strips err by up to {_percent(worst)} in total QV, "
-        f"32 split Gauss points by {_percent(best)}, in the same time"
+        f"Steady state: 50 equal strips err by up to {percent_in_text(worst)} in total QV, "
+        f"32 split Gauss points by {percent_in_text(best)}, in the same time"
     )
     return multiples(trade, points, ("total_qv", "contact_qv"), title)
 
@@ -161,7 +161,7 @@ def life(trade: xr.Dataset) -> Figure:
     """The same sweeps, by the wear life."""
     points = of_sweeps(trade, "steady")
     worst = _worst(chosen(points, sweep="regularisation", label="0.001"), "life")
-    title = f"Wear life: v_r = 1e-3 m/s shifts it by up to {_percent(worst)}"
+    title = f"Wear life: v_r = 1e-3 m/s shifts it by up to {percent_in_text(worst)}"
     return multiples(trade, points, ("life",), title, "life_wall_time")
 
 
@@ -171,8 +171,8 @@ def in_time(trade: xr.Dataset) -> Figure:
     two = _worst(chosen(points, sweep="turns", label="2"), "total_qv")
     many = _worst(chosen(points, sweep="turns", label="50"), "total_qv")
     title = (
-        f"In time the turns decide: 2 turns err by up to {_percent(two)} in total QV, "
-        f"50 turns by {_percent(many)}"
+        f"In time the turns decide: 2 turns err by up to {percent_in_text(two)} in total QV, "
+        f"50 turns by {percent_in_text(many)}"
     )
     return multiples(trade, points, ("total_qv", "wear_rate"), title)
 
@@ -289,10 +289,12 @@ def models(trade: xr.Dataset) -> Figure:
         axes.set_xlabel("relative to the fuller model")
     panels[0, 0].set_yticks(range(len(rows)), rows)
     panels[0, 0].invert_yaxis()
-    worst = _worst(chosen(trade, sweep="tier_steady", label="race control"), "total_qv")
-    contact = _worst(chosen(trade, sweep="tier_steady", label="race control"), "contact_qv")
+    race_control = chosen(trade, sweep="tier_steady", label="race control")
+    total, contact = (
+        percent_in_text(_worst(race_control, quantity)) for quantity in ("total_qv", "contact_qv")
+    )
     title = (
-        f"Race control errs by up to {_percent(worst)} in total QV and {_percent(contact)} in "
+        f"Race control errs by up to {total} in total QV and {contact} in "
         "that of a contact; cage and balls in time change the thrust-loaded bearings far less"
     )
     frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)
@@ -309,7 +311,3 @@ def _worst(points: xr.Dataset, quantity: str) -> float:
     values = np.abs(points[f"error_{quantity}"].values)
     finite = values[np.isfinite(values)]
     return float(finite.max()) if finite.size else float("nan")
-
-
-def _percent(value: float) -> str:
-    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"

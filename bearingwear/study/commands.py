@@ -95,10 +95,7 @@ def _tradeoff(given: argparse.Namespace) -> int:
     from bearingwear.study.sweeps import TradePlan
     from bearingwear.study.trial import sweep
 
-    try:
-        plan = TradePlan.from_file(given.plan)
-    except ValueError as error:
-        raise CaseFileError(str(error)) from None
+    plan = TradePlan.from_file(given.plan)
     if (given.scene, given.sweep) not in plan.jobs():
         raise CaseFileError(f"{given.plan}: has no sweep {given.sweep} of {given.scene}")
     write(sweep(plan, given.scene, given.sweep), given.output)
@@ -119,10 +116,7 @@ def _extremes(given: argparse.Namespace) -> int:
     from bearingwear.study.stack import write
     from bearingwear.study.stress import branch, family, steady_map
 
-    try:
-        plan = ExtremesPlan.from_file(given.plan)
-    except ValueError as error:
-        raise CaseFileError(str(error)) from None
+    plan = ExtremesPlan.from_file(given.plan)
     if (given.kind, given.name) not in plan.jobs():
         raise CaseFileError(f"{given.plan}: has no {given.name} under {given.kind}")
     if given.kind == "families":

@@ -24,8 +24,10 @@ def counted(paths: Iterable[str | Path]) -> xr.Dataset:
     -------
     Dataset
         Over `set` and `end` (a status each): count; over `set`: name, kind, trials, no_bearing,
-        verified, refused (with a physical reason), unnamed (ended without one), wrong (verified by
-        the solver and yet not right, or crashed) and the first of what was wrong.
+        verified, several (of these with more than one steady state found) and largest_other_qv (by
+        what share QV differs among them at most), refused (with a physical reason), unnamed (ended
+        without one), wrong (verified by the solver and yet not right, or crashed) and the first of
+        what was wrong.
 
     Raises
     ------
@@ -47,6 +49,9 @@ def counted(paths: Iterable[str | Path]) -> xr.Dataset:
         wrong = crashed | ((status == OK) & (said != ""))
         unnamed = np.isin(status, (NOT_CONVERGED, UNVERIFIED))
         verified = (status == OK) & ~wrong
+        states, other_qv = (
+            dataset[key].values if key in dataset else np.zeros(1) for key in ("states", "other_qv")
+        )
         count = [int((status == code).sum()) for code in range(len(STATUS_NAMES))]
         rows.append(
             {
@@ -55,6 +60,8 @@ def counted(paths: Iterable[str | Path]) -> xr.Dataset:
                 "trials": int(solved.sum()),
                 "no_bearing": int((~solved).sum()),
                 "verified": int(verified.sum()),
+                "several": int((states > 1).sum()),
+                "largest_other_qv": float(other_qv.max()),
                 "refused": int((solved & ~verified & ~unnamed & ~wrong).sum()),
                 "unnamed": int(unnamed.sum()),
                 "wrong": int(wrong.sum()),
@@ -67,7 +74,7 @@ def counted(paths: Iterable[str | Path]) -> xr.Dataset:
         column = [row[key] for row in rows]
         dims = ("set", "end") if key == "count" else ("set",)
         text = isinstance(column[0], str)
-        variables[key] = (dims, np.array(column, dtype=object if text else np.int64))
+        variables[key] = (dims, np.array(column, dtype=object) if text else np.array(column))
     return xr.Dataset(
         variables,
         attrs=shared | {"title": "How scenes of the extremes end", "ends": " ".join(STATUS_NAMES)},

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from bearingwear.io.config import load_scene
+from bearingwear.study.plan_file import known, read_plan
 
 TIERS = ("race_control", "steady", "dynamic")
 
@@ -43,7 +42,7 @@ class Draw:
         ValueError
         """
         for key in given:
-            _known(key, ("log", "even", "of", "share"), where)
+            known(key, ("log", "even", "of", "share"), where)
         scale = next((name for name in ("log", "even") if name in given), None)
         of = tuple(given.get("of", ()))
         low, high = (float(end) for end in given[scale]) if scale else (0.0, 0.0)
@@ -145,31 +144,27 @@ class ExtremesPlan:
 
         Raises
         ------
-        ValueError
+        SceneError
             One line.
         """
-        try:
-            data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-            return cls(
-                data["scene"],
-                _families(data["families"]),
-                {name: _map(name, given) for name, given in data["maps"].items()},
-                {name: float(data["limits"][name]) for name in LIMITS[1:]},
-                {
-                    name: Branch(
-                        given["title"],
-                        given.get("set", {}),
-                        Axis.of_block(given["along"], f"branches.{name}.along"),
-                    )
-                    for name, given in data["branches"].items()
-                },
-            )
-        except (OSError, TypeError, AttributeError, yaml.YAMLError) as error:
-            raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
-        except KeyError as error:
-            raise ValueError(f"{path}: {error}: given nothing") from None
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
+        return read_plan(path, cls._of)
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> "ExtremesPlan":
+        return cls(
+            data["scene"],
+            _families(data["families"]),
+            {name: _map(name, given) for name, given in data["maps"].items()},
+            {name: float(data["limits"][name]) for name in LIMITS[1:]},
+            {
+                name: Branch(
+                    given["title"],
+                    given.get("set", {}),
+                    Axis.of_block(given["along"], f"branches.{name}.along"),
+                )
+                for name, given in data["branches"].items()
+            },
+        )
 
     def jobs(self) -> list[tuple[str, str]]:
         """Kind and name of everything to solve."""
@@ -196,14 +191,14 @@ def _families(data: Mapping[str, Any]) -> dict[str, Family]:
     families: dict[str, Family] = {}
     for name, given in data.items():
         where = f"families.{name}"
-        _known(given["tier"], TIERS, f"{where}.tier")
+        known(given["tier"], TIERS, f"{where}.tier")
         draw: dict[str, Draw] = {}
         if "like" in given:
-            _known(given["like"], families, f"{where}.like")
+            known(given["like"], families, f"{where}.like")
             draw = dict(families[given["like"]].draw)
         for key, block in given["draw"].items():
             if "." not in key:
-                _known(key, SPECIAL, f"{where}.draw")
+                known(key, SPECIAL, f"{where}.draw")
             draw[key] = Draw.of_block(block, f"{where}.draw.{key}")
         families[name] = Family(given["tier"], int(given["scenes"]), draw)
     return families
@@ -212,7 +207,7 @@ def _families(data: Mapping[str, Any]) -> dict[str, Family]:
 def _map(name: str, given: Mapping[str, Any]) -> Map:
     where = f"maps.{name}"
     for limit in given["limits"]:
-        _known(limit, LIMITS, f"{where}.limits")
+        known(limit, LIMITS, f"{where}.limits")
     return Map(
         given["title"],
         given.get("set", {}),
@@ -220,11 +215,6 @@ def _map(name: str, given: Mapping[str, Any]) -> Map:
         Axis.of_block(given["y"], f"{where}.y"),
         tuple(given["limits"]),
     )
-
-
-def _known(given: Any, allowed: Any, where: str) -> None:
-    if given not in allowed:
-        raise ValueError(f"{where}: given {given}; allowed {', '.join(map(str, allowed))}")
 
 
 def changed(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:

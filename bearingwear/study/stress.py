@@ -9,17 +9,15 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.config import scene_from_dict
-from bearingwear.io.netcdf import dataset
+from bearingwear.io.netcdf import common_attributes
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model import parameters
-from bearingwear.model.fidelity import choice
-from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene, SceneError, most_balls
-from bearingwear.model.solve import provenance, solved
+from bearingwear.model.solve import solved
 from bearingwear.model.steady import ThrustProblem, steady_values
 from bearingwear.study.extremes import Axis, Branch, ExtremesPlan, Map, changed
 
@@ -164,12 +162,11 @@ def solved_values(scene: Scene, tier: str) -> dict[str, Any]:
     return solved(scene, tier, None, None)[0]
 
 
-def written_by(scene: Mapping[str, Any], attrs: Mapping[str, Any]) -> dict[str, Any]:
+def described(attrs: Mapping[str, Any]) -> dict[str, Any]:
     """Attributes of a file, with the versions that a case file has."""
-    one = scene_from_dict(dict(scene))
-    made = dataset(Result({"status": code.OK}, provenance(one, choice(one, "race_control"))))
+    common = common_attributes()
     kept = ("Conventions", "source", "source_hash", "package_version", "numpy_version")
-    shared = {key: made.attrs[key] for key in (*kept, "numba_version") if key in made.attrs}
+    shared = {key: common[key] for key in (*kept, "numba_version")}
     return shared | {"title": f"Extremes: {attrs['kind']}, {attrs['name']}"} | dict(attrs)
 
 
@@ -182,13 +179,15 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
     Returns
     -------
     Dataset
-        Over `trial`: status (-1: no such bearing, refused before any solve), the keys drawn, and
-        `wrong`: what is wrong, empty where nothing is.
+        Over `trial`: status (-1: no such bearing, refused before any solve), the keys drawn,
+        `wrong`: what is wrong, empty where nothing is; `states`: steady states found (0 where none
+        or not asked for), and `other_qv`: by what share QV differs most among them.
     """
     of, base = plan.families[name], plan.base()
     count = of.scenes if count is None else count
     status = np.full(count, -1, dtype=np.int8)
     wrong = np.full(count, "", dtype=object)
+    states, other_qv = np.zeros(count, dtype=np.int8), np.zeros(count)
     drawn = list(of.drawn(seed, count))
     for k, values in enumerate(drawn):
         try:
@@ -202,14 +201,17 @@ def family(plan: ExtremesPlan, name: str, count: int | None = None, seed: int = 
             continue
         status[k] = found["status"]
         wrong[k] = "; ".join(wrongs(scene, of.tier, found))
-    columns = {}
+        if found["status"] == code.OK and of.tier == "steady":
+            qv = found["steady_state_total_qv"]
+            states[k], other_qv[k] = len(qv), np.abs(qv / qv[0] - 1.0).max()
+    columns = {"states": ("trial", states), "other_qv": ("trial", other_qv)}
     for key in of.draw:
         column = [values[key] for values in drawn]
         text = isinstance(column[0], str)
         columns[key] = ("trial", np.array(column, dtype=object if text else float))
     return xr.Dataset(
         {"status": ("trial", status), "wrong": ("trial", wrong)} | columns,
-        attrs=written_by(base, {"kind": "families", "name": name, "tier": of.tier, "seed": seed}),
+        attrs=described({"kind": "families", "name": name, "tier": of.tier, "seed": seed}),
     )
 
 
@@ -282,7 +284,7 @@ def steady_map(plan: ExtremesPlan, name: str) -> xr.Dataset:
     return xr.Dataset(
         variables,
         {"x": list(of.x.values), "y": list(of.y.values)},
-        attrs=written_by(base, {
+        attrs=described({
             "kind": "maps", "name": name, "shown": of.title, "x_key": of.x.key, "y_key": of.y.key,
             "x_log": int(of.x.log), "y_log": int(of.y.log),
         }),
@@ -383,7 +385,7 @@ def branch(plan: ExtremesPlan, name: str) -> xr.Dataset:
         {"status": (("way", "point"), status)}
         | {key: (("way", "point"), column) for key, column in columns.items()}
         | {"along": ("point", list(of.along.values))},
-        attrs=written_by(base, {
+        attrs=described({
             "kind": "branches", "name": name, "shown": of.title, "key": of.along.key,
             "log": int(of.along.log), "ways": "up down anew",
         }),

@@ -10,10 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from bearingwear.io.config import load_scene, yaml_number
 from bearingwear.model.accuracy import NAMED
+from bearingwear.study.plan_file import known, read_plan
 
 FIRST, SCENE = "first", "scene"
 """A sweep against its own first point; a sweep that starts from the scene as it stands."""
@@ -111,45 +110,41 @@ class TradePlan:
 
         Raises
         ------
-        ValueError
+        SceneError
             One line.
         """
-        try:
-            data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-            plan = cls(
-                repeats=int(data["repeats"]),
-                seconds=float(data["seconds"]),
-                spread=data["spread"],
-                dial={name: named.keys for name, named in NAMED.items()},
-                references={
-                    name: Reference(given["fidelity"], given.get("set", {}), given["check"])
-                    for name, given in data["references"].items()
-                },
-                scenes={
-                    name: Bench(given["file"], given.get("set", {}), tuple(given["references"]))
-                    for name, given in data["scenes"].items()
-                },
-                sweeps={
-                    name: Sweep(
-                        given["title"],
-                        given.get("kind", "numerical"),
-                        given["from"],
-                        given.get("against", given["from"]),
-                        given.get("set", {}),
-                        given["grid"],
-                        tuple(given.get("only", data["scenes"])),
-                    )
-                    for name, given in data["sweeps"].items()
-                },
-                table=tuple(Row(**row) for row in data["table"]),
-            )
-            plan.check()
-        except (OSError, TypeError, AttributeError, yaml.YAMLError) as error:
-            raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
-        except KeyError as error:
-            raise ValueError(f"{path}: {error}: given nothing") from None
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
+        return read_plan(path, cls._of)
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any]) -> "TradePlan":
+        plan = cls(
+            repeats=int(data["repeats"]),
+            seconds=float(data["seconds"]),
+            spread=data["spread"],
+            dial={name: named.keys for name, named in NAMED.items()},
+            references={
+                name: Reference(given["fidelity"], given.get("set", {}), given["check"])
+                for name, given in data["references"].items()
+            },
+            scenes={
+                name: Bench(given["file"], given.get("set", {}), tuple(given["references"]))
+                for name, given in data["scenes"].items()
+            },
+            sweeps={
+                name: Sweep(
+                    given["title"],
+                    given.get("kind", "numerical"),
+                    given["from"],
+                    given.get("against", given["from"]),
+                    given.get("set", {}),
+                    given["grid"],
+                    tuple(given.get("only", data["scenes"])),
+                )
+                for name, given in data["sweeps"].items()
+            },
+            table=tuple(Row(**row) for row in data["table"]),
+        )
+        plan.check()
         return plan
 
     def check(self) -> None:
@@ -161,19 +156,19 @@ class TradePlan:
         """
         for name, bench in self.scenes.items():
             for reference in bench.references:
-                _known(reference, self.references, f"scenes.{name}.references")
+                known(reference, self.references, f"scenes.{name}.references")
         for name, sweep in self.sweeps.items():
             where = f"sweeps.{name}"
-            _known(sweep.kind, KINDS, f"{where}.kind")
-            _known(sweep.base, (*self.references, SCENE), f"{where}.from")
-            _known(sweep.against, (*self.references, FIRST), f"{where}.against")
+            known(sweep.kind, KINDS, f"{where}.kind")
+            known(sweep.base, (*self.references, SCENE), f"{where}.from")
+            known(sweep.against, (*self.references, FIRST), f"{where}.against")
             for scene in sweep.only:
-                _known(scene, self.scenes, f"{where}.only")
+                known(scene, self.scenes, f"{where}.only")
             self.points(name)
         for row in self.table:
-            _known(row.sweep, self.sweeps, "table.sweep")
+            known(row.sweep, self.sweeps, "table.sweep")
             labels = [point.label for point in self.points(row.sweep)]
-            _known(row.label, labels, f"table, {row.sweep}")
+            known(row.label, labels, f"table, {row.sweep}")
 
     def check_scenes(self) -> None:
         """Read every scene as each of its points changes it.
@@ -194,7 +189,7 @@ class TradePlan:
     def scene(self, name: str, point: Point, folder: str | Path = "config/scenes"):
         """A scene as a point changes it."""
         bench = self.scenes[name]
-        given = dict(_pair(text) for text in point.settings)
+        given = dict(text.split("=", 1) for text in point.settings)
         settings = [
             f"{key}={value}" for key, value in (_texts(bench.settings, self.dial) | given).items()
         ]
@@ -243,7 +238,7 @@ class TradePlan:
         merged = {**base, **more}
         for key, allowed in SPECIAL.items():
             if key in merged:
-                _known(merged[key], allowed, key)
+                known(merged[key], allowed, key)
         special = {key: str(merged.pop(key)) for key in SPECIAL if key in merged}
         numbers = [_number(value) for value in more.values()]
         return Point(
@@ -263,7 +258,7 @@ def _texts(settings: Mapping[str, Any], dial: Mapping[str, Mapping]) -> dict[str
             quadrature, _, points = str(value).partition(" ")
             texts |= {"model.quadrature": quadrature, "model.strips": points}
         elif key == "dial":
-            _known(value, dial, "dial")
+            known(value, dial, "dial")
             texts |= _texts(dial[value], dial)
         else:
             texts[key] = _yaml(value)
@@ -275,16 +270,6 @@ def _yaml(value: Any) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key}: {_yaml(part)}" for key, part in value.items()) + "}"
     return yaml_number(value) if isinstance(value, float) else json.dumps(value)
-
-
-def _pair(text: str) -> tuple[str, str]:
-    key, _, value = text.partition("=")
-    return key, value
-
-
-def _known(given: Any, allowed: Any, where: str) -> None:
-    if given not in allowed:
-        raise ValueError(f"{where}: given {given}; allowed {', '.join(allowed)}")
 
 
 def _number(value: Any) -> float:

@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.io.netcdf import dataset
+from bearingwear.io.netcdf import common_attributes, dataset
 from bearingwear.io.variables import COUNTS, HOUR
 from bearingwear.kernels import status as code
 from bearingwear.kernels.kinematics import OUTER_CONTROL
 from bearingwear.model.coupled import solve_coupled
 from bearingwear.model.dynamic import Motion, exact_factors, hertz_table
-from bearingwear.model.fidelity import asymmetries, choice
+from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.fitted import fitted_displacement, fitted_factors
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life import life
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene
-from bearingwear.model.solve import provenance, solve
+from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.transient import Run, start_of, thrust_alone, window_values
 from bearingwear.model.values import wear_values
@@ -60,14 +60,8 @@ EXTRA = {
 
 def sweep(plan: TradePlan, scene_name: str, name: str) -> xr.Dataset:
     """All points of a sweep, or of a reference, on one scene."""
-    rows: list[dict[str, float]] = []
     points = plan.points(name)
-    scene = plan.scene(scene_name, points[0])
-    for point in points:
-        scene = plan.scene(scene_name, point)
-        rows.append(measured(plan, scene, point))
-    # versions and flags as a case file has them, without solving another
-    made = dataset(Result({"status": code.OK}, provenance(scene, choice(scene, "race_control"))))
+    rows = [measured(plan, plan.scene(scene_name, point), point) for point in points]
     variables: dict[str, Any] = {
         "label": (
             "point",
@@ -87,18 +81,15 @@ def sweep(plan: TradePlan, scene_name: str, name: str) -> xr.Dataset:
         "status": (
             "point",
             np.array([row["status"] for row in rows], dtype=np.int8),
-            made["status"].attrs,
+            dataset(Result({"status": code.OK}))["status"].attrs,  # the flags of a case file
         ),
     }
     for key, (long_name, units) in {**QUANTITIES, **EXTRA}.items():
         column = np.array([row.get(key, np.nan) for row in rows])
         variables[key] = ("point", column, {"long_name": long_name, "units": units})
-    kept = ("Conventions", "source", "history", "references", "source_hash", "package_version")
-    versions = ("numpy_version", "numba_version")
-    shared = {key: made.attrs[key] for key in (*kept, *versions) if key in made.attrs}
     of = plan.sweeps.get(name)
     return xr.Dataset(variables).assign_attrs(
-        shared
+        common_attributes()
         | {
             "title": f"Accuracy against time: {scene_name}, {name}",
             "trade_scene": scene_name,

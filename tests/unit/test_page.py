@@ -2,6 +2,7 @@
 
 import base64
 import math
+import os
 import pathlib
 import xml.etree.ElementTree as ET
 from urllib.parse import unquote_to_bytes, urlsplit
@@ -246,6 +247,15 @@ def test_a_case_is_no_result_of_a_study(folder, tmp_path, capsys):
     case = folder / f"{next(iter(GRID.cases()))}.nc"
     assert main(["report", str(case), "-o", str(tmp_path / "index.html")]) == 2
     assert capsys.readouterr().err.startswith(f"{case}: not a file for this command")
+
+
+@pytest.mark.parametrize("option", [[], ["--design"]])
+def test_a_file_that_the_page_has_no_place_for(option, folder, tmp_path, capsys):
+    given = [str(folder / "study.nc"), *option, str(folder / "tables" / "a.csv")]
+    assert main(["report", *given, "-o", str(tmp_path / "index.html")]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"{given[-1]}: given the suffix '.csv'; allowed ")
+    assert told.count("\n") == 1 and os.listdir(tmp_path) == []
 
 
 def test_docs_bring_their_pictures_and_lose_links_to_files(tmp_path):

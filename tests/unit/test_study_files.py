@@ -424,6 +424,24 @@ def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):
     assert not (tmp_path / "figure.svg").exists()
 
 
+@pytest.mark.parametrize("name", ["figure.foo", "figure", "figure.gif"])
+def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
+    case = str(folder / "cases" / "constant_force-mu0.080-loss0.00.nc")
+    outputs = [tmp_path / "figure.svg", tmp_path / name]
+    assert main(["figure", "slip", case, "-o", *map(str, outputs)]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"{outputs[1]}: given the suffix ") and told.count("\n") == 1
+    assert os.listdir(tmp_path) == []
+
+
+def test_no_clock_time_in_a_figure(folder, tmp_path):
+    case = str(folder / "cases" / "constant_force-mu0.080-loss0.00.nc")
+    outputs = [tmp_path / f"figure.{suffix}" for suffix in ("svg", "png", "pdf")]
+    assert main(["figure", "slip", case, "-o", *map(str, outputs)]) == 0
+    for output in outputs:
+        assert b"Date" not in output.read_bytes() and b"dc:date" not in output.read_bytes()
+
+
 def test_labels_say_what_tells_scenes_apart():
     from bearingwear.report.spread import scene_labels
 

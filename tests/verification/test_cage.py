@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels.cage import CAGE, angular_velocity, turn
 from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.motion import contacts_at, lines_here
 from bearingwear.kernels.status import OK
 from bearingwear.model.dynamic import Motion
 from bearingwear.model.impact import land_damping, pocket_damping
@@ -299,3 +300,30 @@ def test_angular_velocity_of_a_tilted_top(scene):
     inertia = R @ np.diag([cage.I_x, cage.I_t, cage.I_t]) @ R.T
     z[9:12] = inertia @ [1.0, 2.0, 3.0]
     assert_allclose(angular_velocity(cage, z, R), [1.0, 2.0, 3.0], rtol=1e-12)
+
+
+def test_derivative_of_a_pocket_force(scene):
+    """Against differences, as the ball moves axially and radially in its pocket."""
+    motion = started(scene("gyro_s1", ROTATING | {"friction.cage": 0.4}))
+    b, run, places = motion.buffers, motion.run, motion.places
+    for _ in range(400):
+        assert motion.advance(motion.turn / 200, 1e-2).status == OK
+        touching = [j for j in range(len(run.D)) if b.cage.normal[j] > 1e-3]
+        if touching:
+            break
+    j = touching[0]
+    motion.settle()
+    contacts_at(motion.y, run, b, places)
+    lines_here(motion.balls[:, 4].copy(), run, b)
+    lines = b.extra[j, 4:].reshape(2, 2).copy()
+    step = 1e-5 * b.cage.approach[j]
+    differences = np.empty((2, 2))
+    for k in range(2):
+        force = []
+        for sign in (1.0, -1.0):
+            b.s.X[j, k] += sign * step
+            contacts_at(motion.y, run, b, places)
+            force.append(b.cage.ball_force[j, [0, 2]].copy())
+            b.s.X[j, k] -= sign * step
+        differences[:, k] = -(force[0] - force[1]) / (2.0 * step)
+    assert_allclose(lines, differences, rtol=1e-3, atol=1e-4 * np.abs(differences).max())

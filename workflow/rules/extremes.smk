@@ -9,6 +9,7 @@ try:
 except ValueError as error:
     sys.exit(str(error))
 
+EXTREMES_SCENE = f"config/scenes/{EXTREMES.scene}.yaml"
 EXTREMES_FILES = {
     kind: [
         f"results/extremes/{kind}/{name}.nc"
@@ -37,7 +38,7 @@ localrules:
 # All random scenes of a family, all points of a map, or all of a branch, in one job.
 rule stress:
     input:
-        scene=f"config/scenes/{EXTREMES.scene}.yaml",
+        scene=EXTREMES_SCENE,
         sources=SOLVER + STRESS_SOURCES,
     output:
         "results/extremes/{kind}/{name}.nc",
@@ -47,6 +48,7 @@ rule stress:
         kind="families|maps|branches",
         name=r"[a-z0-9_]+",
     params:
+        made_from=made_from(EXTREMES_SCENE, *SOLVER, *STRESS_SOURCES),
         text=lambda wildcards: EXTREMES.text(wildcards.kind, wildcards.name),
         plan=EXTREMES_PLAN,
     message:
@@ -64,6 +66,8 @@ rule gather_extremes:
         "results/extremes/extremes.nc",
     log:
         "logs/extremes/gather.log",
+    params:
+        made_from=made_from(*COUNT_SOURCES),
     message:
         "extremes: count how the scenes ended"
     shell:
@@ -88,6 +92,8 @@ rule figure_extremes:
     wildcard_constraints:
         kind="maps|branches",
         name=r"[a-z0-9_]+",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "extremes: figure {wildcards.name}"
     shell:
@@ -104,6 +110,8 @@ rule table_extremes:
         "results/extremes/tables/extremes.md",
     log:
         "logs/extremes/table.log",
+    params:
+        made_from=made_from(*REPORT),
     message:
         "extremes: table"
     shell:
