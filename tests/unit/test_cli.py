@@ -249,7 +249,7 @@ def test_help(argv, capsys):
         ["solve", "a.yaml", "-o", "x.nc", "--fidelity", "best"],
         ["solve", "a.yaml", "-o", "x.nc", "--sets", "a=1"],
         ["solve", "a.yaml", "-o", "x.nc", "b\nc"],
-        ["life", "a.yaml", "-o", "x.nc", "--fidelity", "steady"],
+        ["life", "a.yaml", "-o", "x.nc", "--fidelity", "best"],
         ["check", "a.yaml", "--set", "a=1", "b"],
     ],
 )
