@@ -215,19 +215,23 @@ class WearInTime:
             return WearState(
                 loss, node.status, nan, load=nan, angle=nan, qv=nan, share=nan, race_rate=nan
             )
+        power = float(v["friction_heat"].sum()) + float(v["drag_power"])
         return WearState(
             loss,
             node.status,
             v["ball_diameter_loss_rate"],
-            float(v["residual_preload"]),
-            v["contact_load"].mean(axis=0),
-            v["contact_angle"].mean(axis=0),
-            v["qv"].mean(axis=0),
-            float(v["total_qv"]),
-            v["gyroscopic_slip_share"].max(axis=0),
-            float(v["skid_ratio"]),
-            float(v["ball_wear_rate"].mean()),
-            v["race_wear_rate"],
+            preload=float(v["residual_preload"]),
+            load=v["contact_load"].mean(axis=0),
+            angle=v["contact_angle"].mean(axis=0),
+            qv=v["qv"].mean(axis=0),
+            total_qv=float(v["total_qv"]),
+            share=v["gyroscopic_slip_share"].max(axis=0),
+            skid=float(v["skid_ratio"]),
+            pressure=float(v["maximum_pressure"].max()),
+            stiffness=float(v["axial_stiffness"]),
+            friction_power=power,
+            ball_rate=float(v["ball_wear_rate"].mean()),
+            race_rate=v["race_wear_rate"],
         )
 
     # the end
