@@ -46,8 +46,8 @@ STATUS_SENTENCES = {
     "unverified": "the answer failed the check made after the solve",
     "criterion_not_reached": "no end-of-life criterion was met within the range that can be solved",
     "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
-    "below_rounding": "slip is smoothed so finely (slip_regularisation_m_s), or a slip or load is so "
-    "small beside the others, that rounding hides it",
+    "below_rounding": "slip is smoothed so finely (slip_regularisation_m_s), or a slip or load is "
+    "so small beside the others, that rounding hides it",
     "no_race_control": "neither race can hold the balls against their gyroscopic moments: race "
     "control has no equilibrium",
     "race_unseated": "load or tilt lifts the inner race off some of its balls, and the preload "
