@@ -208,6 +208,14 @@ def load_rounding(g: Geometry, state: BallState) -> float:
     return max(1.5 * LAST_BIT * r / (Q / K) ** (2 / 3) if Q > 0.0 else 0.0 for Q, K, r in loads)
 
 
+def race_control_motion(scene: Scene) -> np.ndarray | None:
+    """(w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None where there is no such solution."""
+    values, _ = solve_race_control(scene)
+    if "orbit_speed" not in values:
+        return None
+    return np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])
+
+
 def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of the race-control solution."""
     problem = RaceControlProblem.of(scene)

@@ -37,7 +37,7 @@ from bearingwear.model.dynamic import STEPS_PER_TURN, Motion
 from bearingwear.model.estimate import DOUBLED, HALVED, changed, measured, summed
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.race_control import race_control_motion
 from bearingwear.model.scene import Scene
 from bearingwear.model.steady import ThrustProblem, steady_answer
 from bearingwear.model.values import contact_values, strip_centres
@@ -87,9 +87,8 @@ def start_of(scene: Scene) -> Start:
                 "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
             }
             return Start(case.u, "the steady state under the thrust alone", scales, case)
-    values, _ = solve_race_control(scene)
-    if "orbit_speed" in values:
-        u = np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])
+    u = race_control_motion(scene)
+    if u is not None:
         return Start(u, "race control", {})
     return Start(problem.kinematic_start(0), "race control at the free contact angle", {})
 
@@ -310,9 +309,9 @@ def solve_dynamic(
         Averages over the evaluated window under the names of the steady solution, histories of the
         whole run, checks.
     """
-    tolerance = scene.model.dynamic_tolerance
+    start, tolerance = start_of(scene), scene.model.dynamic_tolerance
     while True:
-        values, attrs = run_of(scene, restart, progress, tolerance)
+        values, attrs = run_of(scene, start, restart, progress, tolerance)
         open_account = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
         tries = values.get("steps_accepted", 0) + values.get("steps_rejected", 0)
         if not open_account or tries > MOST_TRIES or tolerance < TIGHTEST_RUN:
@@ -327,12 +326,12 @@ def solve_dynamic(
 
 def run_of(
     scene: Scene,
+    start: Start,
     restart: Mapping[str, Any] | None,
     progress: Callable[[str], None] | None,
     tolerance: float,
 ) -> tuple[dict, dict]:
     """One run of `solve_dynamic` with this tolerance of a step."""
-    start = start_of(scene)
     motion = Motion.of(scene, start.u)
     if restart is not None:
         try:
@@ -343,7 +342,7 @@ def run_of(
                 f"{scene.name}: restart: given a {error}; allowed one that was solved "
                 f"{with_cage} the cage, as this run is"
             ) from None
-        start.kind = f"the end of a run at {motion.time:.6g} s"
+        start = replace(start, kind=f"the end of a run at {motion.time:.6g} s")
     values: dict = {
         "status": motion.why(motion.settle()),
         "ball_diameter_loss": motion.run.g.D0 - motion.run.D,

@@ -19,7 +19,7 @@ from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.fitted import fitted_displacement, fitted_factors
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life import life
-from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.race_control import race_control_motion
 from bearingwear.model.result import Result
 from bearingwear.model.scene import Scene
 from bearingwear.model.solve import solve
@@ -240,9 +240,9 @@ def first_motion(scene: Scene, start: str) -> np.ndarray:
     if start == "kinematic":
         return ThrustProblem.of(scene).kinematic_start(OUTER_CONTROL)
     if start == "race_control":
-        values, _ = solve_race_control(scene)
-        if "orbit_speed" in values:
-            return np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])
+        u = race_control_motion(scene)
+        if u is not None:
+            return u
     return start_of(scene).u
 
 
