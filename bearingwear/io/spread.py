@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 KIND = "uncertainty"
-PLACES = (Path("design/uncertainty.nc"), Path("uncertainty.nc"))
-"""Where it lies beside the results of its scene, and beside those of the design study."""
+PLACES = (Path("uncertainty.nc"), Path("design/uncertainty.nc"))
+"""Where it lies beside the results of its scene, or of its design study."""
 
 GIVEN, RECOMMENDED = 0, 1
-"""Indices along `at`: the scene's own preload, and the recommended one."""
+"""Values of `at`: the scene's own preload, and the recommended one."""
 
 CONFIDENCE = 0.95
 """Of the intervals of quantiles and Sobol indices."""
 
 NO_SPREAD = "no spread computed"
-SEE = "see `snakemake -j2 design`, which needs `uncertainty` in the scene"
+SEE = "see `uncertain_lives` in config/README.md"
 SPREAD_TEXT = (
     "Spread: L10 is the life that 10 % of bearings do not reach, L50 the one that half of them do "
     f"not, with all that the scene calls uncertain; in brackets their {100 * CONFIDENCE:g} % "
@@ -89,9 +89,13 @@ def spread_of(
         of = json.loads(dataset.attrs["scene"])
         flags = dataset["preload_method"].attrs["flag_meanings"].split()
         rows = [flags[int(flag)] for flag in dataset["preload_method"].values]
-        if method in rows and _point(scene, method, friction) == _point(of, method):
+        if (
+            method in rows
+            and at in dataset["at"]
+            and _point(scene, method, friction) == _point(of, method)
+        ):
             # of=0: with all that is uncertain
-            one = dataset.isel(preload_method=rows.index(method), at=at, of=0)
+            one = dataset.isel(preload_method=rows.index(method), of=0).sel(at=at)
             return {way: _quantiles(one.isel(counts=k)) for k, way in enumerate(COUNTS)}
     return None
 

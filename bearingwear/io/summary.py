@@ -367,7 +367,7 @@ def _points_of(file: Any) -> Iterator[tuple[str, str, float, int]]:
         mu = json.loads(file.scene)["friction"]["ball_race"]
         methods = file["preload_method"].flag_meanings.split()
         for flag in _values(file, "preload_method"):
-            for at in (GIVEN, RECOMMENDED) if kind == KIND else (RECOMMENDED,):
+            for at in _values(file, "at") if kind == KIND else (RECOMMENDED,):
                 where = "own" if at == GIVEN else "recommended"
                 yield f"{methods[int(flag)]}, {where}", methods[int(flag)], mu, at
     elif _has_lives(file):

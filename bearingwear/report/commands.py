@@ -37,6 +37,8 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     )  # fmt: skip
     option = add("life", _life, "wear and preload over the life", "WEAR_LIFE.nc")
     option("--friction", required=True, nargs="+", type=float, metavar="MU")
+    option("--uncertainty", nargs="*", default=[], metavar="UNCERTAINTY.nc", type=Path,
+           help="how lives spread")  # fmt: skip
     option = add("spread", _spread, "scenes over each other", "STUDY.nc", several=True)
     option("--friction", required=True, type=float, metavar="MU")
 
@@ -135,7 +137,7 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     tables.add_argument("life", metavar="WEAR_LIFE.nc", type=Path)
     tables.add_argument(
         "--uncertainty", nargs="*", default=[], metavar="UNCERTAINTY.nc", type=Path,
-        help="of the design study: how lives spread",
+        help="how lives spread",
     )  # fmt: skip
     tables.add_argument(
         "-o", "--output", required=True, nargs=2, metavar=("CASES.csv", "SUMMARY.md"), type=Path
@@ -194,11 +196,13 @@ def _wear(given: argparse.Namespace) -> int:
 
 
 def _life(given: argparse.Namespace) -> int:
+    from bearingwear.io.spread import uncertainty
     from bearingwear.report import figures
     from bearingwear.report.drawing import save
 
     lives = _loaded(given.files[0], interpolated_step=(), friction=given.friction)
-    save(figures.life(lives, given.friction), given.output)
+    known = [uncertainty(path) for path in given.uncertainty]
+    save(figures.life(lives, given.friction, known), given.output)
     return 0
 
 
@@ -291,9 +295,10 @@ def _tables(given: argparse.Namespace) -> int:
 
     study = _loaded(given.study, ball_diameter_loss=())
     lives = _loaded(given.life, interpolated_step=())
+    known = [uncertainty(path) for path in given.uncertainty]
     cases, summary = given.output
     write_cases(study, cases)
-    write_summary(study, lives, summary, [uncertainty(path) for path in given.uncertainty])
+    write_summary(study, lives, summary, known)
     return 0
 
 

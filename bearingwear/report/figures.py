@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from bearingwear.io.spread import NO_SPREAD, spread_of
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.report.drawing import (
     BOTH,
@@ -193,8 +194,11 @@ END_MARKS = {
 }
 
 
-def life(lives: xr.Dataset, frictions: Sequence[float]) -> Figure:
-    """Loss of diameter and residual preload in hours, counted both ways, up to the end of life."""
+def life(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset] = ()) -> Figure:
+    """Loss of diameter and residual preload in hours, counted both ways, up to the end of life.
+
+    `known` are files of the study of uncertainty; the title says what they know of these lives.
+    """
     figure, panels = new_figure(2, 2, 7.2, 5.4, sharex="col", sharey="row")
     styles = dashes(frictions)
     ends = lives["end_criterion"].attrs["flag_meanings"].split()
@@ -222,7 +226,8 @@ def life(lives: xr.Dataset, frictions: Sequence[float]) -> Figure:
     panels[1, 0].set_ylabel("residual preload (N)")
     frame(
         figure,
-        f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}",
+        f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
+        f"{_spread_said(lives, frictions, known)}",
         method_keys(name for name, _ in methods(lives))
         + dash_keys(styles)
         + [key("interpolated from the study", color="black", linestyle="none", marker=".")]
@@ -269,3 +274,17 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
         return "no end of life was found"
     (shortest, which), (longest, _) = min(found), max(found)
     return f"balls and races last {shortest:.2f} h ({which}) to {longest:.2f} h"
+
+
+def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
+    """L10 and L50 by the wear of balls and races, where they were computed."""
+    scene, said = scene_of(lives), []
+    for name, _ in methods(lives):
+        for mu in frictions:
+            quantiles = (spread_of(known, scene, name, mu) or {}).get("ball_and_races", ())
+            if quantiles:
+                found = ", ".join(
+                    f"{one.name}\N{NO-BREAK SPACE}{one.hours:.2g} h" for one in quantiles
+                )
+                said.append(f"{in_words(name)} at {mu_is(mu)} {found}")
+    return f"with all that is uncertain, {' and '.join(said)}" if said else NO_SPREAD

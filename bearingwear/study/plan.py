@@ -43,6 +43,8 @@ class Plan:
         Columns of the figure of wear across scenes; empty: no such figure.
     spreads : dict
         Figures of spread by their name.
+    uncertain_lives : tuple of str
+        Scenes whose lives are quoted with the spread that their block `uncertainty` gives them.
     lives_in_time : dict
         For each life that is followed in time, its scene and what is changed in it.
     running_averages : dict
@@ -59,6 +61,7 @@ class Plan:
     column_frictions: tuple[float, ...]
     spreads: dict[str, Spread]
     running_averages: dict[str, str | None]
+    uncertain_lives: tuple[str, ...]
     lives_in_time: dict[str, tuple[str, tuple[str, ...]]]
 
     @classmethod
@@ -91,6 +94,7 @@ class Plan:
                 scene: (given or {}).get("reference")
                 for scene, given in figures.get("running_averages", {}).items()
             },
+            uncertain_lives=tuple(config.get("uncertain_lives", [])),
             lives_in_time={
                 name: (life["scene"], _settings(life.get("set", {})))
                 for name, life in config.get("lives_in_time", {}).items()
@@ -103,6 +107,10 @@ class Plan:
         for name, spread in self.spreads.items():
             for scene in spread.scenes:
                 self._check_studied(f"spreads.{name}", scene, spread.friction)
+        for scene in self.uncertain_lives:
+            if scene not in self.grids:
+                allowed = ", ".join(self.grids)
+                raise ValueError(f"config: uncertain_lives: given {scene}; allowed {allowed}")
         for scene in self.running_averages:
             if scene not in self.dynamic:
                 allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
@@ -155,6 +163,12 @@ class Plan:
             load_scene(_scene_file(scene))
             for case in grid.cases().values():
                 _check_case(scene, case, self.dynamic_settings(scene, case))
+        for scene in self.uncertain_lives:
+            if not load_scene(_scene_file(scene)).uncertainty:
+                raise ValueError(
+                    f"config: uncertain_lives: given {scene}, whose file has no uncertainty; "
+                    "allowed scenes that have"
+                )
         for name, (scene, settings) in self.lives_in_time.items():
             try:
                 for_life(load_scene(_scene_file(scene), settings))
@@ -214,6 +228,11 @@ class Plan:
         """Files of wear life."""
         return [f"results/{scene}/wear_life.nc" for scene in self.grids]
 
+    def spreads_of_lives(self, *scenes: str) -> list[str]:
+        """Files of how lives spread, of those of the given scenes that have one, or of all."""
+        wanted = scenes or self.uncertain_lives
+        return [f"results/{s}/uncertainty.nc" for s in self.uncertain_lives if s in wanted]
+
     def tables(self) -> list[str]:
         """Tables and summaries of the scenes."""
         names = [f"{scene}/tables/{n}" for scene in self.grids for n in ("cases.csv", "summary.md")]
@@ -246,7 +265,14 @@ class Plan:
         """Every file of the study."""
         parts = (self.cases, self.dynamic_cases, self.studies, self.dynamics, self.lives)
         named = [path for part in parts for path in part()]
-        return [*named, *self.tables(), *self.figures(), PAGE, "results/verdict.txt"]
+        return [
+            *named,
+            *self.spreads_of_lives(),
+            *self.tables(),
+            *self.figures(),
+            PAGE,
+            "results/verdict.txt",
+        ]
 
     def _scene_figures(self, scene: str) -> list[str]:
         grid = self.grids[scene]

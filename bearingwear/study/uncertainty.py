@@ -188,6 +188,8 @@ def chunk(
 def spread(paths: Iterable[str | Path], scene: Scene, plan: Sampling) -> xr.Dataset:
     """Quantiles of life and Sobol indices of its logarithm, from all parts of the sampled lives.
 
+    The parts are of all methods and preloads that the file is to have.
+
     Raises
     ------
     CaseFileError
@@ -205,13 +207,14 @@ def spread(paths: Iterable[str | Path], scene: Scene, plan: Sampling) -> xr.Data
             raise CaseFileError(f"{path}: not of this scene and sampling")
         parts.setdefault((part.attrs["preload_method"], part.attrs["at"]), []).append(part)
     methods = [m for m in PRELOAD_METHODS if any(m == method for method, _ in parts)]
+    at = [where for where in AT if any(where == other for _, other in parts)]
     for method in methods:
-        for where in AT:
+        for where in at:
             numbers = sorted(int(part.attrs["chunk"]) for part in parts.get((method, where), []))
             if numbers != list(range(plan.chunks)):
                 raise CaseFileError(f"sampled lives of {method}, {where} preload: parts missing")
     table = [
-        [_analysed(scene, method, parts[method, where], plan) for where in AT] for method in methods
+        [_analysed(scene, method, parts[method, where], plan) for where in at] for method in methods
     ]
     names = list(scene.uncertainty or {})
     coords = {
@@ -219,7 +222,8 @@ def spread(paths: Iterable[str | Path], scene: Scene, plan: Sampling) -> xr.Data
             "preload_method", np.array([PRELOAD_METHODS.index(m) for m in methods], dtype=np.int8),
             flags("how the preload is applied", PRELOAD_METHODS),
         ),
-        "at": ("at", np.arange(len(AT), dtype=np.int8), flags("which preload", AT)),
+        "at": ("at", np.array([AT.index(where) for where in at], dtype=np.int8),
+               flags("which preload", AT)),
         "counts": ("counts", np.arange(2, dtype=np.int8), flags(COUNTED, COUNTS)),
         "quantity": ("quantity", np.arange(len(names), dtype=np.int8),
                      flags("uncertain value", tuple(names))),

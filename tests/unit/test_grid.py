@@ -165,3 +165,17 @@ def test_running_averages_of_what_is_not_solved_in_time():
     config["figures"]["running_averages"] = {"turbine": None}
     with pytest.raises(ValueError, match="running_averages: given scene turbine; allowed gyro_s1"):
         Plan.from_config(config)
+
+
+@pytest.mark.parametrize(
+    ("scene", "said"),
+    [
+        ("turbine", "uncertain_lives: given turbine; allowed gyro_s1"),
+        ("gyro_s2", "uncertain_lives: given gyro_s2, whose file has no uncertainty; allowed"),
+    ],
+)
+def test_lives_that_cannot_be_spread(scene, said, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    with pytest.raises(ValueError, match="^config: [^\n]*$") as error:
+        Plan.from_config(CONFIG | {"uncertain_lives": [scene]}).check_scenes()
+    assert said in str(error.value)

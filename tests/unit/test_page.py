@@ -18,7 +18,7 @@ from support import ROOT, scene_file
 
 from bearingwear.cli import main
 from bearingwear.io.netcdf import load
-from bearingwear.report import page
+from bearingwear.report import figures, page
 from bearingwear.report.answer import Life, answer, lives_of
 from bearingwear.report.markup import to_html
 from bearingwear.study.grid import PRELOAD_METHODS, Grid
@@ -259,7 +259,12 @@ def test_lives_stand_with_their_spread(folder, sure, made, capsys):
     assert rows["constant force", "0.08"] == constant
     assert rows["fixed position", "0.08"][0] == fixed
     assert rows["constant force", "0.02"] == ("no spread computed",) * 2
-    assert "snakemake -j2 design" in table.read_text()
+    assert "uncertain_lives" in table.read_text()
+
+    drawn = figures.life(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
+    drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
+    assert "constant force at µ = 0.08 L10 2 h, L50 4 h and fixed position at µ = 0.08" in drawn
+    assert figures.life(load(lives), [0.02]).get_suptitle().endswith("no spread computed")
 
     said = words(check_self_contained(made(lives, "--design", spread)))
     assert (
@@ -287,15 +292,17 @@ def test_no_spread_is_invented(folder, sure, results, made, capsys):
     path.unlink()
     other.to_netcdf(path)
     said = words(check_self_contained(made(lives, "--design", path)))
-    assert "L10" not in said and "No spread computed, see snakemake -j2 design" in said
+    assert "L10" not in said and "No spread computed, see uncertain_lives" in said
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
     for place in (lives, folder / "wear_life.nc"):
         capsys.readouterr()
         assert main(["show", str(place)]) == 0
         shown = capsys.readouterr().out
-        assert "L10" not in shown and "  no spread computed; see `snakemake -j2 design`" in shown
-    bad = ["tables", folder / "study.nc", lives, "--uncertainty", lives, "-o", "a", "b"]
-    assert main(list(map(str, bad))) == 2
+        assert "L10" not in shown and "  no spread computed; see `uncertain_lives`" in shown
+    made_of = ["tables", folder / "study.nc", lives, "--uncertainty", lives]
+    written = [lives.parent / "a.csv", lives.parent / "b.md"]
+    assert main([*map(str, made_of), "-o", *map(str, written)]) == 2
+    assert not any(file.exists() for file in written)
     assert "not a file of the kind uncertainty" in capsys.readouterr().err
 
 

@@ -9,13 +9,16 @@ from scipy import stats
 from support import scene_file
 
 from bearingwear.io.config import load_scene, scene_from_dict
+from bearingwear.io.netcdf import CaseFileError
+from bearingwear.io.spread import RECOMMENDED, spread_of, uncertainty
 from bearingwear.io.variables import HOUR
 from bearingwear.model.life import life
 from bearingwear.model.sampled import sampled
 from bearingwear.model.scene import EndOfLife
 from bearingwear.study.design import at, life_point
 from bearingwear.study.design_plan import Sampling
-from bearingwear.study.uncertainty import chunk, indices, lives, quantiles, sample
+from bearingwear.study.stack import write
+from bearingwear.study.uncertainty import chunk, indices, lives, quantiles, sample, spread
 
 PLAN = Sampling(samples=1024, chunks=1, seed=1)
 
@@ -94,3 +97,23 @@ def test_same_seed_same_lives(method):
     assert first.identical(again)
     other = chunk(scene, Sampling(2, 2, 2), method, "given", 1, None)
     assert not np.array_equal(first["life"], other["life"])
+
+
+def test_spread_at_the_own_preload_alone(tmp_path):
+    """Known answer: K_s alone, so life is its stated multiple; no recommended preload is needed."""
+    scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
+    plan = Sampling(64, 2, 1)
+    files = [tmp_path / f"{number}.nc" for number in range(2)]
+    for number, path in enumerate(files):
+        write(chunk(scene, plan, "constant_force", "given", number, None), path)
+    path = tmp_path / "uncertainty.nc"
+    write(spread(files, scene, plan), path)
+    known, given = [uncertainty(path)], scene.to_dict()
+    found = spread_of(known, given, "constant_force", scene.friction.ball_race)
+    middle = life(scene).values["life"] * HOUR  # K_s = 5e-6, the middle of its range
+    for (l10, l50), hours in zip(found.values(), middle, strict=True):
+        assert l10.low < hours * 5.0 / 7.4 < l10.high and l50.low < hours < l50.high
+    assert spread_of(known, given, "fixed_position", scene.friction.ball_race) is None
+    assert spread_of(known, given, "constant_force", scene.friction.ball_race, RECOMMENDED) is None
+    with pytest.raises(CaseFileError, match="parts missing"):
+        spread(files[:1], scene, plan)

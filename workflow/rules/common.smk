@@ -170,8 +170,15 @@ def recommendation_option(wildcards, input):
 
 
 def known_spread(wildcards):
-    # no part of rule all; but what is there is kept up to date
-    return glob(f"results/{wildcards.scene}/design/uncertainty.nc")
+    return PLAN.spreads_of_lives(wildcards.scene)
+
+
+def lives_at_own_preload(wildcards):
+    return [
+        f"results/{wildcards.scene}/design/samples/{method}-{AT[0]}-{chunk}.nc"
+        for method in PLAN.grids[wildcards.scene].preload_method
+        for chunk in range(DESIGN.sampling.chunks)
+    ]
 
 
 def spread_option(wildcards, input):
@@ -187,6 +194,6 @@ def design_results(wildcards):
     folder = "results/*/design"
     return sorted(
         file
-        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png", "uncertainty.nc")
+        for kind in ("tables/*.md", "figures/*.svg", "figures/*.png")
         for file in glob(f"{folder}/{kind}")
     )

@@ -116,8 +116,27 @@ rule sample_lives:
         "bearingwear sample-lives {input.scene} --plan {params.plan} --method {wildcards.method} {params.recommendation} --chunk {wildcards.chunk} -o {output} > {log} 2>&1"
 
 
-# Quantiles of life, and which uncertain value decides.
+# Quantiles of life at the scene's own preload: what the study quotes its lives with.
 rule spread_lives:
+    input:
+        scene=SCENE,
+        lives=lives_at_own_preload,
+        sources=SOLVER + DESIGN_SOURCES,
+    output:
+        "results/{scene}/uncertainty.nc",
+    log:
+        "logs/{scene}/uncertainty.log",
+    params:
+        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
+        plan=DESIGN_PLAN,
+    message:
+        "{wildcards.scene}: how its lives spread"
+    shell:
+        "bearingwear spread {input.scene} {input.lives} --plan {params.plan} -o {output} > {log} 2>&1"
+
+
+# At the recommended preload as well, and which uncertain value decides.
+rule spread_design:
     input:
         scene=SCENE,
         lives=lives_of_sample,

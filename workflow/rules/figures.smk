@@ -89,6 +89,7 @@ rule figure_wear:
 rule figure_life:
     input:
         life="results/{scene}/wear_life.nc",
+        spread=known_spread,
         sources=REPORT,
     output:
         svg=report(
@@ -103,10 +104,11 @@ rule figure_life:
     params:
         made_from=made_from(*REPORT),
         friction=scene_frictions,
+        spread=spread_option,
     message:
         "{wildcards.scene}: wear and preload over the life"
     shell:
-        "bearingwear figure life {input.life} --friction {params.friction} -o {output} > {log} 2>&1"
+        "bearingwear figure life {input.life} --friction {params.friction} {params.spread} -o {output} > {log} 2>&1"
 
 
 # QV and wear rates of cases solved in time, beside the steady ones.

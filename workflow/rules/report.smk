@@ -14,6 +14,7 @@ rule page:
         tables=[table for table in PLAN.tables() if table.endswith(".md")],
         figures=PLAN.figures(),
         docs=PAGE_DOCS,
+        spreads=PLAN.spreads_of_lives(),
         design=design_results,
         sources=REPORT + PAGE_SOURCES,
     output:
@@ -31,4 +32,4 @@ rule page:
         "the page of everything"
     shell:
         "bearingwear report {input.studies} {input.lives} {input.dynamics} {input.tables} {input.figures}"
-        " --docs {input.docs} --design {input.design} -o {output} > {log} 2>&1"
+        " --docs {input.docs} --design {input.spreads} {input.design} -o {output} > {log} 2>&1"
