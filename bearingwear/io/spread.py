@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear.io.netcdf import CaseFileError, load
-from bearingwear.io.variables import COUNTS
+from bearingwear.model.scene import COUNTS
 
 if TYPE_CHECKING:
     import xarray as xr

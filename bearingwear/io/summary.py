@@ -25,8 +25,8 @@ from bearingwear.io.spread import (
     spread_of,
     uncertainty,
 )
-from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.model.scene import COUNTS
 
 if TYPE_CHECKING:
     import xarray as xr

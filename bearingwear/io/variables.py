@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.model.scene import COUNTS
 
 DEGREE = 180.0 / math.pi
 HOUR = 1.0 / 3600.0
@@ -17,7 +18,6 @@ RACES = ("inner", "outer")
 AXES = ("axial", "tangential", "radial")
 DIRECTIONS = ("axial", "Y", "Z")
 EDGES = ("at_negative_x", "at_positive_x")
-COUNTS = ("ball", "ball_and_races")
 CRITERIA = (
     "preload_fraction",
     "gyroscopic_slip_share",

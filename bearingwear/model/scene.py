@@ -16,6 +16,9 @@ from typing import Any
 
 from bearingwear.model.accuracy import STANDARD
 
+COUNTS = ("ball", "ball_and_races")
+"""What the life may count as loss: the wear of the ball alone, or also that of the races."""
+
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
 
@@ -155,7 +158,7 @@ class Wear:
     """
 
     ball_diameter_loss_um: tuple[float, ...] = (0.0,)
-    counts: str = "ball_and_races"
+    counts: str = COUNTS[1]
     end_of_life: EndOfLife | None = None
 
 

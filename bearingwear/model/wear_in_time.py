@@ -25,10 +25,9 @@ from bearingwear.model.life import (
     margins,
     steady_states,
 )
-from bearingwear.model.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+from bearingwear.model.scene import COUNTS, LARGEST_LOSS, EndOfLife, Scene, SceneError
 from bearingwear.model.transient import solve_dynamic, thrust_alone
 
-COUNTS = ("ball", "ball_and_races")
 OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm")
 MOST_STEPS = 20  # times those asked for: rates may fall on the way
 END = 1e-3  # of a step: how well the end is found

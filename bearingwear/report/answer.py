@@ -8,8 +8,8 @@ from typing import NamedTuple
 import xarray as xr
 
 from bearingwear.io.spread import NO_SPREAD, SEE, SPREAD_TEXT, Spread, spread_of, spread_text
-from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
+from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import in_words, methods, mu_is, percent_in_text, scene_of
 
 ENDS = {  # words for a criterion, and by how much its limit in the scene is multiplied

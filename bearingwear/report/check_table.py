@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.netcdf import CaseFileError, load
-from bearingwear.io.variables import COUNTS
 from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import in_words, scene_of
 from bearingwear.report.tables import markdown_table, plain_text
 from bearingwear.study.design import limits_of

@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from bearingwear.io.variables import COUNTS
 from bearingwear.kernels.status import OK
+from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import (
     COLOURS,
     FAILED,

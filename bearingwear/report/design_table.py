@@ -11,10 +11,9 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.spread import RECOMMENDED, SPREAD_TEXT, spread_of, spread_text
-from bearingwear.io.variables import COUNTS
 from bearingwear.io.whole import whole_file, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.model.scene import PARAMETERS
+from bearingwear.model.scene import COUNTS, PARAMETERS
 from bearingwear.report.design import (
     GPA,
     LIMIT_WORDS,

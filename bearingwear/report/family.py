@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.io.variables import COUNTS
 from bearingwear.io.whole import write_text
+from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import (
     COLOURS,
     Figure,

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.io.variables import COUNTS
 from bearingwear.io.whole import write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import (
     Figure,
     failed_keys,

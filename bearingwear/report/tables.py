@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.spread import SEE, SPREAD_TEXT, spread_of, spread_text
-from bearingwear.io.variables import COUNTS
 from bearingwear.io.whole import whole_file, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import in_words, methods, scene_of
 
 AXES = ("preload_method", "friction", "ball_diameter_loss")

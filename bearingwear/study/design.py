@@ -16,10 +16,10 @@ import xarray as xr
 from scipy.optimize import brentq, minimize_scalar
 
 from bearingwear.io.netcdf import CaseFileError, common_attributes, load
-from bearingwear.io.variables import COUNTS, CRITERIA, HOUR, STATUS
+from bearingwear.io.variables import CRITERIA, HOUR, STATUS
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.model.life import WearState, course_of, life, steady_states
-from bearingwear.model.scene import EndOfLife, Scene
+from bearingwear.model.scene import COUNTS, EndOfLife, Scene
 from bearingwear.study.design_plan import DesignMap, Limits
 from bearingwear.study.grid import PRELOAD_METHODS
 from bearingwear.study.tradeoff import pareto

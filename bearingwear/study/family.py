@@ -17,12 +17,12 @@ from scipy.optimize import brentq
 
 from bearingwear.io.config import load_scene
 from bearingwear.io.netcdf import common_attributes
-from bearingwear.io.variables import COUNTS, HOUR
+from bearingwear.io.variables import HOUR
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.thrust import OUTER_SPIN
 from bearingwear.model import parameters
 from bearingwear.model.life import course_of, steady_states
-from bearingwear.model.scene import Scene, most_balls
+from bearingwear.model.scene import COUNTS, Scene, most_balls
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.study.design import COUNTED, attrs, flags
 from bearingwear.study.design_plan import Family, Statements

@@ -14,9 +14,10 @@ import xarray as xr
 
 from bearingwear.io.config import load_scene
 from bearingwear.io.netcdf import dataset
-from bearingwear.io.variables import COUNTS, CRITERIA
+from bearingwear.io.variables import CRITERIA
 from bearingwear.kernels.status import OK
 from bearingwear.model.life import life
+from bearingwear.model.scene import COUNTS
 from bearingwear.study.grid import PRELOAD_METHODS, Case, Grid
 from bearingwear.study.stack import axis_coordinates, stacked
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.io.netcdf import common_attributes, dataset
-from bearingwear.io.variables import COUNTS, HOUR
+from bearingwear.io.variables import HOUR
 from bearingwear.kernels import status as code
 from bearingwear.kernels.kinematics import OUTER_CONTROL
 from bearingwear.model.coupled import solve_coupled
@@ -21,7 +21,7 @@ from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life import life
 from bearingwear.model.race_control import race_control_motion
 from bearingwear.model.result import Result
-from bearingwear.model.scene import Scene
+from bearingwear.model.scene import COUNTS, Scene
 from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.transient import Run, start_of, thrust_alone, window_values

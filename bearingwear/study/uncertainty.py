@@ -20,11 +20,11 @@ from scipy import stats
 from bearingwear.io.config import schema_at, uncertain_key
 from bearingwear.io.netcdf import CaseFileError, common_attributes, load
 from bearingwear.io.spread import CONFIDENCE
-from bearingwear.io.variables import COUNTS, CRITERIA, HOUR, STATUS
+from bearingwear.io.variables import CRITERIA, HOUR, STATUS
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, STATUS_NAMES
 from bearingwear.model.life import course_of, steady_states
 from bearingwear.model.sampled import sampled
-from bearingwear.model.scene import WORN, Distribution, Scene
+from bearingwear.model.scene import COUNTS, WORN, Distribution, Scene
 from bearingwear.study.design import COUNTED, attrs, flags, recommended_for
 from bearingwear.study.design_plan import AT, Sampling
 from bearingwear.study.grid import PRELOAD_METHODS
