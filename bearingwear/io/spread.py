@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 KIND = "uncertainty"
-PLACES = (Path("uncertainty.nc"), Path("design/uncertainty.nc"))
-"""Where it lies beside the results of its scene, or of its design study."""
+PLACES = ("spread/*.nc", "design/uncertainty.nc", "uncertainty.nc")
+"""Where such files lie beside the results of a scene, the last beside those of the design study."""
 
 GIVEN, RECOMMENDED = 0, 1
 """Values of `at`: the scene's own preload, and the recommended one."""
@@ -41,11 +41,13 @@ class Quantile(NamedTuple):
     hours: float
     low: float
     high: float
+    solved: float = 1.0  # share of the sampled lives; the others are left out
 
     @property
     def text(self) -> str:
         """`L10 1.2 h [1.1, 1.3]`."""
-        return f"{self.name} {self.hours:.3g} h [{self.low:.3g}, {self.high:.3g}]"
+        new = ", beyond a limit when new" if self.hours == 0.0 else ""
+        return f"{self.name} {self.hours:.3g} h [{self.low:.3g}, {self.high:.3g}]{new}"
 
 
 Spread = dict[str, tuple[Quantile, ...]]
@@ -101,8 +103,13 @@ def spread_of(
 
 
 def spread_text(quantiles: Iterable[Quantile]) -> str:
-    """L10 and L50 on a line, or that there are none."""
-    return "; ".join(one.text for one in quantiles) or NO_SPREAD
+    """L10 and L50 on a line, and of how many lives if not of all; or that there are none."""
+    known = tuple(quantiles)
+    if not known:
+        return NO_SPREAD
+    share = known[0].solved
+    of = f" (of the {100.0 * share:.3g} % of lives that were solved)" if share < 1.0 else ""
+    return "; ".join(one.text for one in known) + of
 
 
 def _point(scene: Mapping[str, Any], method: str, friction: float | None = None) -> dict[str, Any]:
@@ -123,7 +130,10 @@ def _quantiles(one: xr.Dataset) -> tuple[Quantile, ...]:
     return tuple(
         Quantile(
             f"L{100.0 * float(p):.0f}",
-            *(float(one[f"life_quantile{end}"][k]) for end in ("", "_low", "_high")),
+            float(one["life_quantile"][k]),
+            float(one["life_quantile_low"][k]),
+            float(one["life_quantile_high"][k]),
+            float(one["solved_share"]),
         )
         for k, p in enumerate(one["probability"].values)
         if p <= 0.5 and np.isfinite(one["life_quantile"][k])

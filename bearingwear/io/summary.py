@@ -155,7 +155,7 @@ def summary(path: str | os.PathLike[str]) -> str:
     """
     with opened(path) as file:
         lines = {"life": _life, "case": _case}.get(kind_of(file), _several)(file)
-        lines += _spreads(file, Path(path).parent)
+        lines += _spreads(file, Path(path))
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -333,12 +333,12 @@ def _several(file: Any) -> list[str]:
     return lines + _lives(file)
 
 
-def _spreads(file: Any, folder: Path) -> list[str]:
-    """How sure the lives of a file are, by the study of uncertainty beside it."""
+def _spreads(file: Any, path: Path) -> list[str]:
+    """How sure the lives of a file are, by itself or by files of uncertainty beside it."""
     lives = list(_points_of(file))
     if not lives:
         return ["", f"  {NO_SPREAD}; {SEE}"] if "life" in file.variables else []
-    known, scene = _uncertainty(folder), json.loads(file.scene)
+    known, scene = _uncertainty(path), json.loads(file.scene)
     lines = ["", _row("spread of the life", "h", *(c.replace("_and_", " + ") for c in COUNTS))]
     missing = 0
     for label, method, friction, at in lives:
@@ -377,12 +377,13 @@ def _points_of(file: Any) -> Iterator[tuple[str, str, float, int]]:
                 yield f"{methods[int(flag)]}, mu {mu:g}", methods[int(flag)], float(mu), GIVEN
 
 
-def _uncertainty(folder: Path) -> list[xr.Dataset]:
-    """The file of the study of uncertainty beside this one, if it is there and of use."""
+def _uncertainty(file: Path) -> list[xr.Dataset]:
+    """The file itself and those beside it, as far as they are of uncertainty."""
     found = []
-    for path in (folder / place for place in PLACES):
+    beside = [path for place in PLACES for path in sorted(file.parent.glob(place))]
+    for path in [file, *beside]:
         with contextlib.suppress(CaseFileError):
-            found += [uncertainty(path)] if path.is_file() else []
+            found.append(uncertainty(path))
     return found
 
 

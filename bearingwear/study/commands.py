@@ -76,6 +76,16 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     sample.add_argument("--chunk", required=True, type=int, metavar="NUMBER", help="from 0")
     sample.set_defaults(run=_sample_lives)
 
+    own = commands.add_parser(
+        "life-spread", help="quantiles of life at a scene's own preload, of sampled lives"
+    )
+    own.add_argument("scene", metavar="SCENE.yaml", type=Path)
+    own.add_argument("--friction", required=True, type=float, metavar="MU")
+    own.add_argument("--method", required=True, nargs="+", choices=PRELOAD_METHODS)
+    own.add_argument("--samples", required=True, type=int, metavar="N", help="half of the lives")
+    own.add_argument("--seed", type=int, default=1, metavar="N")
+    own.set_defaults(run=_life_spread)
+
     spread = commands.add_parser(
         "spread", help="quantiles of life and Sobol indices from sampled lives"
     )
@@ -110,7 +120,7 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     stressed.set_defaults(run=_gather_extremes)
 
     for parser in (gather, life, verdict, trade, traded, mapped, gathered, recommend, checked,
-                   sample, spread, identify, extremes, stressed):  # fmt: skip
+                   sample, own, spread, identify, extremes, stressed):  # fmt: skip
         parser.add_argument("-o", "--output", required=True, metavar="FILE", type=Path)
 
 
@@ -220,6 +230,20 @@ def _sample_lives(given: argparse.Namespace) -> int:
     recommendation = None if given.recommendation is None else load(given.recommendation)
     where = AT[0] if recommendation is None else AT[1]
     write(chunk(scene, plan, given.method, where, given.chunk, recommendation), given.output)
+    return 0
+
+
+def _life_spread(given: argparse.Namespace) -> int:
+    from bearingwear.io.netcdf import CaseFileError
+    from bearingwear.study.design_plan import Sampling, design_scene
+    from bearingwear.study.stack import write
+    from bearingwear.study.uncertainty import life_spread
+
+    if given.samples < 1 or given.samples & (given.samples - 1):
+        raise CaseFileError(f"--samples: given {given.samples}; allowed a power of two")
+    scene = design_scene(given.scene, [f"friction.ball_race={given.friction!r}"])
+    plan = Sampling(given.samples, 1, given.seed)
+    write(life_spread(scene, list(dict.fromkeys(given.method)), plan), given.output)
     return 0
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -158,7 +158,7 @@ class DesignPlan:
                 raise ValueError(f"config/design.yaml: family: there is no scene {name}")
 
 
-def design_scene(path: str | Path) -> Any:
+def design_scene(path: str | Path, settings: Sequence[str] = ()) -> Any:
     """A scene whose lives can be mapped: it has an end of life and a steady state.
 
     Raises
@@ -170,7 +170,7 @@ def design_scene(path: str | Path) -> Any:
     from bearingwear.model.fidelity import choice_for_life
     from bearingwear.model.scene import SceneError
 
-    scene = for_life(load_scene(path), os.fspath(path))
+    scene = for_life(load_scene(path, settings), os.fspath(path))
     tier = choice_for_life(scene).tier
     if tier != "steady":
         raise SceneError(

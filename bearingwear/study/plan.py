@@ -13,6 +13,7 @@ from bearingwear.io.config import for_life, load_scene
 from bearingwear.study.grid import Case, Grid, grids
 
 PAGE = "results/report/index.html"
+SAMPLES = 256  # base samples of how a life spreads, where none are given
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,8 @@ class Plan:
         Figures of spread by their name.
     uncertain_lives : tuple of str
         Scenes whose lives are quoted with the spread that their block `uncertainty` gives them.
+    sampling : tuple of int
+        How their values are sampled: base samples and seed.
     lives_in_time : dict
         For each life that is followed in time, its scene and what is changed in it.
     running_averages : dict
@@ -62,6 +65,7 @@ class Plan:
     spreads: dict[str, Spread]
     running_averages: dict[str, str | None]
     uncertain_lives: tuple[str, ...]
+    sampling: tuple[int, int]
     lives_in_time: dict[str, tuple[str, tuple[str, ...]]]
 
     @classmethod
@@ -76,6 +80,7 @@ class Plan:
         figures = config["figures"]
         columns = figures.get("wear_columns", [])
         dynamic = config.get("dynamic", [])
+        uncertain = config.get("uncertain_lives", {})
         return cls(
             grids=grids(config["studies"]),
             dynamic=grids(dynamic, "dynamic"),
@@ -94,7 +99,8 @@ class Plan:
                 scene: (given or {}).get("reference")
                 for scene, given in figures.get("running_averages", {}).items()
             },
-            uncertain_lives=tuple(config.get("uncertain_lives", [])),
+            uncertain_lives=tuple(uncertain.get("scenes", [])),
+            sampling=(int(uncertain.get("samples", SAMPLES)), int(uncertain.get("seed", 1))),
             lives_in_time={
                 name: (life["scene"], _settings(life.get("set", {})))
                 for name, life in config.get("lives_in_time", {}).items()
@@ -110,7 +116,9 @@ class Plan:
         for scene in self.uncertain_lives:
             if scene not in self.grids:
                 allowed = ", ".join(self.grids)
-                raise ValueError(f"config: uncertain_lives: given {scene}; allowed {allowed}")
+                raise ValueError(
+                    f"config: uncertain_lives.scenes: given {scene}; allowed {allowed}"
+                )
         for scene in self.running_averages:
             if scene not in self.dynamic:
                 allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
@@ -166,8 +174,8 @@ class Plan:
         for scene in self.uncertain_lives:
             if not load_scene(_scene_file(scene)).uncertainty:
                 raise ValueError(
-                    f"config: uncertain_lives: given {scene}, whose file has no uncertainty; "
-                    "allowed scenes that have"
+                    f"config: uncertain_lives.scenes: given {scene}, whose file has no "
+                    "uncertainty; allowed scenes that have"
                 )
         for name, (scene, settings) in self.lives_in_time.items():
             try:
@@ -230,8 +238,12 @@ class Plan:
 
     def spreads_of_lives(self, *scenes: str) -> list[str]:
         """Files of how lives spread, of those of the given scenes that have one, or of all."""
-        wanted = scenes or self.uncertain_lives
-        return [f"results/{s}/uncertainty.nc" for s in self.uncertain_lives if s in wanted]
+        return [
+            f"results/{scene}/spread/mu{mu:.3f}.nc"
+            for scene in self.uncertain_lives
+            if scene in (scenes or self.uncertain_lives)
+            for mu in self.grids[scene].friction
+        ]
 
     def tables(self) -> list[str]:
         """Tables and summaries of the scenes."""

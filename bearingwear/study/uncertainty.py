@@ -188,8 +188,6 @@ def chunk(
 def spread(paths: Iterable[str | Path], scene: Scene, plan: Sampling) -> xr.Dataset:
     """Quantiles of life and Sobol indices of its logarithm, from all parts of the sampled lives.
 
-    The parts are of all methods and preloads that the file is to have.
-
     Raises
     ------
     CaseFileError
@@ -207,26 +205,54 @@ def spread(paths: Iterable[str | Path], scene: Scene, plan: Sampling) -> xr.Data
             raise CaseFileError(f"{path}: not of this scene and sampling")
         parts.setdefault((part.attrs["preload_method"], part.attrs["at"]), []).append(part)
     methods = [m for m in PRELOAD_METHODS if any(m == method for method, _ in parts)]
-    at = [where for where in AT if any(where == other for _, other in parts)]
     for method in methods:
-        for where in at:
+        for where in AT:
             numbers = sorted(int(part.attrs["chunk"]) for part in parts.get((method, where), []))
             if numbers != list(range(plan.chunks)):
                 raise CaseFileError(f"sampled lives of {method}, {where} preload: parts missing")
     table = [
-        [_analysed(scene, method, parts[method, where], plan) for where in at] for method in methods
+        [_analysed(scene, method, parts[method, where], plan) for where in AT] for method in methods
     ]
+    names = tuple(scene.uncertainty or {})
+    quantity = np.arange(len(names), dtype=np.int8)
+    coords = {"quantity": ("quantity", quantity, flags("uncertain value", names))}
+    return _file(scene, plan, methods, AT, table).assign_coords(coords)
+
+
+def life_spread(scene: Scene, methods: Sequence[str], plan: Sampling) -> xr.Dataset:
+    """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
     names = list(scene.uncertainty or {})
+    rows = sample(scene, plan)[:, [0, -1]].reshape(-1, len(names))
+    table = []
+    for method in methods:
+        of = with_preload(scene, method, scene.operation.preload_N)
+        life, status, _, factor = lives(of, np.vstack([_middle(of), rows]))
+        hours, solved = life * HOUR, status[1:] == OK
+        found = {
+            "preload": scene.operation.preload_N,
+            "evaluations": solved.size,
+            "solved_share": solved.mean(),
+            "nominal_life": hours[0],
+        }
+        table.append([found | _quantiles_of(hours[1:], factor[1:])])
+    return _file(scene, plan, methods, AT[:1], table)
+
+
+def _file(
+    scene: Scene,
+    plan: Sampling,
+    methods: Sequence[str],
+    at: Sequence[str],
+    table: Sequence[Sequence[Mapping[str, Any]]],
+) -> xr.Dataset:
+    """What was found, by method and preload, as a file of the kind `uncertainty`."""
     coords = {
         "preload_method": (
             "preload_method", np.array([PRELOAD_METHODS.index(m) for m in methods], dtype=np.int8),
             flags("how the preload is applied", PRELOAD_METHODS),
         ),
-        "at": ("at", np.array([AT.index(where) for where in at], dtype=np.int8),
-               flags("which preload", AT)),
+        "at": ("at", np.arange(len(at), dtype=np.int8), flags("which preload", AT)),
         "counts": ("counts", np.arange(2, dtype=np.int8), flags(COUNTED, COUNTS)),
-        "quantity": ("quantity", np.arange(len(names), dtype=np.int8),
-                     flags("uncertain value", tuple(names))),
         "of": ("of", np.arange(len(OF), dtype=np.int8), flags("what is spread", OF)),
         "probability": ("probability", list(PROBABILITIES),
                         attrs("share of bearings that have failed", "1")),
@@ -238,6 +264,7 @@ def spread(paths: Iterable[str | Path], scene: Scene, plan: Sampling) -> xr.Data
             attrs(long_name, units),
         )
         for name, (dims, long_name, units) in ANALYSED.items()
+        if name in table[0][0]
     }
     return xr.Dataset(
         variables,
@@ -312,27 +339,41 @@ def _analysed(
     found["solved_share"] = solved.mean()
     usable = (solved & (whole["life"].values > 0.0).all(axis=-1)).all(axis=1)
     found["index_share"] = usable.mean()
-    both = whole["life"].values, whole["life"].values / whole["wear_factor"].values[..., None]
-    for k, life in enumerate(both):
-        independent = np.concatenate([life[:, 0], life[:, -1]])  # A and B; the others repeat them
-        found["life_sample"][k] = np.sort(independent, axis=0)
+    life, factor = whole["life"].values, whole["wear_factor"].values
+    both = life, life / factor[..., None]
+    found |= _quantiles_of(  # of A and B; the others repeat them
+        *(np.concatenate([part[:, 0], part[:, -1]]) for part in (life, factor))
+    )
+    for k, one in enumerate(both):
         for c in range(2):
-            found["life_quantile"][k, :, c], *ends = quantiles(independent[:, c])
-            found["life_quantile_low"][k, :, c], found["life_quantile_high"][k, :, c] = ends
-            y = np.log(life[usable, :, c])
+            y = np.log(one[usable, :, c])
             if y.size and np.ptp(y) > 0.0:
                 for name, values in indices(scene, y, plan.seed).items():
                     found[name][k, :, c] = values
-    one = with_preload(scene, method, float(found["preload"]))
-    middle = [float(value_at(one, name, np.array(0.5))) for name in names]
+    of = with_preload(scene, method, float(found["preload"]))
+    middle = _middle(of)
     rows = [middle] + [
-        [float(value_at(one, names[j], np.array(p))) if i == j else v for i, v in enumerate(middle)]
+        [float(value_at(of, names[j], np.array(p))) if i == j else v for i, v in enumerate(middle)]
         for j in range(len(names))
         for p in (PROBABILITIES[0], PROBABILITIES[-1])
     ]
-    around = lives(one, np.array(rows))[0] * HOUR
+    around = lives(of, np.array(rows))[0] * HOUR
     found["nominal_life"], found["swing"] = around[0], around[1:].reshape(len(names), 2, 2)
     return found
+
+
+def _middle(scene: Scene) -> list[float]:
+    """Every uncertain value at its median."""
+    return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
+
+
+def _quantiles_of(life: np.ndarray, factor: np.ndarray) -> dict[str, np.ndarray]:
+    """Those of independent lives (n, 2) [h], and of lives without what K_s and H do (n,)."""
+    both = np.stack([life, life / factor[:, None]])
+    found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in both])
+    names = ("life_quantile", "life_quantile_low", "life_quantile_high")
+    ends = {name: found[:, :, k].swapaxes(1, 2) for k, name in enumerate(names)}
+    return ends | {"life_sample": np.sort(both, axis=1)}
 
 
 def quantiles(life: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

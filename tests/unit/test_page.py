@@ -233,7 +233,8 @@ def sure(folder, tmp_path):
     dims = ("preload_method", "at", "of", "probability", "counts")
     methods = {"flag_values": [0, 1], "flag_meanings": " ".join(PRELOAD_METHODS)}
     dataset = xr.Dataset(
-        {name: (dims, (middle * factor)[:, :, None]) for name, factor in names.items()},
+        {name: (dims, (middle * factor)[:, :, None]) for name, factor in names.items()}
+        | {"solved_share": (dims[:2], [[1.0, 1.0], [0.99, 1.0]])},
         {"preload_method": ("preload_method", [0, 1], methods), "probability": [0.1, 0.5, 0.9]},
         load(folder / "wear_life.nc").attrs
         | {"kind": "uncertainty", "scene": json.dumps(scene.to_dict())},
@@ -250,7 +251,7 @@ def test_lives_stand_with_their_spread(folder, sure, made, capsys):
     lives, spread = sure
     # at the scene's own preload; methods by rows of 12, quantiles by pairs of counts
     constant = "L10 1 h [0.9, 1.25]; L50 3 h [2.7, 3.75]", "L10 2 h [1.8, 2.5]; L50 4 h [3.6, 5]"
-    fixed = "L10 13 h [11.7, 16.2]; L50 15 h [13.5, 18.8]"
+    fixed = "L10 13 h [11.7, 16.2]; L50 15 h [13.5, 18.8] (of the 99 % of lives that were solved)"
     study, table = folder / "study.nc", lives.parent / "summary.md"
     command = ["tables", study, lives, "--uncertainty", spread, "-o", lives.parent / "a.csv", table]
     assert main([str(part) for part in command]) == 0

@@ -9,7 +9,6 @@ from scipy import stats
 from support import scene_file
 
 from bearingwear.io.config import load_scene, scene_from_dict
-from bearingwear.io.netcdf import CaseFileError
 from bearingwear.io.spread import RECOMMENDED, spread_of, uncertainty
 from bearingwear.io.variables import HOUR
 from bearingwear.model.life import life
@@ -18,7 +17,7 @@ from bearingwear.model.scene import EndOfLife
 from bearingwear.study.design import at, life_point
 from bearingwear.study.design_plan import Sampling
 from bearingwear.study.stack import write
-from bearingwear.study.uncertainty import chunk, indices, lives, quantiles, sample, spread
+from bearingwear.study.uncertainty import chunk, indices, life_spread, lives, quantiles, sample
 
 PLAN = Sampling(samples=1024, chunks=1, seed=1)
 
@@ -99,21 +98,26 @@ def test_same_seed_same_lives(method):
     assert not np.array_equal(first["life"], other["life"])
 
 
-def test_spread_at_the_own_preload_alone(tmp_path):
-    """Known answer: K_s alone, so life is its stated multiple; no recommended preload is needed."""
+def test_spread_of_a_life_of_the_study(tmp_path):
+    """Known answer: K_s alone, so quantiles of life are the nominal life over those of K_s."""
     scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
-    plan = Sampling(64, 2, 1)
-    files = [tmp_path / f"{number}.nc" for number in range(2)]
-    for number, path in enumerate(files):
-        write(chunk(scene, plan, "constant_force", "given", number, None), path)
-    path = tmp_path / "uncertainty.nc"
-    write(spread(files, scene, plan), path)
-    known, given = [uncertainty(path)], scene.to_dict()
-    found = spread_of(known, given, "constant_force", scene.friction.ball_race)
+    path = tmp_path / "mu0.080.nc"
+    write(life_spread(scene, ["constant_force"], Sampling(256, 1, 1)), path)
+    known, mu = uncertainty(path), scene.friction.ball_race
+    found = spread_of([known], scene.to_dict(), "constant_force", mu)
     middle = life(scene).values["life"] * HOUR  # K_s = 5e-6, the middle of its range
+    assert_allclose(known["nominal_life"].squeeze(), middle, rtol=1e-12)
     for (l10, l50), hours in zip(found.values(), middle, strict=True):
         assert l10.low < hours * 5.0 / 7.4 < l10.high and l50.low < hours < l50.high
-    assert spread_of(known, given, "fixed_position", scene.friction.ball_race) is None
-    assert spread_of(known, given, "constant_force", scene.friction.ball_race, RECOMMENDED) is None
-    with pytest.raises(CaseFileError, match="parts missing"):
-        spread(files[:1], scene, plan)
+        assert_allclose([l10.hours, l50.hours], [hours * 5.0 / 7.4, hours], rtol=0.02)
+    for method, friction, which in (("fixed_position", mu, 0), ("constant_force", 0.05, 0),
+                                 ("constant_force", mu, RECOMMENDED)):  # fmt: skip
+        assert spread_of([known], scene.to_dict(), method, friction, which) is None
+
+
+def test_spread_of_a_life_is_that_of_the_design_study():
+    """Same base samples: the lives of the one are those of the other."""
+    scene, plan = load_scene(scene_file("gyro_s1")), Sampling(4, 1, 1)
+    part = chunk(scene, plan, "fixed_position", "given", 0, None)["life"].values
+    found = life_spread(scene, ["fixed_position"], plan)["life_sample"].values[0, 0, 0]
+    assert_allclose(found, np.sort(part[:, [0, -1]].reshape(-1, 2), axis=0), rtol=1e-12)

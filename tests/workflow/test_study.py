@@ -50,7 +50,7 @@ def test_the_whole_study_is_planned():
     jobs = dict(re.findall(r"^(\w+) +(\d+)$", done.stdout + done.stderr, re.M))
     assert int(jobs["solve"]) == 3 * 64 + 3 * 16
     assert int(jobs["wear_life"]) == 6
-    assert int(jobs["sample_lives"]) == 2 * 8
+    assert int(jobs["life_spread"]) == 3 * 4 + 3
     assert int(jobs["solve_dynamic"]) == 12 + 1
 
 

@@ -27,6 +27,7 @@ except ValueError as error:
 SCENE = "config/scenes/{scene}.yaml"
 SOLVER = [os.path.relpath(path) for path in SOLVER_SOURCES]
 STUDY = [os.path.relpath(path) for path in bearingwear.study.SOURCES]
+DESIGN_SOURCES = [os.path.relpath(path) for path in bearingwear.study.DESIGN_SOURCES]
 REPORT = [os.path.relpath(path) for path in bearingwear.report.SOURCES]
 PAGE_SOURCES = [os.path.relpath(path) for path in bearingwear.report.PAGE_SOURCES]
 PAGE_DOCS = ["docs/verification.md", "docs/accuracy.md"]
@@ -173,12 +174,8 @@ def known_spread(wildcards):
     return PLAN.spreads_of_lives(wildcards.scene)
 
 
-def lives_at_own_preload(wildcards):
-    return [
-        f"results/{wildcards.scene}/design/samples/{method}-{AT[0]}-{chunk}.nc"
-        for method in PLAN.grids[wildcards.scene].preload_method
-        for chunk in range(DESIGN.sampling.chunks)
-    ]
+def scene_methods(wildcards):
+    return PLAN.grids[wildcards.scene].preload_method
 
 
 def spread_option(wildcards, input):

@@ -9,7 +9,6 @@ try:
 except ValueError as error:
     sys.exit(str(error))
 
-DESIGN_SOURCES = [os.path.relpath(path) for path in bearingwear.study.DESIGN_SOURCES]
 CHECK_SOURCES = [os.path.relpath(path) for path in bearingwear.study.CHECK_SOURCES]
 FAMILY_SOURCES = [os.path.relpath(path) for path in bearingwear.study.FAMILY_SOURCES]
 FAMILY_SCENES = sorted(
@@ -116,27 +115,8 @@ rule sample_lives:
         "bearingwear sample-lives {input.scene} --plan {params.plan} --method {wildcards.method} {params.recommendation} --chunk {wildcards.chunk} -o {output} > {log} 2>&1"
 
 
-# Quantiles of life at the scene's own preload: what the study quotes its lives with.
+# Quantiles of life, and which uncertain value decides.
 rule spread_lives:
-    input:
-        scene=SCENE,
-        lives=lives_at_own_preload,
-        sources=SOLVER + DESIGN_SOURCES,
-    output:
-        "results/{scene}/uncertainty.nc",
-    log:
-        "logs/{scene}/uncertainty.log",
-    params:
-        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
-        plan=DESIGN_PLAN,
-    message:
-        "{wildcards.scene}: how its lives spread"
-    shell:
-        "bearingwear spread {input.scene} {input.lives} --plan {params.plan} -o {output} > {log} 2>&1"
-
-
-# At the recommended preload as well, and which uncertain value decides.
-rule spread_design:
     input:
         scene=SCENE,
         lives=lives_of_sample,

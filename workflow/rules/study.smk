@@ -63,6 +63,27 @@ rule wear_life:
         "bearingwear wear-life {input.scene} {input.study} -o {output} > {log} 2>&1"
 
 
+# How the lives at a friction coefficient spread, with all that the scene calls uncertain.
+rule life_spread:
+    input:
+        scene=SCENE,
+        sources=SOLVER + DESIGN_SOURCES,
+    output:
+        "results/{scene}/spread/mu{mu}.nc",
+    log:
+        "logs/{scene}/spread-mu{mu}.log",
+    wildcard_constraints:
+        mu=r"\d+\.\d{3}",
+    params:
+        made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
+        method=scene_methods,
+        sampling="--samples {} --seed {}".format(*PLAN.sampling),
+    message:
+        "{wildcards.scene}: how its lives spread, mu {wildcards.mu}"
+    shell:
+        "bearingwear life-spread {input.scene} --friction {wildcards.mu} --method {params.method} {params.sampling} -o {output} > {log} 2>&1"
+
+
 # The numbers of a scene as CSV, and the few that matter as Markdown.
 rule tables:
     input:
