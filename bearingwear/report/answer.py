@@ -188,16 +188,25 @@ def _how_long(lives: Sequence[Life]) -> list[str]:
 
 
 def _how_sure(lives: Sequence[Life]) -> list[str]:
-    """L10 and L50 where they were computed."""
-    said = [
-        _sentence(
-            f"{in_words(life.method)} at {mu_is(life.friction)}, if the wear of {WORDS[way]} "
-            f"counts: {spread_text(life.spread[way])}"
-        )
+    """Ranges of L10 and L50 where they were computed; the table has each."""
+    counts = lives[0].counts
+    said = []
+    for way in sorted(WORDS, key=lambda way: way != counts):
+        known: dict[str, list[float]] = {}
+        for life in lives:
+            for one in (life.spread or {}).get(way, ()):
+                known.setdefault(one.name, []).append(one.hours)
+        ranges = ", ".join(f"{name}\N{NO-BREAK SPACE}{_hours(h)}" for name, h in known.items())
+        said += [_sentence(f"{ranges} if the wear of {WORDS[way]} counts")] if known else []
+    at_once = [
+        f"{in_words(life.method)} at {mu_is(life.friction)}"
         for life in lives
-        if life.spread
-        for way in sorted(life.spread, key=lambda way: way != life.counts)
+        if life.spread and any(one.hours == 0.0 for one in life.spread[counts])
     ]
+    if at_once:
+        said.append(
+            _sentence(f"one in ten or more is beyond a limit when new: {', '.join(at_once)}")
+        )
     if said:
         said.append(SPREAD_TEXT)
     if not all(life.spread for life in lives):

@@ -277,14 +277,12 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
-    """L10 and L50 by the wear of balls and races, where they were computed."""
-    scene, said = scene_of(lives), []
+    """Ranges of L10 and L50 by the wear of balls and races, where they were computed."""
+    found: dict[str, list[float]] = {}
     for name, _ in methods(lives):
         for mu in frictions:
-            quantiles = (spread_of(known, scene, name, mu) or {}).get("ball_and_races", ())
-            if quantiles:
-                found = ", ".join(
-                    f"{one.name}\N{NO-BREAK SPACE}{one.hours:.2g} h" for one in quantiles
-                )
-                said.append(f"{in_words(name)} at {mu_is(mu)} {found}")
-    return f"with all that is uncertain, {' and '.join(said)}" if said else NO_SPREAD
+            spread = spread_of(known, scene_of(lives), name, mu) or {}
+            for one in spread.get("ball_and_races", ()):
+                found.setdefault(one.name, []).append(one.hours)
+    ranges = [f"{name}: {min(hours):.2g} to {max(hours):.2g} h" for name, hours in found.items()]
+    return ", ".join(ranges) or NO_SPREAD
