@@ -40,6 +40,14 @@ TOUCH = [
     "from snakemake.cli import main; main()",
     *(STUDY, "--touch", "--forceall", "-j2", "--nocolor", "--quiet", "all"),
 ]
+# Runs a command and writes status, CPU time and largest memory into a file. A process of its own,
+# since a child's largest memory begins with that of the process it was forked from.
+PROBE = (
+    "import os, sys; pid = os.fork(); "
+    "pid or os.execv(sys.argv[2], sys.argv[2:]); "
+    "_, status, used = os.wait4(pid, 0); "
+    "open(sys.argv[1], 'w').write(f'{status} {used.ru_utime + used.ru_stime} {used.ru_maxrss}')"
+)
 SLURM = ("--workflow-profile", "workflow/profiles/slurm")
 
 
@@ -57,16 +65,16 @@ def cost(command: list[str], cwd: Path, repeats: int) -> Cost:
     environment = os.environ | {"PYTHONPATH": str(cwd)}
     found = []
     for _ in range(repeats):
-        with tempfile.TemporaryFile() as said:
-            process = subprocess.Popen(
-                command, cwd=cwd, env=environment, stdout=said, stderr=subprocess.STDOUT
+        with tempfile.NamedTemporaryFile("r") as used:
+            probe = [sys.executable, "-S", "-c", PROBE, used.name, *command]
+            done = subprocess.run(
+                probe, cwd=cwd, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
             )
-            _, status, used = os.wait4(process.pid, 0)
-            said.seek(0)
-            text = said.read().decode()
-        if status:
+            status, cpu, memory = used.read().split()
+        text = done.stdout.decode()
+        if int(status):
             sys.exit(f"{' '.join(command)[:200]}: {text[-2000:]}")
-        found.append(Cost(used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, text))
+        found.append(Cost(float(cpu), float(memory) / 1024, text))
     return min(found, key=lambda one: one.cpu_s)
 
 
