@@ -45,9 +45,10 @@ class Quantile(NamedTuple):
 
     @property
     def text(self) -> str:
-        """`L10 1.2 h [1.1, 1.3]`."""
+        """`L10 1.2 h [1.1, 1.3]`, which breaks into lines before the bracket only."""
         new = ", beyond a limit when new" if self.hours == 0.0 else ""
-        return f"{self.name} {self.hours:.3g} h [{self.low:.3g}, {self.high:.3g}]{new}"
+        value, ends = f"{self.name} {self.hours:.3g} h", f"[{self.low:.3g}, {self.high:.3g}]"
+        return " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in (value, ends)) + new
 
 
 Spread = dict[str, tuple[Quantile, ...]]

@@ -255,7 +255,8 @@ def test_lives_stand_with_their_spread(folder, sure, made, capsys):
     study, table = folder / "study.nc", lives.parent / "summary.md"
     command = ["tables", study, lives, "--uncertainty", spread, "-o", lives.parent / "a.csv", table]
     assert main([str(part) for part in command]) == 0
-    rows = [line.split(" | ") for line in table.read_text().splitlines()]
+    text = table.read_text().replace("\N{NO-BREAK SPACE}", " ")
+    rows = [line.split(" | ") for line in text.splitlines()]
     rows = {(row[0][2:], row[1]): (row[3], row[5]) for row in rows if len(row) == 9}
     assert rows["constant force", "0.08"] == constant
     assert rows["fixed position", "0.08"][0] == fixed
