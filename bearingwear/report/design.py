@@ -146,7 +146,14 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
         values = one["recommended_preload"].transpose("friction", "shaft_speed")
         speeds, frictions = design["shaft_speed"].values / 1e3, design["friction"].values
         image = panel.pcolormesh(
-            speeds, frictions, values, shading="nearest", cmap="YlGnBu", vmin=low, vmax=high
+            speeds,
+            frictions,
+            values,
+            shading="nearest",
+            cmap="YlGnBu",
+            vmin=low,
+            vmax=high,
+            rasterized=True,
         )
         active = one["active_limit"].transpose("friction", "shaft_speed").values
         for i, j in np.ndindex(active.shape):
@@ -230,7 +237,13 @@ def overview(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dat
         for k, (panel, (_, one)) in enumerate(zip(row, columns, strict=True)):
             of = drawn.isel(preload_method=k).transpose("friction", "preload")
             image = panel.pcolormesh(
-                plane["preload"], plane["friction"], of, shading="nearest", cmap=cmap, norm=norm
+                plane["preload"],
+                plane["friction"],
+                of,
+                shading="nearest",
+                cmap=cmap,
+                norm=norm,
+                rasterized=True,
             )
             bad = np.argwhere((one["status"] != OK).transpose("friction", "preload").values)
             if bad.size:
@@ -240,7 +253,7 @@ def overview(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dat
             never = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
             panel.pcolormesh(
                 plane["preload"], plane["friction"], never.where(never), shading="nearest",
-                cmap="Greys", vmin=0.0, vmax=4.0,
+                cmap="Greys", vmin=0.0, vmax=4.0, rasterized=True,
             )  # fmt: skip
             panel.grid(False)
         row[0].set_ylabel("friction coefficient")
