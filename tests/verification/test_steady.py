@@ -1,13 +1,16 @@
 """The friction-balanced steady state against two independent programs, and its own balances."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
+from bearingwear.model.parameters import ball_diameters, ellipse_rule
 from bearingwear.model.solve import solve
+from bearingwear.model.steady import ThrustProblem
 
 # The 2 mm bearing of the Jones-Harris benchmark, constant force 7 N, v_r = 1e-3 m/s. Two programs
 # agree to 0.2 % in speeds and 1 % in QV; these are the digits of the one converged in quadrature.
@@ -155,6 +158,32 @@ def test_time_scales_agree_with_integration(scene):
     path = solve_ivp(motion, (0.0, span), start, method="Radau", rtol=1e-9, atol=1e-10)
     left = (path.y[:, -1] - case.u) @ mode / ((start - case.u) @ mode)
     assert_allclose(left, math.exp(-1.0), rtol=1e-2)
+
+
+@pytest.mark.parametrize(("mu", "v_r"), [(1e-6, 1e-8), (1e-6, 1e-6), (4.8e-6, 4e-6)])
+def test_slow_damping_that_few_points_miss(scene, mu, v_r):
+    """With 32 points a motion of minutes seems to grow; its rates converge to ones that decay."""
+    given = scene(
+        "gyro_s1",
+        {
+            "operation.preload_method": "fixed_position",
+            "wear.ball_diameter_loss_um": 0.5,
+            "friction.ball_race": mu,
+            "friction.slip_regularisation_m_s": v_r,
+            "model.strips": 32,
+        },
+    )
+    D = float(ball_diameters(given)[0])
+    few = ThrustProblem.of(given)
+    case = few.solve(D)
+    assert few.time_scales(D, case).real.max() > 0.0
+    rates = []
+    for points in (512, 1024):
+        many = replace(few, rule=ellipse_rule("split", points))
+        rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
+    assert np.all(rates[1] < 0.0)
+    assert_allclose(*rates, rtol=0.1)
+    assert few.stable(D, case) and solve(given).values["status"] == code.OK
 
 
 def test_undetermined_without_friction(scene):
