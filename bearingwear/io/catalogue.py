@@ -190,6 +190,8 @@ def scene_text(
         "  # assumed; what the application bears with. The first that is met ends the life",
         "  end_of_life: {preload_fraction: 0.4, gyroscopic_slip_share: 0.5, skid_ratio: 0.1, "
         f"ball_diameter_loss_um: {_shown(0.35 * D)}}}",
+        "# uncertainty:  # what is not known, for `bearingwear life-spread`",
+        "#   wear_coefficient: {distribution: lognormal, factor: 3.0}",
     ]
     text = "\n".join(lines) + "\n"
     _check(text)

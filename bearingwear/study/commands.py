@@ -80,9 +80,13 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
         "life-spread", help="quantiles of life at a scene's own preload, of sampled lives"
     )
     own.add_argument("scene", metavar="SCENE.yaml", type=Path)
-    own.add_argument("--friction", required=True, type=float, metavar="MU")
-    own.add_argument("--method", required=True, nargs="+", choices=PRELOAD_METHODS)
-    own.add_argument("--samples", required=True, type=int, metavar="N", help="half of the lives")
+    own.add_argument("--friction", type=float, metavar="MU", help="if not the scene's")
+    own.add_argument(
+        "--method", nargs="+", choices=PRELOAD_METHODS, help="if not the scene's alone"
+    )
+    own.add_argument(
+        "--samples", type=int, default=256, metavar="N", help="half of the lives; default 256"
+    )
     own.add_argument("--seed", type=int, default=1, metavar="N")
     own.set_defaults(run=_life_spread)
 
@@ -241,9 +245,10 @@ def _life_spread(given: argparse.Namespace) -> int:
 
     if given.samples < 1 or given.samples & (given.samples - 1):
         raise CaseFileError(f"--samples: given {given.samples}; allowed a power of two")
-    scene = design_scene(given.scene, [f"friction.ball_race={given.friction!r}"])
-    plan = Sampling(given.samples, 1, given.seed)
-    write(life_spread(scene, list(dict.fromkeys(given.method)), plan), given.output)
+    settings = [] if given.friction is None else [f"friction.ball_race={given.friction!r}"]
+    scene = design_scene(given.scene, settings)
+    methods = list(dict.fromkeys(given.method or [scene.operation.preload_method]))
+    write(life_spread(scene, methods, Sampling(given.samples, 1, given.seed)), given.output)
     return 0
 
 
