@@ -99,7 +99,8 @@ def stress_map(found: xr.Dataset) -> Figure:
     axes.set_xlim(x_edges[0], x_edges[-1])
     axes.set_ylim(max(y_edges[0], 0.0), y_edges[-1])
     verified, total = int((status == OK).sum()), status.size
-    title = f"{found.attrs['shown']}: {verified} of {total} points verified, the others named"
+    title = f"{found.attrs['shown']}: {verified} of {total} points verified"
+    title += ", the others named" if verified < total else ""
     if np.isin(status, [STATUS_NAMES.index(n) for n in ("not_converged", "unverified")]).any():
         title = (
             f"{found.attrs['shown']}: {verified} of {total} points verified, not all others named"
