@@ -103,6 +103,15 @@ def spread_of(
     return None
 
 
+def hours_of(spreads: Iterable[Spread | None], way: str) -> dict[str, list[float]]:
+    """Every L10 and every L50 of some lives, by its name, counting wear in one way [h]."""
+    found: dict[str, list[float]] = {}
+    for spread in spreads:
+        for one in (spread or {}).get(way, ()):
+            found.setdefault(one.name, []).append(one.hours)
+    return found
+
+
 def spread_text(quantiles: Iterable[Quantile]) -> str:
     """L10 and L50 on a line, and of how many lives if not of all; or that there are none."""
     known = tuple(quantiles)

@@ -173,7 +173,8 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):
         every = [case, *problem.other_states(D, case, scene.model.steady_starts)]
-        every.sort(key=lambda c: not problem.stable(D, c))  # the one reached first, if it is stable
+        stable = {id(c): problem.stable(D, c) for c in every}
+        every.sort(key=lambda c: not stable[id(c)])  # the one reached first, if it is stable
         case = every[0]
         attrs["residual"] = residual_sentence(case)
         values |= error_estimates(scene, problem, D, case)
@@ -184,13 +185,13 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
         values |= {
             "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
             "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
-            "stable": int(problem.stable(D, case)),
+            "stable": int(stable[id(case)]),
             "steady_state_count": len(every),
             "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
             "steady_state_total_qv": np.array(
                 [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
             ),
-            "steady_state_stable": np.array([int(problem.stable(D, c)) for c in every]),
+            "steady_state_stable": np.array([int(stable[id(c)]) for c in every]),
         }
         if not values["stable"] and values["status"] == code.OK:
             values["status"] = code.NO_STEADY_STATE

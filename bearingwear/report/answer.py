@@ -7,7 +7,15 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from bearingwear.io.spread import NO_SPREAD, SEE, SPREAD_TEXT, Spread, spread_of, spread_text
+from bearingwear.io.spread import (
+    NO_SPREAD,
+    SEE,
+    SPREAD_TEXT,
+    Spread,
+    hours_of,
+    spread_of,
+    spread_text,
+)
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.model.scene import COUNTS
 from bearingwear.report.drawing import in_words, methods, mu_is, percent_in_text, scene_of
@@ -192,10 +200,7 @@ def _how_sure(lives: Sequence[Life]) -> list[str]:
     counts = lives[0].counts
     said = []
     for way in sorted(WORDS, key=lambda way: way != counts):
-        known: dict[str, list[float]] = {}
-        for life in lives:
-            for one in (life.spread or {}).get(way, ()):
-                known.setdefault(one.name, []).append(one.hours)
+        known = hours_of((life.spread for life in lives), way)
         ranges = ", ".join(f"{name}\N{NO-BREAK SPACE}{_hours(h)}" for name, h in known.items())
         said += [_sentence(f"{ranges} if the wear of {WORDS[way]} counts")] if known else []
     at_once = [

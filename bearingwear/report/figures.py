@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bearingwear.io.spread import NO_SPREAD, spread_of
+from bearingwear.io.spread import NO_SPREAD, hours_of, spread_of
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.report.drawing import (
     BOTH,
@@ -278,11 +278,8 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
     """Ranges of L10 and L50 by the wear of balls and races, where they were computed."""
-    found: dict[str, list[float]] = {}
-    for name, _ in methods(lives):
-        for mu in frictions:
-            spread = spread_of(known, scene_of(lives), name, mu) or {}
-            for one in spread.get("ball_and_races", ()):
-                found.setdefault(one.name, []).append(one.hours)
+    points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
+    spreads = (spread_of(known, scene_of(lives), *point) for point in points)
+    found = hours_of(spreads, "ball_and_races")
     ranges = [f"{name}: {min(hours):.2g} to {max(hours):.2g} h" for name, hours in found.items()]
     return ", ".join(ranges) or NO_SPREAD

@@ -84,9 +84,7 @@ def add_parser(commands: argparse._SubParsersAction) -> None:
     own.add_argument(
         "--method", nargs="+", choices=PRELOAD_METHODS, help="if not the scene's alone"
     )
-    own.add_argument(
-        "--samples", type=int, default=256, metavar="N", help="half of the lives; default 256"
-    )
+    own.add_argument("--samples", type=int, metavar="N", help="half of the lives, a power of two")
     own.add_argument("--seed", type=int, default=1, metavar="N")
     own.set_defaults(run=_life_spread)
 
@@ -239,16 +237,20 @@ def _sample_lives(given: argparse.Namespace) -> int:
 
 def _life_spread(given: argparse.Namespace) -> int:
     from bearingwear.io.netcdf import CaseFileError
-    from bearingwear.study.design_plan import Sampling, design_scene
+    from bearingwear.study.design_plan import SAMPLES, checked_sampling, design_scene
     from bearingwear.study.stack import write
     from bearingwear.study.uncertainty import life_spread
 
-    if given.samples < 1 or given.samples & (given.samples - 1):
-        raise CaseFileError(f"--samples: given {given.samples}; allowed a power of two")
+    samples = SAMPLES if given.samples is None else given.samples
+    numbers = {"samples": samples, "chunks": 1, "seed": given.seed}
+    try:
+        plan = checked_sampling(numbers, "--")
+    except ValueError as error:
+        raise CaseFileError(str(error)) from None
     settings = [] if given.friction is None else [f"friction.ball_race={given.friction!r}"]
     scene = design_scene(given.scene, settings)
     methods = list(dict.fromkeys(given.method or [scene.operation.preload_method]))
-    write(life_spread(scene, methods, Sampling(given.samples, 1, given.seed)), given.output)
+    write(life_spread(scene, methods, plan), given.output)
     return 0
 
 

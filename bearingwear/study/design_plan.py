@@ -23,6 +23,8 @@ CHECKED = ("0.80", "1.00", "1.25")
 """Preloads at which the recommended one is solved in time as well, over it; as in file names."""
 
 MOST_POINTS = 1000
+SAMPLES = 256
+"""Base samples of the spread of a single life, where none are given."""
 
 
 @dataclass(frozen=True)
@@ -247,16 +249,26 @@ def _axis(given: Any, where: str) -> tuple[float, ...]:
 
 
 def _sampling(given: Any) -> Sampling:
-    where = "uncertainty"
-    _keys(given, ("samples", "chunks", "seed"), where)
+    _keys(given, ("samples", "chunks", "seed"), "uncertainty")
+    return checked_sampling(given, "uncertainty.")
+
+
+def checked_sampling(given: Mapping[str, Any], before: str) -> Sampling:
+    """A sampling from its numbers; `before` stands before their names in messages.
+
+    Raises
+    ------
+    ValueError
+        One line.
+    """
     for key, value in given.items():
         least = 0 if key == "seed" else 1
         if not isinstance(value, int) or isinstance(value, bool) or value < least:
-            raise ValueError(f"{where}.{key}: given {value}; allowed a whole number >= {least}")
+            raise ValueError(f"{before}{key}: given {value}; allowed a whole number >= {least}")
     if given["samples"] & (given["samples"] - 1):
-        raise ValueError(f"{where}.samples: given {given['samples']}; allowed a power of two")
+        raise ValueError(f"{before}samples: given {given['samples']}; allowed a power of two")
     if given["chunks"] > given["samples"]:
-        raise ValueError(f"{where}.chunks: given {given['chunks']}; allowed at most the samples")
+        raise ValueError(f"{before}chunks: given {given['chunks']}; allowed at most the samples")
     return Sampling(given["samples"], given["chunks"], given["seed"])
 
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import yaml
 
 from bearingwear.io.config import for_life, load_scene
+from bearingwear.study.design_plan import SAMPLES, Sampling
 from bearingwear.study.grid import Case, Grid, grids
 
 PAGE = "results/report/index.html"
-SAMPLES = 256  # base samples of how a life spreads, where none are given
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Plan:
         Figures of spread by their name.
     uncertain_lives : tuple of str
         Scenes whose lives are quoted with the spread that their block `uncertainty` gives them.
-    sampling : tuple of int
-        How their values are sampled: base samples and seed.
+    sampling : Sampling
+        How their values are sampled.
     lives_in_time : dict
         For each life that is followed in time, its scene and what is changed in it.
     running_averages : dict
@@ -65,7 +65,7 @@ class Plan:
     spreads: dict[str, Spread]
     running_averages: dict[str, str | None]
     uncertain_lives: tuple[str, ...]
-    sampling: tuple[int, int]
+    sampling: Sampling
     lives_in_time: dict[str, tuple[str, tuple[str, ...]]]
 
     @classmethod
@@ -100,7 +100,7 @@ class Plan:
                 for scene, given in figures.get("running_averages", {}).items()
             },
             uncertain_lives=tuple(uncertain.get("scenes", [])),
-            sampling=(int(uncertain.get("samples", SAMPLES)), int(uncertain.get("seed", 1))),
+            sampling=Sampling(uncertain.get("samples", SAMPLES), 1, uncertain.get("seed", 1)),
             lives_in_time={
                 name: (life["scene"], _settings(life.get("set", {})))
                 for name, life in config.get("lives_in_time", {}).items()

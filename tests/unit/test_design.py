@@ -367,3 +367,17 @@ def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
     assert main(["spread", scene, part, "--plan", str(PLAN_FILE), "-o", out]) == 2
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 4 and "parts missing" in lines[2]
+
+
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        (["--samples", "100"], "--samples: given 100; allowed a power of two"),
+        (["--samples", "0"], "--samples: given 0; allowed a whole number >= 1"),
+        (["--seed", "-1"], "--seed: given -1; allowed a whole number >= 0"),
+    ],
+)
+def test_samplings_that_are_refused(option, said, tmp_path, capsys):
+    out = tmp_path / "out.nc"
+    assert main(["life-spread", str(scene_file("gyro_s1")), *option, "-o", str(out)]) == 2
+    assert capsys.readouterr().err.strip() == said and not out.exists()

@@ -77,7 +77,7 @@ rule life_spread:
     params:
         made_from=made_from(SCENE, *SOLVER, *DESIGN_SOURCES),
         method=scene_methods,
-        sampling="--samples {} --seed {}".format(*PLAN.sampling),
+        sampling=f"--samples {PLAN.sampling.samples} --seed {PLAN.sampling.seed}",
     message:
         "{wildcards.scene}: how its lives spread, mu {wildcards.mu}"
     shell:
