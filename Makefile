@@ -3,19 +3,27 @@
 PYTHON ?= python3
 JOBS ?= 2
 BIN := .venv/bin
+ALL_CORES := -n auto --dist loadgroup
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test test-slurm test-faults fuzz always bench venv clean
+.PHONY: study test quick kernels test-slurm test-faults fuzz always accuracy-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
 
-test: $(STAMP)
+test: kernels # on all cores
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/mypy
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(ALL_CORES)
+
+quick: kernels # half a minute: what solves little and starts no other programs
+	$(BIN)/python -m pytest $(ALL_CORES) tests/kernels tests/scene tests/plotting tests/test_names.py \
+		tests/test_provenance.py --ignore tests/kernels/test_kernel_cache.py
+
+kernels: $(STAMP) # compiled once, before test processes start side by side
+	PYTHONPATH=tests $(BIN)/python tests/compile_kernels.py
 
 test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
@@ -31,11 +39,17 @@ FUZZ_FILES := $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc
 SEED ?= 2
 fuzz: $(STAMP)
 	$(MAKE) -j$(JOBS) $(FUZZ_FILES)
-	$(BIN)/bearingwear gather-extremes $(FUZZ_FILES) -o results/fuzz/fuzz.nc
-	$(BIN)/bearingwear tables-extremes results/fuzz/fuzz.nc -o results/fuzz/fuzz.md
+	$(STEP).gather.counted_ends $(FUZZ_FILES:%=paths+=%) -o results/fuzz/fuzz.nc
+	$(STEP).tables.ends_table counts=results/fuzz/fuzz.nc -o results/fuzz/fuzz.md
+	$(STEP).tables.wrong_answers counts=results/fuzz/fuzz.nc -o results/fuzz/verdict.txt
 
+STEP := $(BIN)/bearingwear step studies.robustness
+FUZZ_COUNT = $(patsubst $*:%,%,$(filter $*:%,$(FUZZ)))
 results/fuzz/%.nc: always
-	$(BIN)/bearingwear extremes families $* --scenes $(patsubst $*:%,%,$(filter $*:%,$(FUZZ))) --seed $(SEED) -o $@
+	$(STEP).run.fuzz plan=config/robustness.yaml --settings '{"name": "$*", "count": $(FUZZ_COUNT), "seed": $(SEED)}' -o $@
+
+accuracy-docs: $(STAMP) # after `snakemake accuracy`: its numbers into docs/accuracy.md
+	$(BIN)/bearingwear step studies.accuracy.tables.docs_with_block trade=results/accuracy/accuracy.nc plan=config/accuracy.yaml docs=docs/accuracy.md -o docs/accuracy.md
 
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py

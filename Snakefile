@@ -1,4 +1,4 @@
-# The whole study: `snakemake -j2`. Each rule calls one `bearingwear` command.
+# The whole study: `snakemake -j2`; another one: `snakemake -j2 NAME`. Each rule calls `bearingwear`.
 
 from snakemake.utils import min_version
 
@@ -12,14 +12,9 @@ report: "workflow/report/workflow.rst"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/cases.smk"
-include: "workflow/rules/study.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/report.smk"
-include: "workflow/rules/lives.smk"
-include: "workflow/rules/tradeoff.smk"
-include: "workflow/rules/design.smk"
-include: "workflow/rules/extremes.smk"
+include: "workflow/rules/jobs.smk"
+include: "workflow/rules/page.smk"
+include: "workflow/rules/studies.smk"
 
 
 rule all:

@@ -1,7 +1,7 @@
 """Friction and wear of high-speed angular contact ball bearings.
 
 `solve(scene)` and `life(scene)` take the path of a scene file, a dict of the same shape or a
-`bearingwear.model.scene.Scene`, and return an `xarray.Dataset`.
+`bearingwear.scene.scene.Scene`, and return an `xarray.Dataset`.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -6,10 +6,10 @@ import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.io.config import as_scene, for_life
-from bearingwear.io.netcdf import dataset
-from bearingwear.io.restart import restart_from
-from bearingwear.model.scene import Scene
+from bearingwear.results.netcdf import dataset
+from bearingwear.results.restart import restart_from
+from bearingwear.scene.read import as_scene, for_life
+from bearingwear.scene.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,4 +1,4 @@
-"""The command line.
+"""The command line: what is typed, and which handler of `commands` does it.
 
 Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
 standard error; 3 where the solver could not reach a verified answer (the file is written, its
@@ -8,32 +8,47 @@ standard error; 3 where the solver could not reach a verified answer (the file i
 from __future__ import annotations
 
 import argparse
-import contextlib
+import importlib
+import json
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
-import bearingwear.io.commands
-import bearingwear.report.commands
-import bearingwear.study.commands
 from bearingwear import __version__
+from bearingwear.console import UsageError, one_line
+from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
+from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
+from bearingwear.studies import NAMES
 
-if TYPE_CHECKING:
-    from bearingwear.model.result import Result
-    from bearingwear.model.scene import Scene
+_OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
-OK, BAD_INPUT, NOT_SOLVED, INTERRUPTED = 0, 2, 3, 130
-FIDELITIES = ("auto", "race_control", "steady", "dynamic")
+RENAMED = {
+    "life-spread": "uncertainty",
+    "figure": "plot",
+    "report": "study",
+    "design-map": "study design",
+    "recommend": "study design",
+    "sample-lives": "study uncertainty",
+    "spread": "study uncertainty",
+    "identify": "study identify",
+    "tradeoff": "study accuracy",
+    "extremes": "study robustness",
+    "wear-life": "study",
+    "gather": "study",
+    "verdict": "study",
+    "tables": "study",
+}
+"""Commands of before, and what does it now; those that begin so count too (tables-design, ...)."""
 
 
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors take one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, _line(f"{self.prog}: {message}; see {self.prog} --help"))
+        self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -48,10 +63,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:  # `bearingwear show FILE | head`
         _drop_output()
-        return OK
+        return _OK
     except OSError as error:  # a full disk
         _drop_output()
-        sys.stderr.write(_line(f"bearingwear: {error.strerror or error}"))
+        sys.stderr.write(one_line(f"bearingwear: {error.strerror or error}"))
         return BAD_INPUT
 
 
@@ -78,47 +93,128 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    def command(name: str, help: str, run: Callable[[argparse.Namespace], int]) -> _Parser:
-        sub = commands.add_parser(name, help=help, description=help, allow_abbrev=False)
-        sub.set_defaults(run=run)
+    def command(name: str, text: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
+        sub.set_defaults(run=name)
         return sub
 
-    solve = command("solve", "solve a scene and write a case file", _solve)
-    life = command("life", "follow wear to the end of life and write a life file", _life)
-    check = command("check", "check a scene; say which model would be solved, and why", _check)
-    for sub in (solve, life, check):
-        sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-        setting = sub.add_argument(
-            "--set",
-            action="append",
-            default=[],
-            metavar="KEY=VALUE",
-            help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
-        )
-        setting.completer = _scene_keys  # type: ignore[attr-defined]
-    for sub in (solve, life, check):
-        sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
+    _add_new(command("new", "write a commented scene from a few catalogue numbers"))
+    check = command("check", "check a scene; say which model would be solved, and why")
+    solve = command("solve", "solve a scene and write a case file")
+    life = command("life", "follow wear to the end of life and write a life file")
+    for sub in (check, solve, life):
+        _add_scene(sub)
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
         help="go on from the end of a dynamic case; its scene may differ in wear and model only",
     )
     for sub in (solve, life):
-        sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=_file_name)
-        sub.add_argument(
-            "--record-timing",
-            action="store_true",
-            help="store the duration of the solve (files of the same case then differ)",
-        )
-        sub.add_argument(
-            "--record-failures",
-            action="store_true",
-            help="exit 0 also where the solver fails; the file's status says so",
-        )
-    bearingwear.io.commands.add_parser(commands)
-    bearingwear.study.commands.add_parser(commands)
-    bearingwear.report.commands.add_parser(commands)
+        _add_result(sub)
+    _add_uncertainty(
+        command("uncertainty", "quantiles of life, over what the scene calls uncertain")
+    )
+    show = command("show", "print the main numbers of a result file, or of a scene")
+    show.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
+    _add_compare(command("compare", "say what differs between two result files; exit 1 if they do"))
+    plot = command("plot", "draw what a result file holds")
+    plot.add_argument("file", metavar="FILE.nc", type=Path)
+    plot.add_argument("-o", "--output", required=True, nargs="+", metavar="FIGURE", type=Path)
+    study = command("study", "run a study of the present folder with Snakemake")
+    study.add_argument(
+        "name", nargs="?", default="all", choices=("all", *NAMES), help="default: the main study"
+    )
+    study.add_argument(
+        "-j", "--jobs", type=int, default=2, metavar="N", help="at a time; default 2"
+    )
+    study.epilog = "Further arguments are Snakemake's, as in `bearingwear study design -n`."
+    step = commands.add_parser("step")  # no help: rules call it, no person does
+    step.add_argument("step", metavar="STEP")
+    step.add_argument("inputs", nargs="*", metavar="NAME=FILE")
+    step.add_argument("--settings", type=_mapping, default={}, metavar="JSON")
+    step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
+    step.set_defaults(run="step")
     return parser
+
+
+def _add_new(new: argparse.ArgumentParser) -> None:
+    new.add_argument("file", metavar="MYBEARING.yaml", help="the scene to write; never replaced")
+    new.add_argument("--bore", required=True, type=float, metavar="MM", help="bore diameter")
+    new.add_argument("--outside", required=True, type=float, metavar="MM", help="outside diameter")
+    for option, key, metavar, text in OPTIONS:
+        kind = int if key == "bearing.ball_count" else float
+        text = f"{text}; assumed if left out"
+        new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
+    new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
+    new.add_argument(
+        "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"
+    )
+
+
+def _add_scene(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
+    setting = sub.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
+    )
+    setting.completer = _scene_keys  # type: ignore[attr-defined]
+    sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
+
+
+def _add_result(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=_file_name)
+    sub.add_argument(
+        "--record-timing",
+        action="store_true",
+        help="store the duration of the solve (files of the same case then differ)",
+    )
+    sub.add_argument(
+        "--record-failures",
+        action="store_true",
+        help="exit 0 also where the solver fails; the file's status says so",
+    )
+
+
+def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
+    sub.add_argument("--friction", type=float, metavar="MU", help="default: the scene's own")
+    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, help="default: the scene's")
+    sub.add_argument(
+        "--samples", type=int, metavar="N", help="a power of two; 2 N lives are solved"
+    )
+    sub.add_argument("--seed", type=int, default=1, metavar="N", help="of the sample; default 1")
+    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path)
+
+
+def _add_compare(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("first", metavar="A.nc", help="a result file")
+    sub.add_argument("second", metavar="B.nc", help="another one of the same kind")
+    sub.add_argument(
+        "--tolerance",
+        type=_share,
+        default=0.0,
+        metavar="SHARE",
+        help="numbers no further apart than this share of their variable's largest are the same",
+    )
+
+
+def _mapping(text: str) -> dict[str, Any]:
+    if not isinstance(values := json.loads(text), dict):
+        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a mapping")
+    return values
+
+
+def _share(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value < 1.0:
+        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number >= 0 and < 1")
+    return value
 
 
 def _file_name(text: str) -> Path:
@@ -133,138 +229,49 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         import argcomplete
 
         argcomplete.autocomplete(parser)
-    given, left = parser.parse_known_args(argv)
+    if argv and (now := RENAMED.get(argv[0], RENAMED.get(argv[0].partition("-")[0]))):
+        parser.error(f"{argv[0]} is now `bearingwear {now}`")
+    args, left = parser.parse_known_args(argv)
+    if args.command == "study":
+        args.more, left = left, []
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
-    if getattr(given, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
-        given.set += left
+    if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
+        args.set += left
     elif left:
         parser.error(f"given {left[0]!r}; allowed no such argument")
-    return given
+    return args
 
 
-def _run(given: argparse.Namespace) -> int:
+def _run(args: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
-    from bearingwear.io.netcdf import CaseFileError
-    from bearingwear.io.whole import OutputError
+    from bearingwear.atomic import OutputError
     from bearingwear.model.fidelity import NotAvailable
-    from bearingwear.model.scene import SceneError
+    from bearingwear.results.netcdf import CaseFileError
+    from bearingwear.scene.scene import SceneError
 
     try:
-        return given.run(given)
+        return getattr(importlib.import_module("bearingwear.commands"), args.run)(args)
     except NotAvailable as error:
         # the model knows the scene by its name, the user by its file
         problem = str(error).partition(": ")[2]
         key, _, rest = problem.partition(": ")
-        at_fault = [k for k in [text.partition("=")[0] for text in given.set] if k == key]
-        if key == "model.fidelity" and getattr(given, "fidelity", None):
+        at_fault = [k for k in [text.partition("=")[0] for text in args.set] if k == key]
+        if key == "model.fidelity" and getattr(args, "fidelity", None):
             problem = f"--fidelity: {rest}"
         elif key == "restart":
             problem = f"--restart: {rest}"
         elif at_fault:
             problem = f"--set {problem}"
         else:
-            problem = f"{given.scene}: {problem}"
-        sys.stderr.write(_line(problem))
-    except (SceneError, CaseFileError, OutputError) as error:
-        sys.stderr.write(_line(str(error)))
+            problem = f"{args.scene}: {problem}"
+        sys.stderr.write(one_line(problem))
+    except (SceneError, CaseFileError, OutputError, UsageError) as error:
+        sys.stderr.write(one_line(str(error)))
     return BAD_INPUT
-
-
-def _line(text: str) -> str:
-    return "".join(c if c.isprintable() else "?" for c in text) + "\n"
-
-
-def _solve(given: argparse.Namespace) -> int:
-    scene = _scene(given)
-    from bearingwear.model.solve import solve
-
-    restart = _restart(scene, given) if given.restart is not None else None
-    result = solve(scene, given.fidelity, restart, lambda text: _tell(f"{given.scene}: {text}"))
-    return _finish(result, given)
-
-
-def _restart(scene: Scene, given: argparse.Namespace) -> dict[str, Any]:
-    """What a run goes on from; the scene is asked first, whether it moves in time at all."""
-    from bearingwear.io.restart import restart_from
-    from bearingwear.model.fidelity import choice
-    from bearingwear.model.solve import check_restart
-
-    check_restart(scene, choice(scene, given.fidelity))
-    return restart_from(given.restart, scene)
-
-
-def _tell(text: str) -> None:
-    """Write a line at once; a run goes on where nobody reads about its progress any more."""
-    with contextlib.suppress(OSError, ValueError):
-        sys.stderr.write(_line(text))
-        sys.stderr.flush()
-
-
-def _life(given: argparse.Namespace) -> int:
-    from bearingwear.io.config import for_life
-
-    scene = for_life(_scene(given), given.scene)
-    from bearingwear.model.life import life
-
-    result = life(scene, given.fidelity, lambda text: _tell(f"{given.scene}: {text}"))
-    return _finish(result, given)
-
-
-def _scene(given: argparse.Namespace) -> Scene:
-    from bearingwear.io.config import load_scene
-
-    scene = load_scene(given.scene, given.set)
-    if "output" in given:
-        _check_output(given.output, given.scene)
-    return scene
-
-
-def _check_output(path: Path, scene: str) -> None:
-    """Refuse, before anything is solved, an output that must not be replaced."""
-    from bearingwear.io.whole import OutputError
-
-    try:
-        if path.exists():
-            if not path.is_file():
-                raise OutputError(f"{path}: given something that is no file; allowed a file name")
-            if path.samefile(scene):
-                raise OutputError(f"{path}: given the scene itself; allowed another file name")
-    except OutputError:
-        raise
-    except OSError as error:  # a name that is too long
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
-
-
-def _finish(result: Result, given: argparse.Namespace) -> int:
-    """Write the file; say so if the solver failed."""
-    from bearingwear.io.netcdf import write
-    from bearingwear.kernels.status import STATUS_SENTENCES
-
-    if given.record_timing:
-        result.attrs["wall_time_s"] = float(result.wall_time_s)
-    write(result, given.output)
-    if result.status == "ok":
-        return OK
-    sentence = STATUS_SENTENCES[result.status]
-    sys.stderr.write(_line(f"{given.scene}: {result.status}: {sentence} (see {given.output})"))
-    return OK if given.record_failures else NOT_SOLVED
-
-
-def _check(given: argparse.Namespace) -> int:
-    from bearingwear.model.fidelity import accuracy_told, choice, effort
-
-    scene = _scene(given)
-    chosen = choice(scene, given.fidelity)
-    print(f"{given.scene}: valid; {scene.name} would be solved with {chosen.tier}")
-    for reason in chosen.reasons:
-        print(f"  {reason}")
-    print(f"  {accuracy_told(scene, chosen)}")
-    print(f"  {effort(scene, chosen)}")
-    return OK
 
 
 def _scene_keys(**_: Any) -> list[str]:
     """What `--set` takes, for a shell that completes it."""
-    from bearingwear.io.keys import scene_keys
+    from bearingwear.scene.keys import scene_keys
 
     return [f"{key}=" for key in scene_keys()]

@@ -1,64 +1,137 @@
-"""Which sources decide the numbers, and a hash of them.
+"""Which sources decide a result, found from the import statements, and hashes of them.
 
-The hash has two uses: every result file carries it, and numba's disk cache lives in a folder named
-by it. numba itself checks only the file that holds a function, not the functions it calls nor the
-order of a NamedTuple's fields, and would silently go on returning old numbers.
+Every result file carries the hash of the sources that solve a scene. numba's disk cache lives in a
+folder named by a hash of the kernels: numba itself checks only the file that holds a function, not
+the functions it calls nor the order of a NamedTuple's fields, and would silently go on returning
+old numbers.
 """
 
+import ast
 import functools
 import hashlib
 import os
 import tempfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
 
-
-def solver_sources() -> list[Path]:
-    """Source files that decide the numbers in a case file (not figures, not commands)."""
-    return sorted(
-        [
-            *PACKAGE.glob("kernels/*.py"),
-            *PACKAGE.glob("model/*.py"),
-            *PACKAGE.glob("io/variables.py"),
-        ]
-    )
-
-
-SOLVER_SOURCES = solver_sources()
+SOLVER = "bearingwear.api"
+"""Entry point of everything between a scene and its result file."""
 
 
 @functools.cache
-def source_hash() -> str:
-    """Hash of the contents of `SOLVER_SOURCES`, 16 hexadecimal digits."""
-    digest = hashlib.sha256()
-    for path in SOLVER_SOURCES:
-        digest.update(path.relative_to(PACKAGE).as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+def sources(*modules: str) -> tuple[Path, ...]:
+    """Files of the package that modules import, directly or through each other, and their data.
+
+    Imports inside functions count, those for the type checker alone do not. A file that is not
+    Python (a template, a style) belongs to the module beside it that names it.
+
+    Parameters
+    ----------
+    *modules : str
+        Dotted names of modules of the package; they count themselves.
+    """
+    found: dict[str, Path] = {}
+    waiting = list(modules)
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found[name] = _file(name)
+            waiting += _imported(found[name])
+    data = (file for path in found.values() for file in _data(path))
+    return tuple(sorted({*found.values(), *data}))
 
 
 @functools.cache
-def contents_hash(*paths: str) -> str:
+def _data(path: Path) -> tuple[Path, ...]:
+    """Files beside a module that are not Python and whose names stand in it."""
+    text = path.read_text(encoding="utf-8")
+    beside = (file for file in path.parent.iterdir() if file.is_file() and file.suffix != ".py")
+    return tuple(file for file in beside if f'"{file.name}"' in text)
+
+
+def _file(module: str) -> Path:
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+@functools.cache
+def _imported(path: Path) -> tuple[str, ...]:
+    """Modules of the package that a file imports."""
+    names: dict[str, None] = {}
+    for node in _statements(ast.parse(path.read_bytes()).body):
+        if isinstance(node, ast.Import):
+            names |= dict.fromkeys(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            # `from package import name`: a module of that package, or a name in it
+            for alias in node.names:
+                module = f"{node.module}.{alias.name}"
+                names[module if _file(module).is_file() else str(node.module)] = None
+    # the package itself imports its Python interface only where somebody asks for it
+    return tuple(name for name in names if name.startswith("bearingwear."))
+
+
+def _statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
+    """All statements below some, without those that the type checker alone reads."""
+    for node in body:
+        yield node
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            yield from _statements(node.orelse)
+            continue
+        for field in ("body", "orelse", "finalbody", "handlers"):
+            yield from _statements(getattr(node, field, ()))
+
+
+def contents_hash(paths: Iterable[str | Path]) -> str:
     """Hash of the contents of files, 16 hexadecimal digits; a missing one counts as empty."""
     digest = hashlib.sha256()
-    for path in map(Path, paths):
-        digest.update(hashlib.sha256(path.read_bytes() if path.is_file() else b"").digest())
+    for path in paths:
+        digest.update(_file_hash(os.fspath(path)))
     return digest.hexdigest()[:16]
+
+
+@functools.cache
+def _file_hash(path: str) -> bytes:
+    return hashlib.sha256(Path(path).read_bytes() if os.path.isfile(path) else b"").digest()
+
+
+@functools.cache
+def sources_hash(*modules: str) -> str:
+    """Hash of the names and contents of `sources`, 16 hexadecimal digits."""
+    paths = sources(*modules)
+    names = "\n".join(path.relative_to(PACKAGE).as_posix() for path in paths)
+    return hashlib.sha256(f"{names}\n{contents_hash(paths)}".encode()).hexdigest()[:16]
+
+
+def result_hash(module: str) -> str:
+    """Hash of the sources that decide what a function of a module returns.
+
+    What solves a scene names the sources of the solver in its result. These count as well, or
+    results of one study would name different ones when some of them are made again.
+    """
+    solves = any(path.parent.name == "model" for path in sources(module))
+    return sources_hash(module, SOLVER) if solves else sources_hash(module)
+
+
+def source_hash() -> str:
+    """Hash of the sources between a scene and its result file."""
+    return sources_hash(SOLVER)
 
 
 @functools.cache
 def kernel_cache_folder() -> str:
-    """Folder for numba's compiled code, named by `source_hash`.
+    """Folder for numba's compiled code, named by the contents of the kernels.
 
     Below `NUMBA_CACHE_DIR` if the user set it, else beside the package, else (package folder not
     writable) below the user's cache folder, else below the folder for temporary files.
     """
+    kernels = contents_hash(sorted(PACKAGE.glob("kernels/*.py")))
     given = os.environ.get("NUMBA_CACHE_DIR")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     parents = [given] if given else [PACKAGE / "__pycache__", Path(home) / "bearingwear"]
     for parent in [*parents, Path(tempfile.gettempdir()) / f"bearingwear-{os.getuid()}"]:
-        folder = Path(parent) / f"numba-{source_hash()}"
+        folder = Path(parent) / f"numba-{kernels}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:

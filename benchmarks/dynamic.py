@@ -23,37 +23,33 @@ import numpy as np
 import plain_dynamic
 import plain_scipy
 
-from bearingwear.io.config import load_scene
-from bearingwear.kernels import motion as right_hand_side
+from bearingwear.kernels import cage_contacts as contacts
 from bearingwear.kernels import quasistatic
+from bearingwear.kernels.bearing_model import race_contact_of
+from bearingwear.kernels.block_system import add_cage_powers, factorise, solve_factorised
+from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.coupling import add_cage_powers, factorise, solve
-from bearingwear.kernels.integrators import (
-    W_A,
-    W_TIME,
-    contacts_now,
-    event_in,
-    rebase,
-    rosenbrock_step,
+from bearingwear.kernels.contact import friction_sums, slip_coefficients
+from bearingwear.kernels.dynamic_equilibrium import equilibrium, joint_equilibrium
+from bearingwear.kernels.integrators import ROSENBROCK, take_step
+from bearingwear.kernels.jacobian import add_ball_powers, ball_blocks
+from bearingwear.kernels.quasistatic import assemble_condensed
+from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.record import add_instant
+from bearingwear.kernels.state import BALL
+from bearingwear.kernels.status import OK
+from bearingwear.kernels.step_control import (
+    first_closure,
+    interferences,
+    reset_rotation_vector,
     step_error,
 )
-from bearingwear.kernels.motion import (
-    BALL,
-    ball_blocks,
-    contacts_at,
-    equilibrium,
-    friction_sums,
-    joint_equilibrium,
-    motion_rates,
-    race_contact_of,
-    slip_of,
-)
-from bearingwear.kernels.quasistatic import sweep
-from bearingwear.kernels.record import add_instant
-from bearingwear.kernels.status import OK
-from bearingwear.model.dynamic import STEPS_PER_TURN, Motion
+from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
+from bearingwear.model.dynamic_outputs import window_values
 from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.transient import Run, start_of, window_values
+from bearingwear.model.start import start_of
+from bearingwear.model.time_run import TimeRun
+from bearingwear.scene.read import load_scene
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 ROUNDS = 5
@@ -117,9 +113,9 @@ class Case:
 
 def ours(scene, start):
     """A run as solve_dynamic makes it, with its histories, without the search for its start."""
-    motion = Motion.of(scene, start)
-    assert motion.settle() == OK
-    run = Run(scene, motion, None)
+    system = DynamicSystem.of(scene, start)
+    assert system.update() == OK
+    run = TimeRun(scene, system, None)
     with Interrupt() as interrupt:
         cpu, wall = clock.process_time(), clock.perf_counter()
         status = run.window(run.grid.window, interrupt)
@@ -217,106 +213,97 @@ def speed():
 
 
 @jit
-def loop_rates(count, times, states, run, b, dy, places):
+def loop_rates(count, times, states, bearing, buf, dy):
     for _ in range(count):
         for i in range(times.size):
-            motion_rates(times[i], states[i], run, b, dy, places)
+            state_rates(times[i], states[i], bearing, buf, dy)
 
 
 @jit
-def loop_equilibrium(count, times, states, run, b, dy, places):
+def loop_equilibrium(count, times, states, bearing, buf, dy):
     for _ in range(count):
         for i in range(times.size):
-            equilibrium(times[i], states[i], run, b, places)
+            equilibrium(times[i], states[i], bearing, buf)
 
 
 @jit
-def loop_sweep(count, y, run, b, matrix, step):
-    n = run.D.size
+def loop_condensed(count, y, bearing, balls):
     for _ in range(count):
-        sweep(
-            run.g, run.D, run.mass, run.hertz, y[3 : BALL * n : BALL], y[4 : BALL * n : BALL],
-            b.extra, b.land, b.F, run.tilt, run.first, b.s, matrix, step,
-        )  # fmt: skip
+        assemble_condensed(y, bearing, bearing.axial_is_held, balls)
 
 
 @jit
-def loop_cage(count, y, run, b, places):
+def loop_cage(count, y, bearing, buf):
     for _ in range(count):
-        contacts_at(y, run, b, places)
+        cage_contacts(y, bearing, buf.balls, buf.cage)
 
 
 @jit
-def loop_friction(count, y, run, b, out):
-    m = run.motion
+def loop_friction(count, y, bearing, balls, out):
+    m, rule = bearing.op, bearing.rule
     for _ in range(count):
-        for j in range(run.D.size):
+        for j in range(bearing.D.size):
             i = BALL * j
             for k in range(2):
-                contact = race_contact_of(run, b.s, j, k)
-                c = slip_of(contact, y[i], y[i + 1], y[i + 2], y[i + 3], b.r[j])
-                sums = friction_sums(
-                    contact, 0.5 * run.D[j], c, m.mu, m.v_r, run.rule.t, run.rule.weight
-                )  # fmt: skip
+                contact = race_contact_of(bearing, balls, j, k)
+                c = slip_coefficients(contact, y[i : i + 4], balls.r[j])
+                R = 0.5 * bearing.D[j]
+                sums = friction_sums(contact, R, c, m.mu, m.v_r, rule.t, rule.weight)
                 for q in range(5):
                     out[j, k, q] = sums[q]
 
 
 @jit
-def loop_step(count, time, h, y, run, b, places, w):
+def loop_step(count, method, time, h, y, bearing, buf, stage):
     for _ in range(count):
-        motion_rates(time, y, run, b, w.f, places)
-        rosenbrock_step(time, h, y, run, b, places, w)
+        state_rates(time, y, bearing, buf, stage.rates)
+        take_step(method, time, h, y, bearing, buf, stage)
 
 
 @jit
-def loop_blocks(count, y, run, b):
+def loop_blocks(count, y, bearing, buf):
     for _ in range(count):
-        ball_blocks(y, run, b)
+        ball_blocks(y, bearing, buf)
 
 
 @jit
-def loop_factorise(count, shift, y, run, b, places, w):
+def loop_factorise(count, shift, y, bearing, buf, stage):
     for _ in range(count):
-        factorise(shift, y, run, b, places, w.system)
+        factorise(shift, y, bearing, buf, stage.system)
 
 
 @jit
-def loop_solve(count, run, places, w):
+def loop_solve(count, bearing, stage):
     for _ in range(count):
-        solve(w.trial, w.U[5], run, places, w.system)
+        solve_factorised(stage.trial, stage.U[5], bearing, stage.system)
 
 
 @jit
-def loop_powers(count, y, run, b, places, w):
-    U = w.U[0]
+def loop_powers(count, y, bearing, buf, stage):
+    U = stage.U[0]
     for _ in range(count):
-        for j in range(run.D.size):
-            q = BALL * j
-            for v in range(4):
-                w.trial[places.shaft] += b.slopes[j, 0, v] * U[q + v]
-                w.trial[places.heat] += b.slopes[j, 1, v] * U[q + v]
-                w.trial[places.turning] += b.slopes[j, 2, v] * U[q + v]
-        add_cage_powers(U, w.trial, y, run, b, places, w.system)
+        add_ball_powers(U, stage.trial, bearing, buf)
+        add_cage_powers(U, stage.trial, y, bearing, buf, stage.system)
 
 
 @jit
-def loop_control(count, h, y, run, b, places, w, out):
+def loop_control(count, h, y, bearing, buf, stage, out):
+    n = bearing.D.size
     for _ in range(count):
-        out[0, 0, 0] = step_error(h, y, run, b, places, w, 1e-3)
-        contacts_now(run, b, places, w.after)
-        out[0, 0, 1], out[0, 0, 2] = event_in(w.before, w.after, run.D.size, 1e-9)
-        rebase(y, run, b, places, w.f)
+        out[0, 0, 0] = step_error(h, y, bearing, buf.balls, stage, 1e-3)
+        interferences(buf, stage.after)
+        out[0, 0, 1], out[0, 0, 2] = first_closure(stage.before, stage.after, n, 1e-9)
+        reset_rotation_vector(y, bearing, buf.cage, stage.rates)
 
 
 @jit
-def loop_record(count, time, y, run, b, places, w, out, keep, log):
+def loop_record(count, time, y, bearing, buf, stage, recorder):
     for _ in range(count):
-        out.before[:] = y[places.qv :]
-        motion_rates(time, y, run, b, w.f, places)
-        contacts_now(run, b, places, w.before)
-        motion_rates(time, y, run, b, w.f, places)
-        add_instant(y, run, b, places, out, keep, 0, log)
+        recorder.sums.before[:] = y[bearing.layout.qv :]
+        state_rates(time, y, bearing, buf, stage.rates)
+        interferences(buf, stage.before)
+        state_rates(time, y, bearing, buf, stage.rates)
+        add_instant(y, bearing, buf, recorder, 0)
 
 
 def time_of(count, loop, *args):
@@ -335,7 +322,9 @@ class Counts:
     def __init__(self):
         self.sweeps = self.passes = 0
         self.equilibrium = self.with_changed(
-            joint_equilibrium, sweep=self.sweep, contacts_at=self.contacts_at
+            joint_equilibrium,
+            assemble_condensed=self.assemble_condensed,
+            cage_contacts=self.cage_contacts,
         )
 
     @staticmethod
@@ -344,110 +333,118 @@ class Counts:
         function = kernel.py_func
         return types.FunctionType(function.__code__, function.__globals__ | names)
 
-    def sweep(self, *args):
+    def assemble_condensed(self, *args):
         self.sweeps += 1
-        return quasistatic.sweep(*args)
+        return quasistatic.assemble_condensed(*args)
 
-    def contacts_at(self, *args):
+    def cage_contacts(self, *args):
         self.passes += 1
-        return right_hand_side.contacts_at(*args)
+        return contacts.cage_contacts(*args)
 
 
-def attempts(motion, duration, tolerance):
-    """Steps tried over a stretch: yields their lengths, `motion` at their beginning."""
-    run, b, places, w = motion.run, motion.buffers, motion.places, motion.stages
-    end, longest = motion.time + duration, motion.turn / STEPS_PER_TURN
-    while end - motion.time > 1e-9 * motion.turn:
-        step = min(motion.h, longest, end - motion.time)
+def attempts(system, duration, tolerance):
+    """Steps tried over a stretch: yields their lengths, `system` at their beginning."""
+    bearing, buf, stage = system.bearing, system.buffers, system.stages
+    end, longest = system.time + duration, system.turn / STEPS_PER_TURN
+    while end - system.time > 1e-9 * system.turn:
+        step = min(system.h, longest, end - system.time)
         yield step
-        motion_rates(motion.time, motion.y, run, b, w.f, places)
-        status = rosenbrock_step(motion.time, step, motion.y, run, b, places, w)
-        error = step_error(step, motion.y, run, b, places, w, tolerance) if status == OK else 1e9
+        state_rates(system.time, system.y, bearing, buf, stage.rates)
+        status = take_step(ROSENBROCK, system.time, step, system.y, bearing, buf, stage)
+        error = 1e9
+        if status == OK:
+            error = step_error(step, system.y, bearing, buf.balls, stage, tolerance)
         if error <= 1.0:
-            motion.time += step
-            motion.y[:] = w.new
-            motion_rates(motion.time, motion.y, run, b, w.f, places)
-            rebase(motion.y, run, b, places, w.f)
-        motion.h = step * min(4.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / 3.0)))
+            system.time += step
+            system.y[:] = stage.new
+            state_rates(system.time, system.y, bearing, buf, stage.rates)
+            reset_rotation_vector(system.y, bearing, buf.cage, stage.rates)
+        system.h = step * min(4.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / ROSENBROCK.order)))
 
 
-def step_times(motion, step):
+def step_times(system, step):
     """Times [us] of the parts of a step from here, and what was counted in it."""
-    run, b, places, w = motion.run, motion.buffers, motion.places, motion.stages
-    time, y = motion.time, motion.y
-    assert motion_rates(time, y, run, b, w.f, places) == OK
-    assert rosenbrock_step(time, step, y, run, b, places, w) == OK
+    bearing, buf, stage = system.bearing, system.buffers, system.stages
+    time, y, balls = system.time, system.y, system.buffers.balls
+    assert state_rates(time, y, bearing, buf, stage.rates) == OK
+    assert take_step(ROSENBROCK, time, step, y, bearing, buf, stage) == OK
     states = [y.copy()]
-    states += [y + W_A[i, :i] @ w.U[:i] for i in (1, 2, 3)]
-    states = np.array([*states, w.new])
-    times = time + step * np.append(W_TIME, 1.0)
-    out, dy = np.zeros((run.D.size, 2, 5)), np.zeros(y.size)
-    matrix, vector = np.zeros((3, 3)), np.zeros(3)
+    states += [y + ROSENBROCK.A[i, :i] @ stage.U[:i] for i in (1, 2, 3)]
+    states = np.array([*states, stage.new])
+    times = time + step * np.append(ROSENBROCK.time, 1.0)
+    out, dy = np.zeros((bearing.D.size, 2, 5)), np.zeros(y.size)
     # From the beginning through three stages to the end, less the way back to the beginning.
     ends = np.ascontiguousarray(states[[0, 4]]), times[[0, 4]]
     t = {}
     for name, loop in (("rates", loop_rates), ("equilibrium", loop_equilibrium)):
-        args = run, b, dy, places
-        t[name] = time_of(20, loop, times, states, *args)
-        t[name] -= 0.5 * time_of(20, loop, ends[1], ends[0], *args)
-    step_loop = time_of(20, loop_step, time, step, y, run, b, places, w)
-    step_loop -= time_of(20, loop_rates, times[:4], states[:4], run, b, dy, places)
-    motion_rates(time, y, run, b, w.f, places)
+        t[name] = time_of(20, loop, times, states, bearing, buf, dy)
+        t[name] -= 0.5 * time_of(20, loop, ends[1], ends[0], bearing, buf, dy)
+    step_loop = time_of(20, loop_step, ROSENBROCK, time, step, y, bearing, buf, stage)
+    step_loop -= time_of(20, loop_rates, times[:4], states[:4], bearing, buf, dy)
+    state_rates(time, y, bearing, buf, stage.rates)
     counts = Counts()
     for i in range(1, 5):
-        assert counts.equilibrium(times[i], states[i], run, b, places) == OK
-    motion_rates(time, y, run, b, w.f, places)
-    t["sweep"] = counts.sweeps * time_of(200, loop_sweep, y, run, b, matrix, vector)
-    t["cage"] = counts.passes * time_of(200, loop_cage, y, run, b, places)
-    t["friction"] = 4 * time_of(100, loop_friction, y, run, b, out)
-    t["blocks"] = time_of(50, loop_blocks, y, run, b)
-    t["factorise"] = time_of(50, loop_factorise, 1.0 / (0.4 * step), y, run, b, places, w)
-    t["solve"] = 4 * time_of(200, loop_solve, run, places, w)
-    t["powers"] = 4 * time_of(200, loop_powers, y, run, b, places, w)
+        assert counts.equilibrium(times[i], states[i], bearing, balls, buf.cage) == OK
+    state_rates(time, y, bearing, buf, stage.rates)
+    t["sweep"] = counts.sweeps * time_of(200, loop_condensed, y, bearing, balls)
+    t["cage"] = counts.passes * time_of(200, loop_cage, y, bearing, buf)
+    t["friction"] = 4 * time_of(100, loop_friction, y, bearing, balls, out)
+    t["blocks"] = time_of(50, loop_blocks, y, bearing, buf)
+    t["factorise"] = time_of(50, loop_factorise, 1.0 / (0.4 * step), y, bearing, buf, stage)
+    t["solve"] = 4 * time_of(200, loop_solve, bearing, stage)
+    t["powers"] = 4 * time_of(200, loop_powers, y, bearing, buf, stage)
     t["stages"] = step_loop - t["blocks"] - t["factorise"] - t["solve"] - t["powers"]
-    t["control"] = time_of(200, loop_control, step, y, run, b, places, w, out)
-    touching = int(np.count_nonzero(b.cage.normal[: run.D.size] > 0.0))
+    t["control"] = time_of(200, loop_control, step, y, bearing, buf, stage, out)
+    touching = int(np.count_nonzero(buf.cage.normal[: bearing.D.size] > 0.0))
     return t, (counts.passes, counts.sweeps, touching)
 
 
 def profile():
     """Print the share of every part of a step."""
     scene = scene_of(PROFILE_AFTER + PROFILE_TURNS, PROFILE_TOLERANCE)
-    motion = Motion.of(scene, start_of(scene).u)
-    assert motion.settle() == OK
-    run = Run(scene, motion, None)
+    system = DynamicSystem.of(scene, start_of(scene).u)
+    assert system.update() == OK
+    run = TimeRun(scene, system, None)
     points = run.grid.points
     assert run.advance(PROFILE_AFTER * points) == OK
-    begin, began = motion.packed(), motion.time
+    begin, began = system.packed(), system.time
     # The stretch as it is run, once to time it and once to stop at places spread over it.
     before = run.tally.copy()
     measured = []
     for repeat in range(ROUNDS):
-        motion.unpack(begin, began)
+        system.unpack(begin, began)
         run.done = PROFILE_AFTER * points
         cpu = clock.process_time()
         assert run.advance(PROFILE_TURNS * points) == OK
         measured.append(1e3 * (clock.process_time() - cpu) / PROFILE_TURNS)
         if repeat == 0:
             tally = (run.tally - before) / PROFILE_TURNS
-    motion.unpack(begin, began)
+    system.unpack(begin, began)
     run.done = PROFILE_AFTER * points
     times, counted, records = [], [], []
     every = PROFILE_TURNS * points // PROFILE_STRETCHES
     for _ in range(PROFILE_STRETCHES):
-        here = motion.packed(), motion.time
+        here = system.packed(), system.time
         records.append(
-            time_of(50, loop_record, motion.time, motion.y, motion.run, motion.buffers,
-                    motion.places, motion.stages, run.record, run.keep, run.log)
-        )  # fmt: skip
-        motion.unpack(*here)
-        for step in attempts(motion, motion.turn / points, PROFILE_TOLERANCE):
-            there = motion.packed(), motion.time
-            part, count = step_times(motion, step)
+            time_of(
+                50,
+                loop_record,
+                system.time,
+                system.y,
+                system.bearing,
+                system.buffers,
+                system.stages,
+                run.recorder,
+            )
+        )
+        system.unpack(*here)
+        for step in attempts(system, system.turn / points, PROFILE_TOLERANCE):
+            there = system.packed(), system.time
+            part, count = step_times(system, step)
             times.append(part)
             counted.append(count)
-            motion.unpack(*there)
-        motion.unpack(*here)
+            system.unpack(*there)
+        system.unpack(*here)
         assert run.advance(every) == OK
     mean = {name: float(np.mean([t[name] for t in times])) for name in times[0]}
     passes, sweeps, touching = np.array(counted).T

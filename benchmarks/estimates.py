@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.io.config import load_scene
 from bearingwear.kernels import status as code
 from bearingwear.model.life import life
-from bearingwear.model.scene import Scene
 from bearingwear.model.solve import solve
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.scene import Scene
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 NAMES = ("gyro_s1", "gyro_s2", "gyro_s3", "gyro_s1_drag", "turbopump", "bearing218")

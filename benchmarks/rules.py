@@ -21,18 +21,17 @@ import numba
 import numpy as np
 from scipy.special import roots_jacobi
 
-from bearingwear.io.config import load_scene
-from bearingwear.kernels.contact import slip_coefficients
-from bearingwear.kernels.ellipse import FAR, Rule, most_points, place, rolling_points
+from bearingwear.kernels.contact import friction_sums, race_contacts, slip_coefficients
+from bearingwear.kernels.ellipse import FAR, Rule, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.kinematics import OUTER_CONTROL
-from bearingwear.kernels.motion import friction_sums
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.steady import orbit_equilibrium, race_contacts
+from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
 from bearingwear.kernels.summary import QV
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.quadrature import gathered, gauss_legendre
 from bearingwear.model.steady import ThrustProblem
+from bearingwear.scene.read import load_scene
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 REGULARISATIONS = (1e-3, 1e-4, 1e-5, 1e-6)
@@ -140,21 +139,22 @@ def place_sinh(rule, contact, R, c, v_r, t, weight):
 
 
 def rules():
-    """(name, how to place, rule) of all candidates; the number is points, of split rules a side."""
+    """(name, placing of the points, rule) of all candidates; the number is points, of split rules
+    a side."""
     for n in (4, 10, 20, 50, 100, 200, 400):
-        yield f"equal strips {n}", place, ellipse_rule("strips", n)
+        yield f"equal strips {n}", quadrature_points, ellipse_rule("strips", n)
     for n in (20, 50, 100, 200):
-        yield f"Gauss {n}", place, density(*gauss_legendre(n))
-        yield f"Gauss-Jacobi {n}", place, jacobi(n)
-        yield f"Clenshaw-Curtis {n + 1}", place, clenshaw_curtis(n + 1)
-        yield f"Gauss, 4 panels {n}", place, composite(n)
+        yield f"Gauss {n}", quadrature_points, density(*gauss_legendre(n))
+        yield f"Gauss-Jacobi {n}", quadrature_points, jacobi(n)
+        yield f"Clenshaw-Curtis {n + 1}", quadrature_points, clenshaw_curtis(n + 1)
+        yield f"Gauss, 4 panels {n}", quadrature_points, composite(n)
     for n in (20, 30, 50, 100, 200, 400):
-        yield f"Gauss, halves {n}", place, ellipse_rule("gauss", n)
+        yield f"Gauss, halves {n}", quadrature_points, ellipse_rule("gauss", n)
     for m in (4, 6, 8, 10, 12):
-        yield f"split, plain {m}", place, split_power(m, 1)
-        yield f"split, square {m}", place, split_power(m, 2)
+        yield f"split, plain {m}", quadrature_points, split_power(m, 1)
+        yield f"split, square {m}", quadrature_points, split_power(m, 2)
         yield f"split, sinh {m}", place_sinh, split_power(m, 1)
-        yield f"split {m}", place, Rule(True, *gathered(m))
+        yield f"split {m}", quadrature_points, Rule(True, *gathered(m))
 
 
 # The cases
@@ -162,9 +162,10 @@ def rules():
 
 def contacts(problem, D, case):
     """(contact, R, slip in the steady state, slip in pure rolling) of both races."""
-    m = problem.motion
+    m = problem.op
     Omega, delta_a = case.u[3], case.delta_a
-    _, state = orbit_equilibrium(problem.g, D, Omega, problem.preload, delta_a, cold_start())
+    seat = Seat(delta_a=delta_a, state=cold_start())
+    _, state = orbit_equilibrium(problem.balance(D).bearing, Omega, seat)
     rolling = problem.kinematic_start(OUTER_CONTROL)
     for contact in race_contacts(problem.g, m, state):
         yield tuple(
@@ -248,7 +249,7 @@ def main():
         f"{'QV of a contact':>16s}{'w_y':>16s}"
     )
     for name, how, rule in rules():
-        if how is not place:
+        if how is not quadrature_points:
             continue
         errors, seconds, iterations = [], 0.0, []
         for problem, D, case in cases:

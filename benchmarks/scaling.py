@@ -21,10 +21,10 @@ from pathlib import Path
 
 import yaml
 
-from bearingwear.io.config import load_scene
-from bearingwear.io.netcdf import write
 from bearingwear.model.solve import solve
-from bearingwear.study.grid import Grid
+from bearingwear.results.netcdf import write_result
+from bearingwear.scene.variant import variant
+from bearingwear.studies.grid.grid import Grid
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENE = "gyro_s1"
@@ -117,7 +117,7 @@ def solved_in_process(root: Path, cases: int) -> float:
     scene = root / f"config/scenes/{SCENE}.yaml"
     started = time.process_time()
     for case, path in zip(grid, case_files(cases), strict=True):
-        write(solve(load_scene(scene, case.settings)), root / path)
+        write_result(solve(variant(scene, case.changes)), root / path)
     return (time.process_time() - started) / cases
 
 

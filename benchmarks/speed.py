@@ -16,13 +16,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import plain_scipy as plain
 
-from bearingwear.io.config import load_scene
 from bearingwear.kernels.kinematics import INNER_CONTROL
 from bearingwear.kernels.summary import QV
 from bearingwear.model.life import life
 from bearingwear.model.race_control import RaceControlProblem, controlled_balance
 from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem
+from bearingwear.scene.read import load_scene
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 
@@ -56,7 +56,7 @@ def main():
         )
         problem = ThrustProblem.of(scene)
         D = problem.g.D0 - loss * 1e-6
-        operation = plain.Operation(7.0, (problem.motion.omega_i, 0.0), mu, method, loss * 1e-6)
+        operation = plain.Operation(7.0, (problem.op.omega_i, 0.0), mu, method, loss * 1e-6)
         ours, case = median_time(lambda p=problem, D=D: p.solve(D), 200)
         theirs, ref = median_time(lambda o=operation: plain.steady_state(plain.S1, o), 10)
         agree = abs(case.contacts[:, QV] / ref["traction"].qv - 1.0).max()
@@ -66,7 +66,7 @@ def main():
         row("   the same, from a state 0.01 um away", ours, theirs)
     scene = load_scene(SCENE)
     problem = RaceControlProblem.of(scene)
-    operation = plain.Operation(7.0, (problem.motion.omega_i, 0.0))
+    operation = plain.Operation(7.0, (problem.op.omega_i, 0.0))
     ours, (balance, laws) = median_time(lambda: controlled_balance(problem), 500)
     theirs, ref = median_time(lambda: plain.race_control(plain.S1, operation), 20)
     assert laws[0] == INNER_CONTROL

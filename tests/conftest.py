@@ -1,22 +1,52 @@
-"""Fixtures shared by all tests: scenes of the study, changed key by key."""
+"""Fixtures shared by all tests, and how the tests are dealt out to processes."""
+
+import fcntl
+import os
+import shutil
+from pathlib import Path
 
 import pytest
-import yaml
-from support import scene_file
+from support import ROOT, scene_file
+
+SPREAD_OUT = ROOT / "tests" / "workflow"
+"""Tests of one file here need not run in one process: what they share is made once for all."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Keep the tests of a file in one process of pytest-xdist: they share its fixtures."""
+    for item in items:
+        if SPREAD_OUT not in item.path.parents:
+            item.add_marker(pytest.mark.xdist_group(item.path.relative_to(ROOT).as_posix()))
+
+
+@pytest.fixture(scope="session")
+def made_once(tmp_path_factory):
+    """Function (name, make) -> folder that make(folder) filled, once for all processes."""
+
+    def folder_of(name, make) -> Path:
+        folder = tmp_path_factory.getbasetemp() / name
+        if "PYTEST_XDIST_WORKER" in os.environ:
+            folder = folder.parents[1] / name
+        with open(f"{folder}.lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (done := folder.with_suffix(".done")).exists():
+                shutil.rmtree(folder, ignore_errors=True)
+                folder.mkdir()
+                make(folder)
+                done.touch()
+        return folder
+
+    return folder_of
 
 
 @pytest.fixture(scope="session")
 def scene():
     """Function (name, {key: value}) -> Scene, from config/scenes."""
-    from bearingwear.io.config import load_scene
+    from bearingwear.scene.variant import variant
 
     def build(name="gyro_s1", changes=None):
-        # YAML's own text of a number: Python's 3e-05 would be text.
-        texts = [
-            f"{k}={yaml.safe_dump(v, default_flow_style=True).splitlines()[0]}"
-            for k, v in (changes or {}).items()
-        ]
-        return load_scene(scene_file(name), texts)
+        return variant(scene_file(name), changes or {})
 
     return build
 

@@ -1,6 +1,9 @@
-"""Where things are, for tests of every kind."""
+"""Where things are, and how a step of a study is run, for tests of every kind."""
 
+import json
 from pathlib import Path
+
+from bearingwear.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -8,3 +11,27 @@ ROOT = Path(__file__).resolve().parents[1]
 def scene_file(name: str) -> Path:
     """Path of a scene of the study."""
     return ROOT / "config" / "scenes" / f"{name}.yaml"
+
+
+def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -> list[str]:
+    """Arguments of `bearingwear` that run a step, as a rule of the workflow gives them.
+
+    Parameters
+    ----------
+    run : str
+        The function, as `studies.grid.gather.study`.
+    *outputs : path
+    settings : dict, optional
+    **inputs : path, or list of paths
+    """
+    given = [
+        f"{name}={paths}" if isinstance(paths, str | Path) else f"{name}+={path}"
+        for name, paths in inputs.items()
+        for path in ([paths] if isinstance(paths, str | Path) else paths)
+    ]
+    return ["step", run, *given, "--settings", json.dumps(settings or {}), "-o", *map(str, outputs)]
+
+
+def step(run: str, *outputs, settings: dict | None = None, **inputs) -> int:
+    """Run a step; its exit status."""
+    return main(step_arguments(run, *outputs, settings=settings, **inputs))

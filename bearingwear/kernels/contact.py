@@ -6,14 +6,48 @@ u = (w_x, w_y, w_z, Omega):
 
     v1 = c_1 h,    v2 = c_0 + c_h h + c_x x,    c = L u + const
 
-and the traction is minus the gradient of the convex Phi = sum mu dQ sqrt(|v|^2 + v_r^2). The loops
-below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries them to
-the ball.
+and the traction is minus the gradient of the convex sum Phi of the points' friction potentials. The
+loops below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries them
+to the ball. The law itself stands in friction.py, the shape of the contact in profile.py.
 """
 
 import math
 
-from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
+from bearingwear.kernels.friction import force_per_slip, force_slope
+from bearingwear.kernels.hertz import INNER, OUTER
+from bearingwear.kernels.params import Contact
+from bearingwear.kernels.profile import height, profile, semi_axis
+
+# Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.
+LARGEST_AXIS = 0.7  # a / R
+
+
+@jit
+def loaded_contact(g, op, k, Q, a, sine, cosine):
+    """Contact of a ball with race k (0 inner, 1 outer).
+
+    Parameters
+    ----------
+    Q, a : float
+        Load [N] and semi-major axis [m].
+    sine, cosine : float
+        Of the contact angle.
+    """
+    if k == 0:
+        return Contact(sigma=INNER, Q=Q, a=a, sin_a=sine, cos_a=cosine, r_g=g.r_i, omega=op.omega_i)
+    return Contact(sigma=OUTER, Q=Q, a=a, sin_a=sine, cos_a=cosine, r_g=g.r_o, omega=op.omega_o)
+
+
+@jit
+def race_contacts(g, op, state):
+    """The two loaded contacts (inner, outer) of a ball in equilibrium."""
+    a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
+    a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
+    return (
+        loaded_contact(g, op, 0, state.Q_i, a_i, math.sin(state.alpha_i), math.cos(state.alpha_i)),
+        loaded_contact(g, op, 1, state.Q_o, a_o, math.sin(state.alpha_o), math.cos(state.alpha_o)),
+    )
 
 
 @jit
@@ -23,7 +57,7 @@ def slip_coefficients(contact, u, r):
     Parameters
     ----------
     contact : Contact
-    u : ndarray (4,)
+    u : ndarray or tuple (4,)
         Ball angular velocity (axial, tangential, radial) and orbit rate [rad/s].
     r : float
         Orbit radius [m].
@@ -35,6 +69,13 @@ def slip_coefficients(contact, u, r):
         contact.sigma * (w_rel * contact.cos_a - u[2] * contact.sin_a),
         -(w_rel * contact.sin_a + u[2] * contact.cos_a),
     )
+
+
+@inlined
+def point_slip(c, h, x):
+    """Slip (v1, v2) of the point x at the height h."""
+    c_1, c_0, c_h, c_x = c
+    return c_1 * h, c_0 + c_h * h + c_x * x
 
 
 @jit
@@ -50,12 +91,9 @@ def surface_height(contact, R, t, h):
     h : ndarray (n,)
         Filled.
     """
-    R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
-    a = contact.a
-    base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
+    p = profile(contact.r_g, R, contact.a)
     for k in range(t.size):
-        x = a * t[k]
-        h[k] = math.sqrt(R_d * R_d - x * x) + base
+        h[k] = height(p, contact.a * t[k])
 
 
 @jit(fastmath=REORDER_SUMS)
@@ -71,14 +109,12 @@ def traction(contact, c, mu, v_r, t, weight, h, gradient):
     gradient : ndarray (4,)
         Filled: sums of h F1, F2, h F2, x F2, F the force of the race on the ball [N m; F2 in N].
     """
-    c_1, c_0, c_h, c_x = c
     a, v_r2 = contact.a, v_r * v_r
     g_1 = g_0 = g_h = g_x = 0.0
     for k in range(t.size):
         hk, x = h[k], a * t[k]
-        v1 = c_1 * hk
-        v2 = c_0 + c_h * hk + c_x * x
-        f = weight[k] / math.sqrt(v1 * v1 + v2 * v2 + v_r2)
+        v1, v2 = point_slip(c, hk, x)
+        f = force_per_slip(weight[k], v1 * v1 + v2 * v2, v_r2)
         g_1 += f * v1 * hk
         f2 = f * v2
         g_0 += f2
@@ -92,27 +128,49 @@ def traction(contact, c, mu, v_r, t, weight, h, gradient):
 
 
 @jit(fastmath=REORDER_SUMS)
+def friction_sums(contact, R, c, mu, v_r, t, weight):
+    """Gradient of Phi by c, and QV, in one pass that needs no buffer for the heights.
+
+    Returns
+    -------
+    g_1, g_0, g_h, g_x, qv
+        As in `traction`; qv in W.
+    """
+    a, v_r2 = contact.a, v_r * v_r
+    p = profile(contact.r_g, R, a)
+    g_1 = g_0 = g_h = g_x = qv = 0.0
+    for k in range(t.size):
+        x = a * t[k]
+        h = height(p, x)
+        v1, v2 = point_slip(c, h, x)
+        v_2 = v1 * v1 + v2 * v2
+        f = force_per_slip(weight[k], v_2, v_r2)
+        qv += weight[k] * math.sqrt(v_2)
+        g_1 += f * v1 * h
+        f2 = f * v2
+        g_0 += f2
+        g_h += f2 * h
+        g_x += f2 * x
+    s = mu * contact.Q
+    return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
+
+
+@jit(fastmath=REORDER_SUMS)
 def traction_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
     """Gradient (4,) and second derivatives (4, 4) of Phi by c, as `traction`."""
-    c_1, c_0, c_h, c_x = c
     a, v_r2 = contact.a, v_r * v_r
     g_1 = g_0 = g_h = g_x = 0.0
     p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
     s_0 = s_h = s_x = s_1 = 0.0
     for k in range(t.size):
         hk, x = h[k], a * t[k]
-        v1 = c_1 * hk
-        v2 = c_0 + c_h * hk + c_x * x
-        e1 = v1 * v1 + v_r2
-        w2 = e1 + v2 * v2
-        f = weight[k] / math.sqrt(w2)
+        v1, v2 = point_slip(c, hk, x)
+        f, p_11, p_12, p = force_slope(weight[k], v1, v2, v_r2)
         g_1 += f * v1 * hk
         f2 = f * v2
         g_0 += f2
         g_h += f2 * hk
         g_x += f2 * x
-        f3 = f / w2
-        p = f3 * e1  # second derivative by v2
         p_00 += p
         ph = p * hk
         p_0h += ph
@@ -121,11 +179,11 @@ def traction_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
         px = p * x
         p_0x += px
         p_xx += px * x
-        s = -f3 * v1 * v2 * hk  # by v1 and v2
+        s = p_12 * hk
         s_0 += s
         s_h += s * hk
         s_x += s * x
-        s_1 += f3 * (v2 * v2 + v_r2) * hk * hk  # by v1
+        s_1 += p_11 * hk * hk
     scale = mu * contact.Q
     gradient[0] = scale * g_1
     gradient[1] = scale * g_0
@@ -156,12 +214,12 @@ def slip_map(contact, r, L):
 
 
 @jit
-def slip(contact, c, t, h, v1, v2):
+def slip_velocity(contact, c, t, h, v1, v2):
     """Slip velocity at the points t, along the major axis (v1) and the rolling direction (v2)."""
     c_1, c_0, c_h, c_x = c
+    by_t = (c_1, c_0, c_h, c_x * contact.a)
     for k in range(t.size):
-        v1[k] = c_1 * h[k]
-        v2[k] = c_0 + c_h * h[k] + c_x * contact.a * t[k]
+        v1[k], v2[k] = point_slip(by_t, h[k], t[k])
 
 
 @jit
@@ -179,15 +237,13 @@ def dissipation(contact, c, mu, v_r, r, t, weight, h):
     torque : float
         Torque of the race on the ball about the bearing axis, with each strip's own lever [N m].
     """
-    c_1, c_0, c_h, c_x = c
     qv = heat = gyro = torque = 0.0
     for k in range(t.size):
         x = contact.a * t[k]
-        v1 = c_1 * h[k]
-        v2 = c_0 + c_h * h[k] + c_x * x
+        v1, v2 = point_slip(c, h[k], x)
         v = math.sqrt(v1 * v1 + v2 * v2)
         dQ = weight[k] * contact.Q
-        F = mu * dQ / math.sqrt(v * v + v_r * v_r)
+        F = force_per_slip(mu * dQ, v * v, v_r * v_r)
         qv += v * dQ
         gyro += abs(v1) * dQ
         heat += F * v * v

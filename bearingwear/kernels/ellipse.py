@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.compile import jit
+from bearingwear.kernels.profile import PEAK, base, pressure, profile
 
 SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each
 FAR = 1.5  # a pure-rolling point at |x/a| above this is left alone
@@ -26,13 +27,13 @@ class Rule(NamedTuple):
 
 @jit
 def most_points(rule):
-    """Points a contact may get, the length of the buffers for `place`."""
+    """Points a contact may get, the length of the buffers for `quadrature_points`."""
     return (SEGMENTS if rule.split else 1) * rule.t.size
 
 
 @jit
-def real_sine(n_r, n_i, d_r, d_i):
-    """Real part of q/(1 + q^2), q = n/d, which is n d/(n^2 + d^2)."""
+def real_part_of_abscissa(n_r, n_i, d_r, d_i):
+    """Real part of q/(1 + q^2) = n d/(n^2 + d^2) for a complex q = n/d."""
     top_r, top_i = n_r * d_r - n_i * d_i, n_r * d_i + n_i * d_r
     below_r = n_r * n_r - n_i * n_i + d_r * d_r - d_i * d_i
     below_i = 2.0 * (n_r * n_i + d_r * d_i)
@@ -49,12 +50,12 @@ def rolling_points(contact, R, c, v_r):
     """
     c_1, c_0, c_h, c_x = c
     a = contact.a
-    R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
-    base = math.sqrt(R * R - a * a) - math.sqrt(R_d * R_d - a * a)
-    e = math.sqrt((c_1 * (R_d + base)) ** 2 + v_r * v_r)
-    q_0 = c_0 + c_h * (base + R_d)  # and -i e, as q_2
+    p = profile(contact.r_g, R, a)
+    R_d, h_0 = p.R_d, base(p)
+    e = math.sqrt((c_1 * (R_d + h_0)) ** 2 + v_r * v_r)
+    q_0 = c_0 + c_h * (h_0 + R_d)  # and -i e, as q_2
     q_1 = c_x * R_d
-    q_2 = c_0 + c_h * (base - R_d)
+    q_2 = c_0 + c_h * (h_0 - R_d)
     # The root of q_1^2 - (q_2 - i e)(q_0 - i e) on the side of q_1, so that s cannot cancel.
     D_r = q_1 * q_1 - q_2 * q_0 + e * e
     D_i = e * (q_2 + q_0)
@@ -64,25 +65,25 @@ def rolling_points(contact, R, c, v_r):
     s_r, s_i = -q_1 - s_r, -s_i
     scale = 2.0 * R_d / a
     return (
-        scale * real_sine(s_r, s_i, q_2, -e),
-        scale * real_sine(q_0, -e, s_r, s_i),
+        scale * real_part_of_abscissa(s_r, s_i, q_2, -e),
+        scale * real_part_of_abscissa(q_0, -e, s_r, s_i),
     )
 
 
 @jit
-def gather(rule, start, end, n, t, weight):
+def cluster_points(rule, start, end, n, t, weight):
     """Put the points of one segment, close together at its start; returns their new count."""
     length = end - start
-    share = 0.75 * abs(length)
+    share = PEAK * abs(length)
     for k in range(rule.t.size):
         x = start + length * rule.t[k]
         t[n + k] = x
-        weight[n + k] = share * rule.weight[k] * (1.0 - x * x)
+        weight[n + k] = share * rule.weight[k] * pressure(x)
     return n + rule.t.size
 
 
 @jit
-def place(rule, contact, R, c, v_r, t, weight):
+def quadrature_points(rule, contact, R, c, v_r, t, weight):
     """Points x/a and load shares for a contact with the slip c.
 
     Parameters
@@ -111,11 +112,11 @@ def place(rule, contact, R, c, v_r, t, weight):
     low, high = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
     n = 0
     if low > -1.0:
-        n = gather(rule, low, -1.0, n, t, weight)
+        n = cluster_points(rule, low, -1.0, n, t, weight)
     if high > low:
         middle = 0.5 * (low + high)
-        n = gather(rule, low, middle, n, t, weight)
-        n = gather(rule, high, middle, n, t, weight)
+        n = cluster_points(rule, low, middle, n, t, weight)
+        n = cluster_points(rule, high, middle, n, t, weight)
     if high < 1.0:
-        n = gather(rule, high, 1.0, n, t, weight)
+        n = cluster_points(rule, high, 1.0, n, t, weight)
     return t[:n], weight[:n]

@@ -7,11 +7,14 @@ unique and damped Newton finds it from anywhere. The factors follow the contact 
 """
 
 import math
+from typing import NamedTuple
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, race_control
 from bearingwear.kernels.params import BallLoad, BallState, Hertz
+from bearingwear.kernels.profile import contact_approach, contact_load, contact_stiffness
 from bearingwear.kernels.status import (
     CONTACT_LOST,
     NOT_CONVERGED,
@@ -19,17 +22,31 @@ from bearingwear.kernels.status import (
     PRELOAD_GONE,
 )
 
-PI = math.pi
+# The force balance hangs on differences of lengths, so rounding sets its floor: Newton is done when
+# the last step was so short that the next would be below rounding.
+LAST_STEP = 1e-11  # of the distance of the groove centres
+QUOTIENT = 1e-7  # step of a difference quotient, of the free length of the outer spring
+LONGEST_STEP = 2.0  # of the bead's slack, see `ball_newton`
+PROMISED = 0.5  # share of the energy's slope that a step must leave
+MOST_STEPS = 200
+FORCE_BALANCED = 1e-12  # share of the preload that may be left, or
+ROUNDED_STEP = 1e-16  # a step of the race, over the distance of the groove centres
+UNBOUNDED = 1e300
+
+
+class Spring(NamedTuple):
+    """A contact as a spring between groove centre and ball centre."""
+
+    Q: float  # load [N]
+    s: float  # sine and cosine of the contact angle
+    c: float
+    k11: float  # stiffness [N/m]
+    k12: float
+    k22: float
 
 
 @jit
-def ball_mass(g, D):
-    """Mass of a ball [kg]."""
-    return g.rho * PI / 6.0 * D**3
-
-
-@jit
-def other_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
+def body_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
     """Forces on a ball beside the normal ones, and the inner race's share of them.
 
     Centrifugal force of a given orbit (ORBIT), or Jones-Harris: centrifugal force at dm/2 and the
@@ -41,68 +58,151 @@ def other_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
         Axial, radially outward; tangential force of the inner race along the first contact axis
         [N].
     """
-    m = ball_mass(g, D)
-    if load.law == ORBIT:
+    m = ball_mass(g.rho, D)
+    if load.kinematics_model == ORBIT:
         return load.P_x, m * (g.R_o + X2) * load.Omega * load.Omega + load.P_r, 0.0
     alpha_i, alpha_o = math.atan2(s_i, c_i), math.atan2(s_o, c_o)
-    k = race_control(load.law, load.omega_i, load.omega_o, D / g.dm, alpha_i, alpha_o)
+    k = race_control(load.kinematics_model, load.omega_i, load.omega_o, D / g.dm, alpha_i, alpha_o)
     F_c = m * 0.5 * g.dm * k.Omega * k.Omega
-    M_g = 0.1 * m * D * D * k.w_R * k.Omega * math.sin(k.beta)
+    M_g = ball_inertia(m, D) * k.w_R * k.Omega * math.sin(k.beta)
     T = 2.0 * M_g / D
-    if load.law == INNER_CONTROL:
+    if load.kinematics_model == INNER_CONTROL:
         return T * c_i, F_c - T * s_i, T
     return -T * c_o, F_c + T * s_o, 0.0
 
 
 @jit
-def moved_forces(g, D, load, A1, A2, X1, X2):
-    """`other_forces`, axial and radially outward, with the ball centre at (X1, X2) [N]."""
+def body_forces_at(g, D, load, A1, A2, X1, X2):
+    """`body_forces`, axial and radially outward, with the ball centre at (X1, X2) [N]."""
     l_i = math.sqrt((A1 - X1) ** 2 + (A2 - X2) ** 2)
     l_o = math.sqrt(X1 * X1 + X2 * X2)
-    P_x, P_r, _ = other_forces(g, D, load, X2, (A1 - X1) / l_i, (A2 - X2) / l_i, X1 / l_o, X2 / l_o)
+    P_x, P_r, _ = body_forces(g, D, load, X2, (A1 - X1) / l_i, (A2 - X2) / l_i, X1 / l_o, X2 / l_o)
     return P_x, P_r
 
 
 @jit
 def spring(K, X1, X2, free):
-    """Contact as a spring along (X1, X2): load, direction, tangent stiffness.
+    """Contact of the Hertz factor K as a spring along (X1, X2), its length `free` without load.
 
     Returns
     -------
-    Q, e1, e2, k11, k12, k22 : float
-        Load [N], direction cosines, stiffness [N/m].
+    Spring
     """
     length = math.sqrt(X1 * X1 + X2 * X2)
-    e1, e2 = X1 / length, X2 / length
+    s, c = X1 / length, X2 / length
     d = length - free
     if d <= 0.0:
-        return 0.0, e1, e2, 0.0, 0.0, 0.0
-    Q = K * d * math.sqrt(d)
-    k, t = 1.5 * Q / d, Q / length
-    return Q, e1, e2, k * e1 * e1 + t * e2 * e2, (k - t) * e1 * e2, k * e2 * e2 + t * e1 * e1
+        return Spring(Q=0.0, s=s, c=c, k11=0.0, k12=0.0, k22=0.0)
+    Q = contact_load(K, d)
+    k, t = contact_stiffness(Q, d), Q / length
+    return Spring(
+        Q=Q,
+        s=s,
+        c=c,
+        k11=k * s * s + t * c * c,
+        k12=(k - t) * s * c,
+        k22=k * c * c + t * s * s,
+    )
 
 
 @jit
 def cold_start():
     """A start for `ball_equilibrium` where no solve nearby is known."""
-    unknown = Hertz(0.0, 0.0, 0.0, math.nan, 0.0)
-    return BallState(
-        NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, unknown, unknown,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
-    )  # fmt: skip
+    unknown = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=math.nan, E=0.0)
+    return open_ball(NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, 0.0, unknown, unknown)
 
 
 @jit
 def open_ball(status, X1, X2, alpha_i, alpha_o, P_r, hertz_i, hertz_o):
     """A ball off the inner race: held on the outer race by P_r, or loose."""
     return BallState(
-        status, X1, X2, alpha_i, alpha_o, 0.0, P_r, hertz_i, hertz_o,
-        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, P_r, 0.0,
-    )  # fmt: skip
+        status=status,
+        X1=X1,
+        X2=X2,
+        alpha_i=alpha_i,
+        alpha_o=alpha_o,
+        Q_i=0.0,
+        Q_o=P_r,
+        hertz_i=hertz_i,
+        hertz_o=hertz_o,
+        F_ix=0.0,
+        F_ir=0.0,
+        S_xx=0.0,
+        S_xr=0.0,
+        S_rr=0.0,
+        P_x=0.0,
+        P_r=P_r,
+        residual=0.0,
+    )
+
+
+@inlined
+def series_stiffness(inner, outer):
+    """Stiffness (S_xx, S_xr, S_rr) of the inner force with the ball centre free [N/m].
+
+    S = k_i - k_i (k_i + k_o)^-1 k_i, which for one spring k_i behind another k_o is
+    k_o (k_i + k_o)^-1 k_i; nothing for a ball that touches nothing.
+    """
+    k11, k12, k22 = inner.k11 + outer.k11, inner.k12 + outer.k12, inner.k22 + outer.k22
+    det = k11 * k22 - k12 * k12
+    u1 = u2 = v1 = v2 = 0.0
+    if det > 0.0:
+        u1 = (k22 * inner.k11 - k12 * inner.k12) / det
+        u2 = (k11 * inner.k12 - k12 * inner.k11) / det
+        v1 = (k22 * inner.k12 - k12 * inner.k22) / det
+        v2 = (k11 * inner.k22 - k12 * inner.k12) / det
+    return (
+        outer.k11 * u1 + outer.k12 * u2,
+        outer.k11 * v1 + outer.k12 * v2,
+        outer.k12 * v1 + outer.k22 * v2,
+    )
+
+
+@inlined
+def closed_ball(status, X1, X2, inner, outer, hertz_i, hertz_o, P_x, P_r, T_i, residual):
+    """The record of a ball between two springs."""
+    S_xx, S_xr, S_rr = series_stiffness(inner, outer)
+    return BallState(
+        status=status,
+        X1=X1,
+        X2=X2,
+        alpha_i=math.atan2(inner.s, inner.c),
+        alpha_o=math.atan2(outer.s, outer.c),
+        Q_i=inner.Q,
+        Q_o=outer.Q,
+        hertz_i=hertz_i,
+        hertz_o=hertz_o,
+        F_ix=inner.Q * inner.s + T_i * inner.c,
+        F_ir=inner.Q * inner.c - T_i * inner.s,
+        S_xx=S_xx,
+        S_xr=S_xr,
+        S_rr=S_rr,
+        P_x=P_x,
+        P_r=P_r,
+        residual=residual,
+    )
+
+
+@inlined
+def ball_tangent(g, D, load, A1, A2, X1, X2, inner, outer, P_x, P_r):
+    """Stiffness (k11, k12, k21, k22) of the forces on a ball against its own displacement [N/m].
+
+    That of race control's friction force, which follows the contact angles, as a difference
+    quotient.
+    """
+    k11, k12, k22 = inner.k11 + outer.k11, inner.k12 + outer.k12, inner.k22 + outer.k22
+    k21 = k12
+    if load.kinematics_model != ORBIT:
+        h = QUOTIENT * (g.r_o - 0.5 * D)
+        p1, p2 = body_forces_at(g, D, load, A1, A2, X1 + h, X2)
+        q1, q2 = body_forces_at(g, D, load, A1, A2, X1, X2 + h)
+        k11, k21 = k11 - (p1 - P_x) / h, k21 - (p2 - P_r) / h
+        k12, k22 = k12 - (q1 - P_x) / h, k22 - (q2 - P_r) / h
+    return k11, k12, k21, k22
 
 
 @jit
-def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
+def ball_newton(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
     """Damped Newton for the centre of a ball from (X1, X2).
 
     Across the line of the grooves a lightly loaded ball hangs like a bead on a slack string: the
@@ -111,35 +211,26 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
     turned upwards.
     """
     free_i, free_o = g.r_i - 0.5 * D, g.r_o - 0.5 * D
-    # The force balance hangs on differences of lengths, so rounding sets its floor: Newton is done
-    # when the last step was so short that the next would be below rounding.
-    small = 1e-11 * math.sqrt(A1 * A1 + A2 * A2)
-    h = 1e-7 * free_o  # for the tangent of race control's friction force
+    small = LAST_STEP * math.sqrt(A1 * A1 + A2 * A2)
     status = NOT_CONVERGED
     slope = 0.0  # of the energy along the last full step, negative [N m]
     step1 = step2 = size = 0.0
     shortened = True
-    i11 = i12 = i22 = o11 = o12 = o22 = 1.0
-    Q_i = Q_o = s_i = c_i = s_o = c_o = P_x = P_r = T_i = 0.0
-    for _ in range(200):
-        Q_o, s_o, c_o, o11, o12, o22 = spring(hertz_o.K, X1, X2, free_o)
-        Q_i, s_i, c_i, i11, i12, i22 = spring(hertz_i.K, A1 - X1, A2 - X2, free_i)
-        P_x, P_r, T_i = other_forces(g, D, load, X2, s_i, c_i, s_o, c_o)
-        r1 = Q_i * s_i - Q_o * s_o + P_x
-        r2 = Q_i * c_i - Q_o * c_o + P_r
+    inner = outer = Spring(Q=0.0, s=0.0, c=0.0, k11=1.0, k12=1.0, k22=1.0)
+    P_x = P_r = T_i = 0.0
+    for _ in range(MOST_STEPS):
+        outer = spring(hertz_o.K, X1, X2, free_o)
+        inner = spring(hertz_i.K, A1 - X1, A2 - X2, free_i)
+        P_x, P_r, T_i = body_forces(g, D, load, X2, inner.s, inner.c, outer.s, outer.c)
+        r1 = inner.Q * inner.s - outer.Q * outer.s + P_x
+        r2 = inner.Q * inner.c - outer.Q * outer.c + P_r
         size = math.sqrt(r1 * r1 + r2 * r2)
         if not shortened and abs(step1) + abs(step2) <= small:
             status = OK
             break
-        k11, k12, k22 = i11 + o11, i12 + o12, i22 + o22
-        k21 = k12
-        if load.law != ORBIT:
-            p1, p2 = moved_forces(g, D, load, A1, A2, X1 + h, X2)
-            q1, q2 = moved_forces(g, D, load, A1, A2, X1, X2 + h)
-            k11, k21 = k11 - (p1 - P_x) / h, k21 - (p2 - P_r) / h
-            k12, k22 = k12 - (q1 - P_x) / h, k22 - (q2 - P_r) / h
+        k11, k12, k21, k22 = ball_tangent(g, D, load, A1, A2, X1, X2, inner, outer, P_x, P_r)
         det = k11 * k22 - k12 * k21
-        if not det > 0.0 or r1 * step1 + r2 * step2 < 0.5 * slope:
+        if not det > 0.0 or r1 * step1 + r2 * step2 < PROMISED * slope:
             if slope == 0.0:
                 break
             step1, step2, slope = 0.5 * step1, 0.5 * step2, 0.5 * slope
@@ -148,9 +239,9 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
             continue
         step1 = (k22 * r1 - k12 * r2) / det
         step2 = (k11 * r2 - k21 * r1) / det
-        d_P = (abs(P_r) / hertz_o.K) ** (2.0 / 3.0)
-        d = (Q_i / hertz_i.K) ** (2.0 / 3.0) + (Q_o / hertz_o.K) ** (2.0 / 3.0) + d_P
-        longest = 2.0 * math.sqrt(d * min(free_i, free_o))
+        d_P = contact_approach(hertz_o.K, abs(P_r))
+        d = contact_approach(hertz_i.K, inner.Q) + contact_approach(hertz_o.K, outer.Q) + d_P
+        longest = LONGEST_STEP * math.sqrt(d * min(free_i, free_o))
         length = math.sqrt(step1 * step1 + step2 * step2)
         shortened = length > longest
         if shortened:
@@ -159,24 +250,12 @@ def settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
         X1, X2 = X1 + step1, X2 + step2
         hertz_o = race_contact(g, OUTER, D, direction_cosine(X1, X2), hertz_o.log_kappa)
         hertz_i = race_contact(g, INNER, D, direction_cosine(A1 - X1, A2 - X2), hertz_i.log_kappa)
-    # Stiffness of the inner force with the ball centre free: S = k_i - k_i (k_i + k_o)^-1 k_i,
-    # which for one spring k_i behind another k_o is k_o (k_i + k_o)^-1 k_i.
-    k11, k12, k22 = i11 + o11, i12 + o12, i22 + o22
-    det = k11 * k22 - k12 * k12
-    u1 = u2 = v1 = v2 = 0.0  # of a ball that touches nothing
-    if det > 0.0:
-        u1, u2 = (k22 * i11 - k12 * i12) / det, (k11 * i12 - k12 * i11) / det
-        v1, v2 = (k22 * i12 - k12 * i22) / det, (k11 * i22 - k12 * i12) / det
-    return BallState(
-        status, X1, X2, math.atan2(s_i, c_i), math.atan2(s_o, c_o), Q_i, Q_o, hertz_i, hertz_o,
-        Q_i * s_i + T_i * c_i, Q_i * c_i - T_i * s_i,
-        o11 * u1 + o12 * u2, o11 * v1 + o12 * v2, o12 * v1 + o22 * v2,
-        P_x, P_r, size,
-    )  # fmt: skip
+    return closed_ball(status, X1, X2, inner, outer, hertz_i, hertz_o, P_x, P_r, T_i, size)
 
 
 @jit
 def direction_cosine(X1, X2):
+    """Cosine of the contact angle of a ball centre at (X1, X2) from a groove's."""
     return X2 / math.sqrt(X1 * X1 + X2 * X2)
 
 
@@ -209,7 +288,7 @@ def ball_equilibrium(g, D, load, A1, A2, start):
             g, INNER, D, direction_cosine(A1 - X1, A2 - X2), start.hertz_i.log_kappa
         )
         hertz_o = race_contact(g, OUTER, D, direction_cosine(X1, X2), start.hertz_o.log_kappa)
-        state = settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o)
+        state = ball_newton(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o)
         if state.status == OK and state.Q_i > 0.0:
             return state
     # Where would the ball lie on the outer race alone? Out of the inner race's reach, it stays.
@@ -217,10 +296,10 @@ def ball_equilibrium(g, D, load, A1, A2, start):
     alpha = math.atan2(A1, A2)
     hertz_i = race_contact(g, INNER, D, cosine, start.hertz_i.log_kappa)
     hertz_o = race_contact(g, OUTER, D, 1.0, start.hertz_o.log_kappa)
-    P_x, P_r, T_i = other_forces(g, D, load, free_o, sine, cosine, 0.0, 1.0)
+    P_x, P_r, T_i = body_forces(g, D, load, free_o, sine, cosine, 0.0, 1.0)
     X2 = free_o
     if P_r > 0.0:
-        X2 = free_o + (P_r / hertz_o.K) ** (2.0 / 3.0)
+        X2 = free_o + contact_approach(hertz_o.K, P_r)
         if A1 * A1 + (A2 - X2) ** 2 <= free_i * free_i:
             alpha_i = math.atan2(A1, A2 - X2)
             return open_ball(CONTACT_LOST, 0.0, X2, alpha_i, 0.0, P_r, hertz_i, hertz_o)
@@ -237,7 +316,7 @@ def ball_equilibrium(g, D, load, A1, A2, start):
         hertz_o = race_contact(g, OUTER, D, cosine, hertz_o.log_kappa)
     else:
         X1 = 0.0
-    return settle_ball(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o)
+    return ball_newton(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o)
 
 
 @jit
@@ -246,6 +325,20 @@ def groove_distance(g, psi, delta_a, delta_y, delta_z, tilt):
     A1 = g.BD * math.sin(g.alpha0) + delta_a + tilt * g.R_i * math.cos(psi)
     A2 = g.BD * math.cos(g.alpha0) + delta_z * math.cos(psi) - delta_y * math.sin(psi)
     return A1, A2
+
+
+@inlined
+def thrust_step(g, D, P, A2, delta_a, state):
+    """Newton's step of the race towards the load P [N] of a ball [m]; a guess if it has no load."""
+    F = state.F_ix
+    if F > 0.0 and state.S_xx > 0.0:
+        # The load rises about with the 3/2 power: its power 2/3 is nearly a straight line.
+        step = (P ** (2.0 / 3.0) - F ** (2.0 / 3.0)) * 1.5 * F ** (1.0 / 3.0) / state.S_xx
+        return min(max(step, -g.BD), g.BD)
+    # No load yet: to where the grooves touch the ball, and a typical deformation more.
+    free = g.r_i + g.r_o - D
+    touch = math.sqrt(max(free * free - A2 * A2, 0.0)) - g.BD * math.sin(g.alpha0)
+    return max(touch - delta_a, 0.0) + contact_approach(state.hertz_i.K, P)
 
 
 @jit
@@ -272,23 +365,13 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
         return delta_a, state
     # The inner force rises with the displacement: Newton within a bracket.
     P = F_x / g.n_balls
-    low, high = -1e300, 1e300
-    for _ in range(200):
-        F = state.F_ix
-        if F > 0.0 and state.S_xx > 0.0:
-            # The load rises about with the 3/2 power: its power 2/3 is nearly a straight line.
-            step = (P ** (2.0 / 3.0) - F ** (2.0 / 3.0)) * 1.5 * F ** (1.0 / 3.0) / state.S_xx
-            step = min(max(step, -g.BD), g.BD)
-        else:
-            # No load yet: to where the grooves touch the ball, and a typical deformation more.
-            free = g.r_i + g.r_o - D
-            touch = math.sqrt(max(free * free - A2 * A2, 0.0)) - g.BD * math.sin(g.alpha0)
-            step = max(touch - delta_a, 0.0) + (P / state.hertz_i.K) ** (2.0 / 3.0)
-        if F < P:
+    low, high = -UNBOUNDED, UNBOUNDED
+    for _ in range(MOST_STEPS):
+        if state.F_ix < P:
             low = max(low, delta_a)
         else:
             high = min(high, delta_a)
-        new = delta_a + step
+        new = delta_a + thrust_step(g, D, P, A2, delta_a, state)
         if not low <= new <= high:
             new = 0.5 * (low + high)
         step = new - delta_a
@@ -299,8 +382,8 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
             break
         # Beside a large centrifugal force, a step that is small for the grooves is none for the
         # spring.
-        if abs(step) <= 1e-11 * g.BD and (
-            abs(state.F_ix - P) <= 1e-12 * P or abs(step) <= 1e-16 * g.BD
+        if abs(step) <= LAST_STEP * g.BD and (
+            abs(state.F_ix - P) <= FORCE_BALANCED * P or abs(step) <= ROUNDED_STEP * g.BD
         ):
             break
     return delta_a, state
@@ -309,6 +392,6 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
 @jit
 def static_displacement(g, F_x):
     """Axial displacement of the static, unworn bearing under its initial preload alone [m]."""
-    load = BallLoad(ORBIT, 0.0, 0.0, 0.0, 0.0, 0.0)
+    load = BallLoad(kinematics_model=ORBIT, Omega=0.0, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0)
     delta_a, state = thrust_equilibrium(g, g.D0, load, F_x, 0.0, True, cold_start())
     return delta_a

@@ -110,9 +110,3 @@ def race_contact(g, side, D, cos_alpha, log_kappa):
     A = 0.5 * (2.0 / D - 1.0 / r_g)
     B = 0.5 * (2.0 / D - side * 2.0 * cos_alpha / (g.dm + side * D * cos_alpha))
     return point_contact(A, B, g.E_star, log_kappa)
-
-
-@jit
-def contact_load(K, d):
-    """Q = K d^1.5, nothing where the contact is open [N]."""
-    return K * d * math.sqrt(d) if d > 0.0 else 0.0

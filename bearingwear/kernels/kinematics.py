@@ -33,12 +33,12 @@ def rolling_orbit(omega_i, omega_o, rho_i, rho_o, delta_i, delta_o):
 
 
 @jit
-def race_control(law, omega_i, omega_o, gamma, alpha_i, alpha_o):
+def race_control(kinematics_model, omega_i, omega_o, gamma, alpha_i, alpha_o):
     """Kinematics with no spin at the controlling race (theory.md Eqs. 20-22).
 
     Parameters
     ----------
-    law : int
+    kinematics_model : int
         OUTER_CONTROL or INNER_CONTROL.
     gamma : float
         D/dm [1].
@@ -47,7 +47,7 @@ def race_control(law, omega_i, omega_o, gamma, alpha_i, alpha_o):
     -------
     Kinematics
     """
-    if law == OUTER_CONTROL:
+    if kinematics_model == OUTER_CONTROL:
         beta = math.atan2(math.sin(alpha_o), math.cos(alpha_o) + gamma)
     else:
         beta = math.atan2(math.sin(alpha_i), math.cos(alpha_i) - gamma)

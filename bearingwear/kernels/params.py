@@ -1,4 +1,4 @@
-"""What kernels are told about a bearing: immutable records of floats, built by one factory.
+"""Parameter records of a bearing: immutable, of floats, built by one factory.
 
 The factory is `bearingwear.model.parameters`; it makes every field a float (counts an int), since
 each mixture of types would compile another version of every kernel.
@@ -23,7 +23,7 @@ class Geometry(NamedTuple):
     rho: float  # density of the balls [kg/m3]
 
 
-class Motion(NamedTuple):
+class OperatingPoint(NamedTuple):
     """Speeds and friction (theory.md section 3)."""
 
     omega_i: float  # inner race speed [rad/s]
@@ -44,9 +44,9 @@ class Hertz(NamedTuple):
 
 
 class BallLoad(NamedTuple):
-    """Law of the forces on a ball other than its two normal contact forces."""
+    """What sets the forces on a ball other than its two normal contact forces."""
 
-    law: int  # ORBIT: centrifugal force of a given orbit rate; OUTER_/INNER_CONTROL: Jones-Harris
+    kinematics_model: int  # ORBIT: a given orbit rate; OUTER_CONTROL, INNER_CONTROL: Jones-Harris
     Omega: float  # orbit rate (ORBIT only) [rad/s]
     omega_i: float  # inner race speed (race control only) [rad/s]
     omega_o: float  # outer race speed (race control only) [rad/s]

@@ -1,63 +1,146 @@
 """Equilibrium of the inner race on N balls under any load (theory.md section 2)."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import ball_equilibrium, cold_start, groove_distance
 from bearingwear.kernels.linear import solve_in_place
-from bearingwear.kernels.params import BallLoad, BallState, Hertz
+from bearingwear.kernels.params import BallLoad, BallState, Geometry, Hertz
 from bearingwear.kernels.status import NOT_CONVERGED, OK, PRELOAD_GONE
 
-LAST_BIT = 2.0**-50
+_LAST_BIT = 2.0**-50
 NEAR_BALANCE = 1e-9  # share of the loads that noise of the ball centres may leave; verified after
-ROW = 24  # floats of a stored BallState
+PLACE_MARGIN = 10.0  # by which the estimate of the places' rounding may be too low
+BALANCED = 1e-14  # share of the loads left over in an exact balance
+_MOST_STEPS = 400
+_HALVINGS = 30  # of a step, at the most
+_ROUNDED_STEP = 1e-9  # a step below this, over the distance of the groove centres, is tried once
+
+# Damping: a soft spring that the race leans on, its stiffness over E* D0 or over the race's own.
+SOFTEST = 1e-9  # below this there is none
+HARDEST = 1e6  # above this the solve is given up
+LEANING = 1e-3  # first spring where no ball resists in some direction
+FOLLOWING = 1e-4  # first spring where balls come off, over the race's stiffness
+FIRMER, SOFTER = 10.0, 0.1  # after a failed step, after a good one
+
+# Columns of a packed BallState; its residual is not kept.
+_STATUS, X1, X2, ALPHA_I, ALPHA_O, Q_I, Q_O, HERTZ_I, HERTZ_O = 0, 1, 2, 3, 4, 5, 6, 7, 12
+F_IX, F_IR, S_XX, S_XR, S_RR, P_X, P_R = range(17, 24)
+PACKED = 24  # floats
+# Columns of a packed Hertz record, from HERTZ_I or HERTZ_O on.
+K, C_A, C_B, _LOG_KAPPA, E = range(5)
+# Columns of a packed BallLoad.
+MODEL, ORBIT_RATE, OMEGA_I, OMEGA_O, LOAD_X, LOAD_R = range(6)
+LOAD_FIELDS = 6  # floats
+
+
+class RaceProblem(NamedTuple):
+    """What the equilibrium of the race holds constant, and the states of its balls."""
+
+    g: Geometry
+    D: np.ndarray  # (n_balls,) worn diameters [m]
+    loads: np.ndarray  # (n_balls, LOAD_FIELDS) packed BallLoads
+    psi: np.ndarray  # (n_balls,) azimuths [rad]
+    F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
+    tilt: float  # [rad]
+    first: int  # first free translation: 0 for constant force, 1 where the axial one is given
+    packed_states: np.ndarray  # (n_balls, PACKED) the starts, replaced by the answers
+
+
+class RaceForces(NamedTuple):
+    """Buffers of `race_forces`."""
+
+    force: np.ndarray  # (3,) of the race on the balls (axial, Y, Z) [N]
+    stiffness: np.ndarray  # (3, 3) its derivative by the displacement [N/m]
 
 
 @jit
-def store_state(state, row):
-    """Write a BallState into a row of ROW floats."""
-    row[0] = state.status
-    row[1], row[2] = state.X1, state.X2
-    row[3], row[4] = state.alpha_i, state.alpha_o
-    row[5], row[6] = state.Q_i, state.Q_o
-    row[7], row[8], row[9], row[10], row[11] = state.hertz_i
-    row[12], row[13], row[14], row[15], row[16] = state.hertz_o
-    row[17], row[18] = state.F_ix, state.F_ir
-    row[19], row[20], row[21] = state.S_xx, state.S_xr, state.S_rr
-    row[22], row[23] = state.P_x, state.P_r
+def pack_hertz(hertz, row, at):
+    """Write a Hertz record into a row from column `at` on."""
+    row[at + K] = hertz.K
+    row[at + C_A] = hertz.c_a
+    row[at + C_B] = hertz.c_b
+    row[at + _LOG_KAPPA] = hertz.log_kappa
+    row[at + E] = hertz.E
 
 
 @jit
-def stored_state(row):
+def unpack_hertz(row, at):
+    """The Hertz record of a row from column `at` on."""
+    return Hertz(
+        K=row[at + K],
+        c_a=row[at + C_A],
+        c_b=row[at + C_B],
+        log_kappa=row[at + _LOG_KAPPA],
+        E=row[at + E],
+    )
+
+
+@jit
+def pack_ball_state(state, row):
+    """Write a BallState into a row of PACKED floats."""
+    row[_STATUS] = state.status
+    row[X1], row[X2] = state.X1, state.X2
+    row[ALPHA_I], row[ALPHA_O] = state.alpha_i, state.alpha_o
+    row[Q_I], row[Q_O] = state.Q_i, state.Q_o
+    pack_hertz(state.hertz_i, row, HERTZ_I)
+    pack_hertz(state.hertz_o, row, HERTZ_O)
+    row[F_IX], row[F_IR] = state.F_ix, state.F_ir
+    row[S_XX], row[S_XR], row[S_RR] = state.S_xx, state.S_xr, state.S_rr
+    row[P_X], row[P_R] = state.P_x, state.P_r
+
+
+@jit
+def unpack_ball_state(row):
     """The BallState of a row; its residual is not kept."""
     return BallState(
-        int(row[0]), row[1], row[2], row[3], row[4], row[5], row[6],
-        Hertz(row[7], row[8], row[9], row[10], row[11]),
-        Hertz(row[12], row[13], row[14], row[15], row[16]),
-        row[17], row[18], row[19], row[20], row[21], row[22], row[23], 0.0,
-    )  # fmt: skip
+        status=int(row[_STATUS]),
+        X1=row[X1],
+        X2=row[X2],
+        alpha_i=row[ALPHA_I],
+        alpha_o=row[ALPHA_O],
+        Q_i=row[Q_I],
+        Q_o=row[Q_O],
+        hertz_i=unpack_hertz(row, HERTZ_I),
+        hertz_o=unpack_hertz(row, HERTZ_O),
+        F_ix=row[F_IX],
+        F_ir=row[F_IR],
+        S_xx=row[S_XX],
+        S_xr=row[S_XR],
+        S_rr=row[S_RR],
+        P_x=row[P_X],
+        P_r=row[P_R],
+        residual=0.0,
+    )
 
 
 @jit
-def race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness):
-    """Settle every ball and sum its force on the inner race.
+def unpack_ball_load(row):
+    """The BallLoad of a row."""
+    return BallLoad(
+        kinematics_model=int(row[MODEL]),
+        Omega=row[ORBIT_RATE],
+        omega_i=row[OMEGA_I],
+        omega_o=row[OMEGA_O],
+        P_x=row[LOAD_X],
+        P_r=row[LOAD_R],
+    )
+
+
+@jit
+def race_forces(p, delta, out):
+    """Find the equilibrium of every ball and sum its force on the inner race.
 
     Parameters
     ----------
-    D : ndarray (n_balls,)
-        Worn diameters [m].
-    loads : ndarray (n_balls, 6)
-        Rows (law, Omega, omega_i, omega_o, P_x, P_r) of BallLoad.
+    p : RaceProblem
     delta : ndarray (3,)
         Displacement (axial, Y, Z) of the inner race [m].
-    rows : ndarray (n_balls, ROW)
-        Ball states: the starts, replaced by the answers.
-    force : ndarray (3,)
-        Filled: force of the race on the balls (axial, Y, Z) [N].
-    stiffness : ndarray (3, 3)
-        Filled: its derivative by delta [N/m].
+    out : RaceForces
+        Filled.
 
     Returns
     -------
@@ -65,16 +148,17 @@ def race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness):
         Sum of the inner contact loads, the scale of the force balance [N]; NaN where a ball did
         not converge.
     """
+    g, psi, force, stiffness = p.g, p.psi, out.force, out.stiffness
     force[:] = 0.0
     stiffness[:, :] = 0.0
     scale = 0.0
-    for j in range(D.size):
-        load = BallLoad(
-            int(loads[j, 0]), loads[j, 1], loads[j, 2], loads[j, 3], loads[j, 4], loads[j, 5]
+    for j in range(p.D.size):
+        row = p.packed_states[j]
+        A1, A2 = groove_distance(g, psi[j], delta[0], delta[1], delta[2], p.tilt)
+        state = ball_equilibrium(
+            g, p.D[j], unpack_ball_load(p.loads[j]), A1, A2, unpack_ball_state(row)
         )
-        A1, A2 = groove_distance(g, psi[j], delta[0], delta[1], delta[2], tilt)
-        state = ball_equilibrium(g, D[j], load, A1, A2, stored_state(rows[j]))
-        store_state(state, rows[j])
+        pack_ball_state(state, row)
         if state.status == NOT_CONVERGED:
             return math.nan
         y, z = -math.sin(psi[j]), math.cos(psi[j])
@@ -95,106 +179,143 @@ def race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness):
 
 
 @jit
-def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, rows):
-    """Displacement of the inner race that balances the load.
+def free_residual(F, force, first, step):
+    """Force left over in the free translations, into `step`; returns its length [N]."""
+    size = 0.0
+    for i in range(3 - first):
+        step[i] = F[first + i] - force[first + i]
+        size += step[i] ** 2
+    return math.sqrt(size)
+
+
+@jit
+def step_within_reach(step, n, reach):
+    """Largest component of a step, and the share of it that stays within `reach`."""
+    length = 0.0
+    for i in range(n):
+        length = max(length, abs(step[i]))
+    return length, (min(1.0, reach / length) if length > 0.0 else 1.0)
+
+
+@jit
+def as_good_as_rounding(g, size, largest, stiffness, first):
+    """Whether rounding of loads and places explains a residual `size` of forces `largest` [N]."""
+    places = 0.0
+    for i in range(first, 3):
+        places += _LAST_BIT * stiffness[i, i] * (g.r_i + g.r_o)
+    return size <= NEAR_BALANCE * largest + PLACE_MARGIN * places
+
+
+@jit
+def firmer_spring(softest, damping, stiffness, first):
+    """Damping after a step that lessened nothing [N/m].
+
+    Where balls come off, the tangent misleads: follow the force itself more closely.
+    """
+    stiff = 0.0
+    for i in range(first, 3):
+        stiff = max(stiff, stiffness[i, i])
+    return max(FIRMER * damping, FOLLOWING * stiff, softest)
+
+
+@jit
+def race_line_search(p, delta, step, size, out, trial):
+    """Shorten the step until it lessens the force left over.
 
     Parameters
     ----------
-    F : ndarray (3,)
-        Load on the inner race (axial, Y, Z) [N].
-    first : int
-        First free translation: 0 for constant force, 1 where the axial displacement is given.
+    size : float
+        Force left over at `delta` [N].
+    out : RaceForces
+        Filled at the last trial.
+    trial : ndarray (3,)
+        The last trial [m].
+
+    Returns
+    -------
+    found, scale
+        Whether it does; as `race_forces`.
+    """
+    n, left = 3 - p.first, np.empty(3)
+    length, share = step_within_reach(step, n, p.g.BD)
+    scale = 0.0
+    for _ in range(1 if length <= _ROUNDED_STEP * p.g.BD else _HALVINGS):
+        trial[:] = delta
+        for i in range(n):
+            trial[p.first + i] += share * step[i]
+        scale = race_forces(p, trial, out)
+        if free_residual(p.F, out.force, p.first, left) < size:
+            return True, scale
+        share *= 0.5
+    return False, scale
+
+
+@jit
+def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
+    """Displacement of the inner race that balances the load: Newton with a line search.
+
+    Parameters
+    ----------
     delta : ndarray (3,)
         Start (and the given axial displacement) [m]; the answer replaces it.
-    rows : ndarray (n_balls, ROW)
-        Filled with the ball states.
+    packed_states : ndarray (n_balls, PACKED)
+        Filled with the ball states; for the others see RaceProblem.
 
     Returns
     -------
     status, residual, stiffness
         residual: force left unbalanced [N]; stiffness: of the race against translation (3, 3).
     """
+    p = RaceProblem(
+        g=g, D=D, loads=loads, psi=psi, F=F, tilt=tilt, first=first, packed_states=packed_states
+    )
     n = 3 - first
-    force, stiffness = np.empty(3), np.empty((3, 3))
-    trial_force, trial_stiffness = np.empty(3), np.empty((3, 3))
+    softest, hardest = SOFTEST * g.E_star * g.D0, HARDEST * g.E_star * g.D0
+    now = RaceForces(force=np.empty(3), stiffness=np.empty((3, 3)))
+    next_ = RaceForces(force=np.empty(3), stiffness=np.empty((3, 3)))
     matrix, step, trial = np.empty((3, 3)), np.empty(3), np.empty(3)
     for j in range(D.size):
-        store_state(cold_start(), rows[j])
-    scale = race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness)
+        pack_ball_state(cold_start(), packed_states[j])
+    scale = race_forces(p, delta, now)
     load = math.sqrt(F[0] ** 2 + F[1] ** 2 + F[2] ** 2)
     status = NOT_CONVERGED
-    damping_force = 0.0
-    for _ in range(400):
+    damping = 0.0  # [N/m]
+    for _ in range(_MOST_STEPS):
         if math.isnan(scale):
             break
-        size = 0.0
-        for i in range(n):
-            step[i] = F[first + i] - force[first + i]
-            size += step[i] ** 2
-            for k in range(n):
-                matrix[i, k] = stiffness[first + i, first + k]
-            matrix[i, i] += damping_force
-        size = math.sqrt(size)
-        if size <= 1e-14 * (scale + load):
+        size = free_residual(F, now.force, first, step)
+        if size <= BALANCED * (scale + load):
             status = OK
             break
+        matrix[:n, :n] = now.stiffness[first:, first:]
+        for i in range(n):
+            matrix[i, i] += damping
         if not solve_in_place(matrix, step, n):
             # No ball resists in some direction: lean on a soft spring until one does.
-            soft = 1e-3 * (g.E_star * g.D0 if damping_force == 0.0 else damping_force)
-            damping_force = max(10.0 * damping_force, soft)
-            if damping_force > 1e6 * g.E_star * g.D0:
-                break
-            continue
-        length = 0.0
-        for i in range(n):
-            length = max(length, abs(step[i]))
-        shrink = min(1.0, g.BD / length) if length > 0.0 else 1.0
-        found = False
-        rounding = length <= 1e-9 * g.BD  # only the full step is worth a try
-        for _ in range(1 if rounding else 30):
-            trial[:] = delta
-            for i in range(n):
-                trial[first + i] += shrink * step[i]
-            new_scale = race_forces(
-                g, D, loads, psi, trial, tilt, rows, trial_force, trial_stiffness
-            )
-            new = 0.0
-            for i in range(n):
-                new += (F[first + i] - trial_force[first + i]) ** 2
-            new = math.sqrt(new)
-            if new < size:
-                found = True
-                break
-            shrink *= 0.5
-        if not found:
-            # As good as rounding of loads and places lets it be?
-            places = 0.0
-            for i in range(n):
-                places += LAST_BIT * stiffness[first + i, first + i] * (g.r_i + g.r_o)
-            if size <= NEAR_BALANCE * (scale + load) + 10.0 * places:
+            lean = LEANING * (g.E_star * g.D0 if damping == 0.0 else damping)
+            damping = max(FIRMER * damping, lean)
+        else:
+            found, new_scale = race_line_search(p, delta, step, size, next_, trial)
+            if found:
+                damping = SOFTER * damping if damping > softest else 0.0
+                delta[:] = trial
+                now.force[:] = next_.force
+                now.stiffness[:, :] = next_.stiffness
+                scale = new_scale
+                continue
+            if as_good_as_rounding(g, size, scale + load, now.stiffness, first):
                 status = OK
-                # The rows are those of the last trial.
-                scale = race_forces(g, D, loads, psi, delta, tilt, rows, force, stiffness)
+                scale = race_forces(p, delta, now)  # the packed states are the last trial's
                 break
-            # Where balls come off, the tangent misleads: follow the force itself more closely.
-            stiff = 0.0
-            for i in range(n):
-                stiff = max(stiff, stiffness[first + i, first + i])
-            damping_force = max(10.0 * damping_force, 1e-4 * stiff, 1e-9 * g.E_star * g.D0)
-            if damping_force > 1e6 * g.E_star * g.D0:
-                break
-            continue
-        damping_force = 0.1 * damping_force if damping_force > 1e-9 * g.E_star * g.D0 else 0.0
-        delta[:] = trial
-        scale = new_scale
-        force[:] = trial_force
-        stiffness[:, :] = trial_stiffness
+            damping = firmer_spring(softest, damping, now.stiffness, first)
+        if damping > hardest:
+            break
     residual = 0.0
-    for i in range(n):
-        residual = max(residual, abs(F[first + i] - force[first + i]))
+    for i in range(first, 3):
+        residual = max(residual, abs(F[i] - now.force[i]))
     if scale == 0.0:
         status = PRELOAD_GONE
-    return status, residual, stiffness
+    return status, residual, now.stiffness
 
 
 @jit

@@ -5,22 +5,39 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.cage import CAGE, INNER_TORQUE
+from bearingwear.kernels.ball import drag_force
+from bearingwear.kernels.cage import axial_momentum
+from bearingwear.kernels.cage_law import INNER_TORQUE
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import slip, slip_coefficients, surface_height
+from bearingwear.kernels.contact import (
+    loaded_contact,
+    slip_coefficients,
+    slip_velocity,
+    surface_height,
+)
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
-from bearingwear.kernels.integrators import Tally, advance
-from bearingwear.kernels.motion import BALL, motion_rates
-from bearingwear.kernels.params import BallState, Contact
-from bearingwear.kernels.quasistatic import sweep
+from bearingwear.kernels.params import BallState
+from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O, assemble_condensed
 from bearingwear.kernels.race import axial_stiffness
+from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.steady import Workspace, drag_force, workspace
-from bearingwear.kernels.summary import COLUMNS, LOAD, QV, TORQUE, contact_summary
+from bearingwear.kernels.step_control import Tally, advance
+from bearingwear.kernels.summary import (
+    COLUMNS,
+    LOAD,
+    MAJOR,
+    QV,
+    TORQUE,
+    Workspace,
+    contact_summary,
+    workspace,
+)
 from bearingwear.kernels.verification import polygon_residual
 
-# Columns of Record.ball and Record.whole.
-W_X, W_Y, W_Z, OMEGA, RADIUS, AXIAL, CENTRIFUGAL = range(7)
+# Columns of Sums.ball after a ball's angular velocity and orbit rate.
+RADIUS, AXIAL, CENTRIFUGAL = 4, 5, 6
+# Columns of Sums.bearing; the first three are the displacement of the race.
 SHIFT, PRELOAD, INNER_RACE_TORQUE, DRAG_POWER, STIFFNESS, CAGE_SPEED = 0, 3, 4, 5, 6, 7
 # Columns of History.cage: position, tilt, speed.
 POSITION, TILT, SPEED = 0, 3, 6
@@ -42,13 +59,13 @@ class History(NamedTuple):
     land_power: np.ndarray  # (T,) [W]
 
 
-class Record(NamedTuple):
+class Sums(NamedTuple):
     """Sums over the instants of a window."""
 
-    rows: np.ndarray  # (n, 2, COLUMNS)
+    contacts: np.ndarray  # (n, 2, COLUMNS) see summary.contact_summary
     slip: np.ndarray  # (2, n, 2, strips) along both axes [m/s]
     ball: np.ndarray  # (n, 7)
-    whole: np.ndarray  # (8,)
+    bearing: np.ndarray  # (8,)
     residual: np.ndarray  # (1,) largest normal balance left, a share of the largest load
     count: np.ndarray  # (1,) instants
     strips: np.ndarray  # positions x/a of the slip profiles
@@ -58,195 +75,262 @@ class Record(NamedTuple):
     profile: np.ndarray  # (3, strips) buffer
 
 
+class Recorder(NamedTuple):
+    """Where the instants of a run go."""
+
+    sums: Sums
+    history: History
+    keep: bool  # whether there is a history
+
+
+class TimeGrid(NamedTuple):
+    """Instants of a run: origin + k dt, interval 0 of the run ending at k = first + 1."""
+
+    origin: float  # [s]
+    dt: float  # [s]
+    first: int
+
+
 @jit
-def history(length, n):
+def empty_history(length, n):
     """Room for so many instants."""
     f = np.float32
     return History(
-        np.zeros(length), np.zeros((length, n, 2), f), np.zeros((length, n, 2), f),
-        np.zeros((length, n, 2), f), np.zeros((length, n), f), np.zeros(length, f),
-        np.zeros((length, 3), f), np.zeros((length, 7), f), np.zeros((length, n + 2), f),
-        np.zeros((length, n), f), np.zeros(length, f),
-    )  # fmt: skip
+        time=np.zeros(length),
+        load=np.zeros((length, n, 2), f),
+        slip=np.zeros((length, n, 2), f),
+        qv=np.zeros((length, n, 2), f),
+        lead=np.zeros((length, n), f),
+        preload=np.zeros(length, f),
+        displacement=np.zeros((length, 3), f),
+        cage=np.zeros((length, 7), f),
+        force=np.zeros((length, n + 2), f),
+        pocket_power=np.zeros((length, n), f),
+        land_power=np.zeros(length, f),
+    )
 
 
 @jit
-def record(n, rule, strips, integrals):
+def empty_sums(n, rule, strips, integrals):
     """Sums at zero, for n balls, an ellipse rule, the slip profiles at `strips`."""
-    return Record(
-        np.zeros((n, 2, COLUMNS)), np.zeros((2, n, 2, strips.size)), np.zeros((n, 7)), np.zeros(8),
-        np.zeros(1), np.zeros(1, np.int64), strips, np.zeros(integrals), np.zeros((2, COLUMNS)),
-        workspace(rule), np.zeros((3, strips.size)),
-    )  # fmt: skip
+    return Sums(
+        contacts=np.zeros((n, 2, COLUMNS)),
+        slip=np.zeros((2, n, 2, strips.size)),
+        ball=np.zeros((n, 7)),
+        bearing=np.zeros(8),
+        residual=np.zeros(1),
+        count=np.zeros(1, np.int64),
+        strips=strips,
+        before=np.zeros(integrals),
+        row=np.zeros((2, COLUMNS)),
+        work=workspace(rule),
+        profile=np.zeros((3, strips.size)),
+    )
 
 
 @jit
-def clear(out):
+def clear(sums):
     """Begin a window anew."""
-    out.rows[:, :, :] = 0.0
-    out.slip[:, :, :, :] = 0.0
-    out.ball[:, :] = 0.0
-    out.whole[:] = 0.0
-    out.residual[0] = 0.0
-    out.count[0] = 0
+    sums.contacts[:, :, :] = 0.0
+    sums.slip[:, :, :, :] = 0.0
+    sums.ball[:, :] = 0.0
+    sums.bearing[:] = 0.0
+    sums.residual[0] = 0.0
+    sums.count[0] = 0
 
 
 @jit
-def ball_state(run, b, j, Omega):
+def ball_state(bearing, buf, j, Omega):
     """The equilibrium of ball j as the thrust solvers describe it."""
-    g, s = run.g, b.s
-    d = s.direction[j]
-    force_x, force_r = b.cage.ball_force[j, 0], b.cage.ball_force[j, 2]
+    g, balls, force = bearing.g, buf.balls, buf.cage.ball_force[j]
+    d, D = balls.direction[j], bearing.D[j]
+    Q_i, Q_o = balls.Q[j, 0], balls.Q[j, 1]
     return BallState(
-        OK, s.X[j, 0], s.X[j, 1], math.atan2(d[0], d[1]), math.atan2(d[2], d[3]),
-        s.Q[j, 0], s.Q[j, 1],
-        race_contact(g, INNER, run.D[j], d[1], math.nan),
-        race_contact(g, OUTER, run.D[j], d[3], math.nan),
-        s.Q[j, 0] * d[0], s.Q[j, 0] * d[1], 0.0, 0.0, 0.0,
-        force_x, force_r + run.mass[j] * b.r[j] * Omega**2, 0.0,
-    )  # fmt: skip
+        status=OK,
+        X1=balls.X[j, 0],
+        X2=balls.X[j, 1],
+        alpha_i=math.atan2(d[SIN_I], d[COS_I]),
+        alpha_o=math.atan2(d[SIN_O], d[COS_O]),
+        Q_i=Q_i,
+        Q_o=Q_o,
+        hertz_i=race_contact(g, INNER, D, d[COS_I], math.nan),
+        hertz_o=race_contact(g, OUTER, D, d[COS_O], math.nan),
+        F_ix=Q_i * d[SIN_I],
+        F_ir=Q_i * d[COS_I],
+        S_xx=0.0,
+        S_xr=0.0,
+        S_rr=0.0,
+        P_x=force[0],
+        P_r=force[2] + bearing.mass[j] * balls.r[j] * Omega**2,
+        residual=0.0,
+    )
 
 
 @jit
-def add_instant(y, run, b, places, out, keep, place, history):
-    """Add the instant of the last `motion_rates` call to the sums, and to the history at `place`.
+def add_slip_profiles(bearing, state, u, r, j, k, sums):
+    """Add the slip along both axes of contact k of ball j."""
+    row, profile = sums.row[k], sums.profile
+    angle = state.alpha_o if k == 1 else state.alpha_i
+    sine, cosine = math.sin(angle), math.cos(angle)
+    contact = loaded_contact(bearing.g, bearing.op, k, row[LOAD], row[MAJOR], sine, cosine)
+    surface_height(contact, 0.5 * bearing.D[j], sums.strips, profile[2])
+    c = slip_coefficients(contact, u, r)
+    slip_velocity(contact, c, sums.strips, profile[2], profile[0], profile[1])
+    for i in range(sums.strips.size):
+        sums.slip[0, j, k, i] += profile[0, i]
+        sums.slip[1, j, k, i] += profile[1, i]
+
+
+@jit
+def add_contacts(bearing, state, u, r, j, recorder, place):
+    """Add both race contacts of ball j; leaves their summaries in `recorder.sums.row`."""
+    sums, history = recorder.sums, recorder.history
+    contact_summary(
+        bearing.g, bearing.D[j], bearing.op, state, u, r, bearing.rule, sums.work, sums.row
+    )
+    for k in range(2):
+        row = sums.row[k]
+        for i in range(COLUMNS):
+            sums.contacts[j, k, i] += row[i]
+        if recorder.keep:
+            history.load[place, j, k] = row[LOAD]
+            history.slip[place, j, k] = row[QV] / row[LOAD] if row[LOAD] > 0.0 else 0.0
+        if row[LOAD] > 0.0:
+            add_slip_profiles(bearing, state, u, r, j, k, sums)
+
+
+@jit
+def race_residual(bearing, buf, race_force, largest):
+    """Force on the inner race that nothing balances, as a share of the ball loads [1].
 
     Parameters
     ----------
-    keep : bool
-        Whether there is a history.
+    race_force : tuple of 3 floats
+        Of the race on the balls (axial, Y, Z) [N].
     """
-    g, m, s = run.g, run.motion, b.s
-    n = run.D.size
-    largest = 0.0
-    for j in range(n):
-        largest = max(largest, s.Q[j, 0], s.Q[j, 1])
-    race_x = race_y = race_z = torque = power = preload = mean_lead = 0.0
-    for j in range(n):
-        u = y[BALL * j : BALL * j + 4]
-        psi = y[BALL * j + 4]
-        sp, cp = math.sin(psi), math.cos(psi)
-        state = ball_state(run, b, j, u[3])
-        residual = polygon_residual(g, run.D[j], state, s.A[j, 0], s.A[j, 1], largest)
-        out.residual[0] = max(out.residual[0], residual)
-        contact_summary(
-            g, run.D[j], m, state, u, b.r[j], run.rule, out.work, out.row
-        )  # fmt: skip
-        for k in range(2):
-            row = out.row[k]
-            for i in range(COLUMNS):
-                out.rows[j, k, i] += row[i]
-            if keep:
-                history.load[place, j, k] = row[LOAD]
-                history.slip[place, j, k] = row[QV] / row[LOAD] if row[LOAD] > 0.0 else 0.0
-            if row[LOAD] > 0.0:
-                outer = k == 1
-                sigma, r_g, omega = (1.0, g.r_o, m.omega_o) if outer else (-1.0, g.r_i, m.omega_i)
-                angle = state.alpha_o if outer else state.alpha_i
-                contact = Contact(
-                    sigma, row[LOAD], row[2], math.sin(angle), math.cos(angle), r_g, omega
-                )
-                surface_height(contact, 0.5 * run.D[j], out.strips, out.profile[2])
-                c = slip_coefficients(contact, u, b.r[j])
-                slip(contact, c, out.strips, out.profile[2], out.profile[0], out.profile[1])
-                for i in range(out.strips.size):
-                    out.slip[0, j, k, i] += out.profile[0, i]
-                    out.slip[1, j, k, i] += out.profile[1, i]
-        for i in range(4):
-            out.ball[j, i] += u[i]
-        out.ball[j, RADIUS] += b.r[j]
-        out.ball[j, AXIAL] += state.F_ix
-        out.ball[j, CENTRIFUGAL] += run.mass[j] * b.r[j] * u[3] ** 2
-        race_x += state.F_ix
-        race_y -= state.F_ir * sp
-        race_z += state.F_ir * cp
-        preload += state.F_ix
-        torque += out.row[0, TORQUE]
-        F_v, _ = drag_force(g, run.D[j], m.drag, u[3])
-        power += F_v * b.r[j] * u[3]
-        mean_lead += (psi - 2.0 * math.pi * j / n) / n
-    land = b.cage.race_force
-    left = max(abs(race_y - b.F[1] - land[0]), abs(race_z - b.F[2] - land[1]))
-    if run.first == 0:
-        left = max(left, abs(race_x - b.F[0]))
-    if largest > 0.0:
-        out.residual[0] = max(out.residual[0], left / (n * largest))
-    matrix, step = np.empty((3, 3)), np.empty(3)
-    sweep(
-        g, run.D, run.mass, run.hertz, y[3 : BALL * n : BALL], y[4 : BALL * n : BALL], b.extra,
-        b.land, b.F, run.tilt, 0, s, matrix, step,
-    )  # fmt: skip
-    whole = out.whole
-    for i in range(3):
-        whole[SHIFT + i] += s.delta[i]
-    whole[PRELOAD] += preload
-    whole[INNER_RACE_TORQUE] += torque + b.cage.sums[INNER_TORQUE]
-    whole[DRAG_POWER] += power
-    whole[STIFFNESS] += axial_stiffness(matrix)
-    R = b.cage.R
-    if run.cage.present:
-        z = y[places.cage : places.cage + CAGE]
-        whole[CAGE_SPEED] += (z[9] * R[0, 0] + z[10] * R[1, 0] + z[11] * R[2, 0]) / run.cage.I_x
-    out.count[0] += 1
-    if not keep:
-        return
-    for i in range(3):
-        history.displacement[place, i] = s.delta[i]
-    history.preload[place] = preload
-    if run.cage.present:
-        z = y[places.cage : places.cage + CAGE]
-        mean_lead = math.atan2(-R[1, 2], R[2, 2])
-        for i in range(3):
-            history.cage[place, POSITION + i] = z[i]
-        # The small turn that takes the X axis to the cage's.
-        history.cage[place, TILT + 1] = -math.asin(R[2, 0])
-        history.cage[place, TILT + 2] = math.asin(R[1, 0])
-        along = z[9] * R[0, 0] + z[10] * R[1, 0] + z[11] * R[2, 0]
-        history.cage[place, SPEED] = along / run.cage.I_x
-        for i in range(n + 2):
-            history.force[place, i] = b.cage.normal[i]
-    for j in range(n):
-        lead = y[BALL * j + 4] - 2.0 * math.pi * j / n - mean_lead
-        history.lead[place, j] = lead - 2.0 * math.pi * math.floor(lead / (2.0 * math.pi) + 0.5)
+    F, land = buf.balls.F, buf.cage.race_force
+    left = max(abs(race_force[1] - F[1] - land[0]), abs(race_force[2] - F[2] - land[1]))
+    if not bearing.axial_is_held:
+        left = max(left, abs(race_force[0] - F[0]))
+    return left / (bearing.D.size * largest) if largest > 0.0 else 0.0
 
 
 @jit
-def run_on(
-    method,
-    origin,
-    dt,
-    first,
-    count,
-    y,
-    run,
-    b,
-    places,
-    w,
-    tolerance,
-    h,
-    longest,
-    out,
-    keep,
-    place,
-    history,
-):
-    """Integrate over `count` intervals of length dt, the first beginning at origin + first dt.
+def add_instant(y, bearing, buf, recorder, place):
+    """Add the instant of the last `state_rates` call to the sums, and to the history at `place`."""
+    g, balls, sums, history = bearing.g, buf.balls, recorder.sums, recorder.history
+    n = bearing.D.size
+    largest = 0.0
+    for j in range(n):
+        largest = max(largest, balls.Q[j, 0], balls.Q[j, 1])
+    race_x = race_y = race_z = torque = power = mean_lead = 0.0
+    for j in range(n):
+        u, psi, r = y[BALL * j : BALL * j + 4], y[BALL * j + PSI], balls.r[j]
+        state = ball_state(bearing, buf, j, u[OMEGA])
+        residual = polygon_residual(g, bearing.D[j], state, balls.A[j, 0], balls.A[j, 1], largest)
+        sums.residual[0] = max(sums.residual[0], residual)
+        add_contacts(bearing, state, u, r, j, recorder, place)
+        ball = sums.ball[j]
+        for i in range(4):
+            ball[i] += u[i]
+        ball[RADIUS] += r
+        ball[AXIAL] += state.F_ix
+        ball[CENTRIFUGAL] += bearing.mass[j] * r * u[OMEGA] ** 2
+        race_x += state.F_ix
+        race_y -= state.F_ir * math.sin(psi)
+        race_z += state.F_ir * math.cos(psi)
+        torque += sums.row[0, TORQUE]
+        drag, _ = drag_force(g, bearing.D[j], bearing.op.drag, u[OMEGA])
+        power += drag * r * u[OMEGA]
+        mean_lead += (psi - 2.0 * math.pi * j / n) / n
+    left = race_residual(bearing, buf, (race_x, race_y, race_z), largest)
+    sums.residual[0] = max(sums.residual[0], left)
+    assemble_condensed(y, bearing, False, balls)
+    for i in range(3):
+        sums.bearing[SHIFT + i] += balls.delta[i]
+    sums.bearing[PRELOAD] += race_x
+    sums.bearing[INNER_RACE_TORQUE] += torque + buf.cage.sums[INNER_TORQUE]
+    sums.bearing[DRAG_POWER] += power
+    sums.bearing[STIFFNESS] += axial_stiffness(balls.matrix)
+    R, cage_speed = buf.cage.R, 0.0
+    if bearing.cage.present:
+        z = y[bearing.layout.cage : bearing.layout.cage + CAGE]
+        cage_speed = axial_momentum(z, R) / bearing.cage.I_x
+        sums.bearing[CAGE_SPEED] += cage_speed
+        mean_lead = math.atan2(-R[1, 2], R[2, 2])
+    sums.count[0] += 1
+    if not recorder.keep:
+        return
+    for i in range(3):
+        history.displacement[place, i] = balls.delta[i]
+    history.preload[place] = race_x
+    for j in range(n):
+        lead = y[BALL * j + PSI] - 2.0 * math.pi * j / n - mean_lead
+        history.lead[place, j] = lead - 2.0 * math.pi * math.floor(lead / (2.0 * math.pi) + 0.5)
+    if bearing.cage.present:
+        keep_cage(y, bearing, buf.cage, cage_speed, history, place)
 
-    Every interval's end is an instant of `out`, and of the history from `place` on.
+
+@jit
+def keep_cage(y, bearing, contacts, speed, history, place):
+    """Put the cage's pose, speed and forces into the history."""
+    R, row = contacts.R, history.cage[place]
+    for i in range(3):
+        row[POSITION + i] = y[bearing.layout.cage + CENTRE + i]
+    # The small turn that takes the X axis to the cage's.
+    row[TILT + 1] = -math.asin(R[2, 0])
+    row[TILT + 2] = math.asin(R[1, 0])
+    row[SPEED] = speed
+    for i in range(bearing.D.size + 2):
+        history.force[place, i] = contacts.normal[i]
+
+
+@jit
+def keep_powers(y, bearing, before, dt, history, place):
+    """Put mean powers over an interval of length dt into the history.
+
+    Parameters
+    ----------
+    before : ndarray
+        The integrals at its beginning.
+    """
+    layout = bearing.layout
+    for j in range(bearing.D.size):
+        for k in range(2):
+            i = 2 * j + k
+            history.qv[place, j, k] = (y[layout.qv + i] - before[i]) / dt
+        i = layout.pockets + j
+        history.pocket_power[place, j] = (y[i] - before[i - layout.qv]) / dt
+    i = layout.land
+    history.land_power[place] = (y[i] - before[i - layout.qv]) / dt
+
+
+@jit
+def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, recorder):
+    """Integrate over `count` intervals of the grid from interval `begin` on.
+
+    The end of each is an instant of the recorder.
+
+    Parameters
+    ----------
+    control : step_control.StepControl
+    h : float
+        First step [s].
 
     Returns
     -------
     Tally
-        Of the whole; its `time` is the end of the last interval that was finished.
+        Of all intervals; its `time` is the end of the last one that was finished.
     """
-    n = run.D.size
     accepted = rejected = evaluations = events = 0
     status = OK
-    time = origin + first * dt
-    for k in range(count):
-        out.before[:] = y[places.qv :]
-        start, end = origin + (first + k) * dt, origin + (first + k + 1) * dt
-        tally = advance(method, start, end, y, run, b, places, w, tolerance, h, longest)
+    time = grid.origin + (grid.first + begin) * grid.dt
+    before, history = recorder.sums.before, recorder.history
+    for place in range(begin, begin + count):
+        before[:] = y[bearing.layout.qv :]
+        start = grid.origin + (grid.first + place) * grid.dt
+        end = grid.origin + (grid.first + place + 1) * grid.dt
+        tally = advance(control, start, end, h, y, bearing, buf, stage)
         accepted += tally.accepted
         rejected += tally.rejected
         evaluations += tally.evaluations
@@ -256,18 +340,19 @@ def run_on(
         status = tally.status
         if status != OK:
             break
-        status = motion_rates(end, y, run, b, w.f, places)
+        status = state_rates(end, y, bearing, buf, stage.rates)
         if status != OK:
             break
-        add_instant(y, run, b, places, out, keep, place + k, history)
-        if keep:
-            history.time[place + k] = end
-            for j in range(n):
-                i = 2 * j
-                history.qv[place + k, j, 0] = (y[places.qv + i] - out.before[i]) / dt
-                history.qv[place + k, j, 1] = (y[places.qv + i + 1] - out.before[i + 1]) / dt
-                i = places.pockets + j
-                history.pocket_power[place + k, j] = (y[i] - out.before[i - places.qv]) / dt
-            i = places.land
-            history.land_power[place + k] = (y[i] - out.before[i - places.qv]) / dt
-    return Tally(status, time, h, accepted, rejected, evaluations, events)
+        add_instant(y, bearing, buf, recorder, place)
+        if recorder.keep:
+            history.time[place] = end
+            keep_powers(y, bearing, before, grid.dt, history, place)
+    return Tally(
+        status=status,
+        time=time,
+        h=h,
+        accepted=accepted,
+        rejected=rejected,
+        evaluations=evaluations,
+        events=events,
+    )

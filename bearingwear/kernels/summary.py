@@ -1,19 +1,42 @@
 """The numbers of a solved contact that files and wear need."""
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import dissipation, slip_coefficients, surface_height
-from bearingwear.kernels.ellipse import place
-from bearingwear.kernels.steady import race_contacts
+from bearingwear.kernels.contact import (
+    dissipation,
+    race_contacts,
+    slip_coefficients,
+    surface_height,
+)
+from bearingwear.kernels.ellipse import most_points, quadrature_points
+from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
 LOAD, ANGLE, MAJOR, MINOR, PRESSURE, QV, HEAT, SHARE, TORQUE, SPIN, ROLL, TRACK = range(12)
 COLUMNS = 12
 
 
+class Workspace(NamedTuple):
+    """Buffers of a summary for n points a contact."""
+
+    t: np.ndarray  # (n,) points of the contact at hand, if they depend on it
+    weight: np.ndarray  # (n,)
+    h: np.ndarray  # (2, n), row 0 inner, 1 outer
+
+
 @jit
-def contact_summary(g, D, motion, state, u, r, rule, work, out):
+def workspace(rule):
+    """Buffers for a rule."""
+    n = most_points(rule)
+    return Workspace(t=np.empty(n), weight=np.empty(n), h=np.empty((2, n)))
+
+
+@jit
+def contact_summary(g, D, op, state, u, r, rule, work, out):
     """Fill one row a race (columns above) for a ball in equilibrium that moves as u.
 
     Parameters
@@ -25,10 +48,11 @@ def contact_summary(g, D, motion, state, u, r, rule, work, out):
     rule : Rule
         For the ellipse.
     work : Workspace
+        Or another record with its fields.
     out : ndarray (2, COLUMNS)
     """
     R = 0.5 * D
-    contacts = race_contacts(g, motion, state)
+    contacts = race_contacts(g, op, state)
     for k in range(2):
         contact = contacts[k]
         hertz = state.hertz_i if k == 0 else state.hertz_o
@@ -36,21 +60,20 @@ def contact_summary(g, D, motion, state, u, r, rule, work, out):
         row[LOAD] = contact.Q
         row[ANGLE] = state.alpha_i if k == 0 else state.alpha_o
         row[MAJOR] = contact.a
-        row[MINOR] = hertz.c_b * contact.Q ** (1.0 / 3.0)
+        row[MINOR] = semi_axis(hertz.c_b, contact.Q)
         row[PRESSURE] = (
             1.5 * contact.Q / (math.pi * row[MAJOR] * row[MINOR]) if contact.Q > 0.0 else 0.0
         )
         c = slip_coefficients(contact, u, r)
-        t, weight = place(rule, contact, R, c, motion.v_r, work.t, work.weight)
+        t, weight = quadrature_points(rule, contact, R, c, op.v_r, work.t, work.weight)
         h = work.h[k]
         surface_height(contact, R, t, h)
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = dissipation(
-            contact, c, motion.mu, motion.v_r, r, t, weight, h
+            contact, c, op.mu, op.v_r, r, t, weight, h
         )
         # Angular velocity of the ball against the race, along the normal and in the contact plane.
         w_rel = u[0] - contact.omega
         row[SPIN] = contact.sigma * (w_rel * contact.sin_a + u[2] * contact.cos_a)
         row[ROLL] = w_rel * contact.cos_a - u[2] * contact.sin_a
-        R_d = 2.0 * contact.r_g * R / (contact.r_g + R)
-        centre = R_d - math.sqrt(R_d**2 - contact.a**2) + math.sqrt(R**2 - contact.a**2)
-        row[TRACK] = r + contact.sigma * centre * contact.cos_a
+        middle = middle_height(profile(contact.r_g, R, contact.a))
+        row[TRACK] = r + contact.sigma * middle * contact.cos_a

@@ -9,7 +9,13 @@ from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.kinematics import rolling_orbit
 from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, NOT_CONVERGED, OK, UNVERIFIED
-from bearingwear.kernels.steady import full_jacobian, rounding, steady_state, workspace
+from bearingwear.kernels.steady_balance import (
+    ThrustBearing,
+    balance_problem,
+    full_jacobian,
+    rounding,
+)
+from bearingwear.kernels.steady_solver import steady_state
 from bearingwear.kernels.summary import COLUMNS, SPIN, contact_summary
 from bearingwear.kernels.verification import friction_check, polygon_residual
 
@@ -19,11 +25,14 @@ MOST_ROUNDING = 1e-5  # of these that the last bit of the speeds may amount to i
 ROUNDING_MARGIN = 10.0  # by which its estimate may be too low, for the name of a refusal
 ALL_BUT_LOST = 1e-3  # of the outer load: friction on such an inner load hardly moves the ball
 
+SKIDS = 0.1  # lag of the orbit above which a ball skids
+SPINS_MORE = 2.0  # by so much one contact must spin more than the other, else both share the spin
+
 OUTER_SPIN, INNER_SPIN, SHARED_SPIN, SKIDDING = range(4)
 BRANCH_NAMES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
 
 
-class Check(NamedTuple):
+class Residuals(NamedTuple):
     """What the checks after the solve found, all as shares [1]."""
 
     equilibrium: float  # of the contact load
@@ -50,38 +59,38 @@ class ThrustCase(NamedTuple):
     iterations: int
     contacts: np.ndarray  # (2, COLUMNS), see summary.py
     jacobian: np.ndarray  # (4, 4) of the equations of motion times the inertias [N m s]
-    check: Check
+    residuals: Residuals
     held: bool  # points held at fixed places, since those of the split rule found no state
 
 
 @jit
-def skid_ratio(motion, state_alpha_i, state_alpha_o, R, r, u):
+def skid_ratio(op, alpha_i, alpha_o, R, r, u):
     """Lag of the orbit behind rolling without slip at both contact centres (Eq. 19) [1].
 
     The ball's own spin axis is taken; positive where the ball lags behind the turning race.
     """
     beta = math.atan2(u[2], u[3] - u[0])
     Omega, w_R = rolling_orbit(
-        motion.omega_i,
-        motion.omega_o,
-        r / R - math.cos(state_alpha_i),
-        r / R + math.cos(state_alpha_o),
-        beta - state_alpha_i,
-        beta - state_alpha_o,
+        op.omega_i,
+        op.omega_o,
+        r / R - math.cos(alpha_i),
+        r / R + math.cos(alpha_o),
+        beta - alpha_i,
+        beta - alpha_o,
     )
-    span = abs(Omega - motion.omega_o)
+    span = abs(Omega - op.omega_o)
     return (Omega - u[3]) / span if span > 0.0 else 0.0
 
 
 @jit
 def branch_of(contacts, skid):
     """Name the state by where the ball spins."""
-    if abs(skid) > 0.1:
+    if abs(skid) > SKIDS:
         return SKIDDING
     inner, outer = abs(contacts[0, SPIN]), abs(contacts[1, SPIN])
-    if outer > 2.0 * inner:
+    if outer > SPINS_MORE * inner:
         return OUTER_SPIN
-    if inner > 2.0 * outer:
+    if inner > SPINS_MORE * outer:
         return INNER_SPIN
     return SHARED_SPIN
 
@@ -93,17 +102,98 @@ def passes(found, rounding, most):
 
 
 @jit
-def all_pass(check, most, margin):
+def all_pass(residuals, most, margin):
     """Whether all checks of a state pass, rounding counted so many times over."""
     return (
-        passes(check.equilibrium, margin * check.equilibrium_rounding, most)
-        and passes(check.friction, margin * check.friction_rounding, most)
-        and passes(check.power, margin * check.power_rounding, most)
+        passes(residuals.equilibrium, margin * residuals.equilibrium_rounding, most)
+        and passes(residuals.friction, margin * residuals.friction_rounding, most)
+        and passes(residuals.power, margin * residuals.power_rounding, most)
     )
 
 
 @jit
-def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, tolerance):
+def case_status(residuals):
+    """Status of a converged state by its residuals: OK, or why it must not be used."""
+    if all_pass(residuals, MOST_ROUNDING, 1.0):
+        return OK
+    if not all_pass(residuals, math.inf, ROUNDING_MARGIN):
+        return UNVERIFIED
+    # Explained by rounding: of a load that is all but gone, or of the slip.
+    gone = residuals.equilibrium_rounding > 0.5 * residuals.friction_rounding
+    return CONTACT_LOST if gone else BELOW_ROUNDING
+
+
+@jit
+def checked(p, seat, u, fine_rule):
+    """Residuals of a solved state, by formulas the solver does not use (verification.py).
+
+    Parameters
+    ----------
+    p : BalanceProblem
+        Its `jacobian` is that of the state.
+    seat : Seat
+    u : ndarray (4,)
+        (w_x, w_y, w_z, Omega) [rad/s].
+    fine_rule : Rule
+
+    Returns
+    -------
+    Residuals
+    """
+    state = seat.state
+    g, D, op = p.bearing.g, p.bearing.D, p.bearing.op
+    A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
+    residual, power, scale, qv = friction_check(g, D, op, state, u, p.rule)
+    fine_residual, _, _, fine_qv = friction_check(g, D, op, state, u, fine_rule)
+    noise = rounding(p.bearing, state, u, p.jacobian)
+    return Residuals(
+        equilibrium=polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),
+        friction=residual,
+        discretisation=fine_residual,
+        discretisation_qv=abs(qv / fine_qv - 1.0) if fine_qv > 0.0 else 0.0,
+        power=power,
+        equilibrium_rounding=noise.light,
+        friction_rounding=noise.share,
+        power_rounding=noise.power / scale,
+    )
+
+
+@jit
+def unsolved(p, s, u, contacts):
+    """The case of a solve that failed; what was not found is NaN."""
+    state, nan = s.seat.state, math.nan
+    status = s.status
+    if status == NOT_CONVERGED and state.Q_i < ALL_BUT_LOST * state.Q_o:
+        status = CONTACT_LOST
+    p.jacobian[:, :] = nan
+    return ThrustCase(
+        status=status,
+        delta_a=s.seat.delta_a,
+        u=u,
+        r=p.bearing.g.R_o + state.X2,
+        P_r=state.P_r,
+        S_xx=nan,
+        skid=nan,
+        branch=SKIDDING,
+        iterations=s.iterations,
+        contacts=contacts,
+        jacobian=p.jacobian,
+        residuals=Residuals(
+            equilibrium=nan,
+            friction=nan,
+            discretisation=nan,
+            discretisation_qv=nan,
+            power=nan,
+            equilibrium_rounding=nan,
+            friction_rounding=nan,
+            power_rounding=nan,
+        ),
+        held=False,
+    )
+
+
+@jit
+def thrust_case(g, D, op, preload, rule, fine_rule, start, v_start, tolerance):
     """Solve, sum up and check the steady state under thrust.
 
     Parameters
@@ -111,7 +201,7 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
     g : Geometry
     D : float
         Worn ball diameter [m].
-    motion : Motion
+    op : OperatingPoint
     preload : Preload
     rule, fine_rule : Rule
         For the ellipse; the fine one has four times the points.
@@ -126,46 +216,30 @@ def thrust_case(g, D, motion, preload, rule, fine_rule, start, v_start, toleranc
     ThrustCase
     """
     u = start.copy()
-    work = workspace(rule)
+    bearing = ThrustBearing(g=g, D=D, op=op, preload=preload)
+    p = balance_problem(bearing, rule)
     contacts = np.full((2, COLUMNS), np.nan)
-    s = steady_state(g, D, motion, preload, rule, work, u, v_start, tolerance)
-    state = s.state
+    s = steady_state(p, u, v_start, tolerance)
+    if s.status != OK:
+        return unsolved(p, s, u, contacts)
+    state = s.seat.state
     r = g.R_o + state.X2
-    status = s.status
-    if status == NOT_CONVERGED and state.Q_i < ALL_BUT_LOST * state.Q_o:
-        status = CONTACT_LOST
-    if status != OK:
-        work.jacobian[:, :] = np.nan
-        nan = math.nan
-        nothing = Check(nan, nan, nan, nan, nan, nan, nan, nan)
-        return ThrustCase(
-            status, s.delta_a, u, r, state.P_r, math.nan, math.nan, SKIDDING, s.iterations,
-            contacts, work.jacobian, nothing, False,
-        )  # fmt: skip
-    full_jacobian(g, D, motion, motion.v_r, preload, s.delta_a, state, u, rule, work)
-    contact_summary(g, D, motion, state, u, r, rule, work, contacts)
-    skid = skid_ratio(motion, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
-    A1, A2 = groove_distance(g, 0.0, s.delta_a, 0.0, 0.0, 0.0)
-    residual, power, scale, qv = friction_check(g, D, motion, state, u, rule)
-    fine_residual, _, _, fine_qv = friction_check(g, D, motion, state, u, fine_rule)
-    share, watts, light = rounding(g, D, motion.mu, state, u, work.jacobian)
-    check = Check(
-        polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),
-        residual,
-        fine_residual,
-        abs(qv / fine_qv - 1.0) if fine_qv > 0.0 else 0.0,
-        power,
-        light,
-        share,
-        watts / scale,
-    )
-    if not all_pass(check, MOST_ROUNDING, 1.0):
-        status = UNVERIFIED
-        if all_pass(check, math.inf, ROUNDING_MARGIN):
-            # Explained by rounding: of a load that is all but gone, or of the slip.
-            gone = check.equilibrium_rounding > 0.5 * check.friction_rounding
-            status = CONTACT_LOST if gone else BELOW_ROUNDING
+    full_jacobian(p, op.v_r, s.seat, u)
+    contact_summary(g, D, op, state, u, r, rule, p, contacts)
+    skid = skid_ratio(op, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
+    residuals = checked(p, s.seat, u, fine_rule)
     return ThrustCase(
-        status, s.delta_a, u, r, state.P_r, state.S_xx, skid, branch_of(contacts, skid),
-        s.iterations, contacts, work.jacobian, check, False,
-    )  # fmt: skip
+        status=case_status(residuals),
+        delta_a=s.seat.delta_a,
+        u=u,
+        r=r,
+        P_r=state.P_r,
+        S_xx=state.S_xx,
+        skid=skid,
+        branch=branch_of(contacts, skid),
+        iterations=s.iterations,
+        contacts=contacts,
+        jacobian=p.jacobian,
+        residuals=residuals,
+        held=False,
+    )

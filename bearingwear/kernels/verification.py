@@ -10,12 +10,11 @@ import math
 
 import numpy as np
 
+from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import slip_coefficients
-from bearingwear.kernels.ellipse import most_points, place
-from bearingwear.kernels.equilibrium import ball_mass
+from bearingwear.kernels.contact import race_contacts, slip_coefficients
+from bearingwear.kernels.ellipse import most_points, quadrature_points
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
-from bearingwear.kernels.steady import drag_force, race_contacts
 
 
 @jit
@@ -52,7 +51,7 @@ def polygon_residual(g, D, state, A1, A2, largest):
 
 
 @jit
-def friction_check(g, D, motion, state, u, rule):
+def friction_check(g, D, op, state, u, rule):
     """Balance of moments, of the orbital force and of power on a thrust-loaded ball.
 
     Parameters
@@ -79,14 +78,14 @@ def friction_check(g, D, motion, state, u, rule):
     r = g.R_o + state.X2
     m_x = m_y = m_z = f_y = 0.0
     heat = power = power_in = qv = 0.0
-    contacts = race_contacts(g, motion, state)
+    contacts = race_contacts(g, op, state)
     t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
     for side in (-1.0, 1.0):
         if side < 0.0:
-            Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, motion.omega_i
+            Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
             c_a = state.hertz_i.c_a
         else:
-            Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, motion.omega_o
+            Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
             c_a = state.hertz_o.c_a
         a = c_a * Q ** (1.0 / 3.0)
         n_x, n_z = side * math.sin(alpha), side * math.cos(alpha)
@@ -94,7 +93,7 @@ def friction_check(g, D, motion, state, u, rule):
         R_d = 2.0 * r_g * R / (r_g + R)
         contact = contacts[0] if side < 0.0 else contacts[1]
         c = slip_coefficients(contact, u, r)
-        t, weight = place(rule, contact, R, c, motion.v_r, t_buffer, weight_buffer)
+        t, weight = quadrature_points(rule, contact, R, c, op.v_r, t_buffer, weight_buffer)
         race_power = 0.0
         for k in range(t.size):
             x = a * t[k]
@@ -108,7 +107,7 @@ def friction_check(g, D, motion, state, u, rule):
             v_1 = -(ball_x * e_x + ball_z * e_z)
             v_2 = race_y - ball_y
             v = math.hypot(v_1, v_2)
-            F = motion.mu * Q * weight[k] / math.hypot(v, motion.v_r)
+            F = op.mu * Q * weight[k] / math.hypot(v, op.v_r)
             F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
             m_x -= p_z * F_y
             m_y += p_z * F_x - p_x * F_z
@@ -119,14 +118,14 @@ def friction_check(g, D, motion, state, u, rule):
             race_power += F_y * race_y
         power += race_power
         power_in += abs(race_power)
-    inertia = 0.1 * ball_mass(g, D) * D * D
-    F_v = drag_force(g, D, motion.drag, u[3])[0]
+    inertia = ball_inertia(ball_mass(g.rho, D), D)
+    F_v = drag_force(g, D, op.drag, u[3])[0]
     m_y += inertia * u[3] * u[2]
     m_z -= inertia * u[3] * u[1]
-    capacity = motion.mu * (state.Q_i + state.Q_o)
+    capacity = op.mu * (state.Q_i + state.Q_o)
     residual = max(abs(m_x), abs(m_y), abs(m_z), abs(f_y + F_v) * R) / (capacity * R)
-    floor = capacity * motion.v_r
-    if motion.omega_i == motion.omega_o:
-        floor = max(floor, capacity * abs(motion.omega_i) * r)
+    floor = capacity * op.v_r
+    if op.omega_i == op.omega_o:
+        floor = max(floor, capacity * abs(op.omega_i) * r)
     scale = max(power_in, floor)
     return residual, abs(power - heat - F_v * r * u[3]) / scale, scale, qv

@@ -1,204 +1,99 @@
-"""The motion of balls, cage and inner race in time: from a scene to what the integrators take."""
+"""The dynamic model: balls, cage and inner race of a scene at an instant, and how they move on."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.cage import (
-    CAGE,
-    ELASTIC,
-    INNER_LAND,
-    NO_LAND,
-    OUTER_LAND,
-    Cage,
-    cage_energy,
-)
+from bearingwear.kernels.bearing_model import BearingModel, buffers, load_at
+from bearingwear.kernels.cage import INNER_LAND, NO_LAND, cage_energy
+from bearingwear.kernels.cage_contacts import cage_contacts
+from bearingwear.kernels.cage_law import ELASTIC
+from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
 from bearingwear.kernels.equilibrium import static_displacement
-from bearingwear.kernels.hertz import INNER, OUTER, point_contact, race_contact
-from bearingwear.kernels.integrators import ROSENBROCK, Tally, advance, stages
+from bearingwear.kernels.integrators import ROSENBROCK, Tableau, stages
 from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.motion import (
-    BALL,
-    Account,
-    Run,
-    account,
-    buffers,
-    contacts_at,
-    free_equilibrium,
-    load_at,
-    motion_rates,
+from bearingwear.kernels.profile import STORED
+from bearingwear.kernels.quasistatic import HERTZ_K
+from bearingwear.kernels.race import (
+    LOAD_FIELDS,
+    MODEL,
+    ORBIT_RATE,
+    PACKED,
+    race_equilibrium,
+    unpack_ball_state,
 )
-from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.race import ROW, race_equilibrium, stored_state
-from bearingwear.model import parameters
-from bearingwear.model.impact import land_damping, pocket_damping
+from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.state import (
+    BALL,
+    CAGE,
+    CENTRE,
+    MOMENTUM,
+    OMEGA,
+    PSI,
+    ROTATION,
+    VELOCITY,
+    W_X,
+    StateLayout,
+)
+from bearingwear.kernels.step_control import StepControl, Tally, advance
+from bearingwear.model.bearing_model import bearing_model
 from bearingwear.model.race_control import unseated
-from bearingwear.model.scene import Scene
+from bearingwear.scene.scene import Scene
 
-HERTZ_INTERVALS = 64
-LIGHT_IMPACT = 1e-3  # of the cage's surface speed
-RAMP = 0.2  # of the depth of a light impact
 CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
-FIRST_STEP = 1e-4  # of a shaft turn
+_FIRST_STEP = 1e-4  # of a shaft turn
 STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
-TOLERANCE = 1e-3  # of the mean slip, see integrators.step_error
+TOLERANCE = 1e-3  # of the mean slip, see step_control.step_error
+POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
 
 
-def cage_of(scene: Scene) -> Cage:
-    """Geometry, inertia and contact laws of a scene's cage, or the absence of one."""
-    c = scene.cage
-    if c is None:
-        return Cage(False, 1.0, 1.0, 1.0, 1.0, 1.0, NO_LAND, *np.ones(10).tolist())
-    b = scene.bearing
-    material = scene.materials[c.material]
-    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
-    MM = parameters.MM
-    r_i, r_o, width = (
-        0.5 * c.inner_diameter_mm * MM,
-        0.5 * c.outer_diameter_mm * MM,
-        c.width_mm * MM,
-    )
-    R, clearance = 0.5 * b.ball_diameter_mm * MM, 0.5 * c.pocket_clearance_mm * MM
-    # A ring less its pockets; the pockets take the same share of mass and inertia.
-    ring = math.pi * (r_o**2 - r_i**2) * width
-    pockets = b.ball_count * math.pi * (R + clearance) ** 2 * (r_o - r_i)
-    mass = material.density_kg_m3 * (ring - pockets)
-    # Ball in a concave cylinder. Without clearance Hertz' ellipse would be a ring: 1e-3 R is added.
-    pocket = R + max(clearance, 1e-3 * R)
-    hertz = point_contact(
-        0.5 * (1.0 / R - 1.0 / pocket),
-        0.5 / R,
-        parameters.contact_modulus(ball, material),
-        math.nan,
-    )
-    land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[c.guiding_race]
-    E_star = parameters.contact_modulus(race, material)
-    k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
-    # A light impact, to say what is deep in such a contact.
-    operation = scene.operation
-    speed = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm)) * parameters.RPM
-    impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
-    ball_mass = ball.density_kg_m3 * math.pi / 6.0 * (2.0 * R) ** 3
-    m_eff = ball_mass * mass / (ball_mass + mass)
-    return Cage(
-        present=True,
-        mass=mass,
-        I_x=0.5 * mass * (r_i**2 + r_o**2),
-        I_t=mass * (3.0 * (r_i**2 + r_o**2) + width**2) / 12.0,
-        clearance=clearance,
-        K_pocket=hertz.K,
-        land=land,
-        radius=r_i if land == INNER_LAND else r_o,
-        gap=0.5 * c.guide_clearance_mm * MM,
-        half_width=0.5 * width,
-        k_land=k_land,
-        mu=float(scene.friction.cage),
-        v_r=float(scene.friction.slip_regularisation_m_s),
-        damping_pocket=pocket_damping(c.restitution),
-        # Both edges share the mass of a cage that meets the land squarely.
-        damping_land=math.sqrt(0.5) * land_damping(c.restitution),
-        ramp_pocket=max(RAMP * (1.25 * m_eff * impact**2 / hertz.K) ** 0.4, 1e-9),
-        ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
-    )
+@dataclass(frozen=True)
+class Snapshot:
+    """An instant of a run, to see later what has changed since."""
 
-
-def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
-    """Hertz factors K [N/m^1.5] and c_a [m/N^(1/3)] of a contact at a contact angle."""
-    return race_contact(g, race, D, cos_alpha, math.nan)[:2]
-
-
-def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
-    """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
-
-    They follow the angle so weakly that the spline is exact to rounding; solving Hertz' equation
-    anew would be a third of the time of a step.
-
-    Parameters
-    ----------
-    factors_of : callable
-        As `exact_factors`, or an approximation of it.
-
-    Returns
-    -------
-    ndarray (n, 2, HERTZ_INTERVALS, 8)
-        See quasistatic.hertz_at.
-    """
-    cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
-    powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)
-    table = np.empty((len(D), 2, HERTZ_INTERVALS, 8))
-    splines: dict[float, np.ndarray] = {}
-    for j, diameter in enumerate(D):
-        if diameter not in splines:
-            factors = np.array(
-                [[factors_of(g, race, diameter, c) for c in cosine] for race in (INNER, OUTER)]
-            )
-            c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, K or c_a)
-            c = c * powers[:, None, None, None]
-            splines[diameter] = np.moveaxis(c, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(2, -1, 8)
-        table[j] = splines[diameter]
-    return table
+    time: float  # [s]
+    integrals: np.ndarray
+    energy: dict[str, float]  # see `DynamicSystem.energy`
+    momentum: float  # of the cage about the bearing axis [kg m2/s]
 
 
 @dataclass
-class Motion:
-    """Balls and inner race of a scene at an instant, and how to move them on."""
+class DynamicSystem:
+    """Balls, cage and inner race of a scene at an instant, and how to move them on."""
 
-    run: Run
-    places: Account
+    bearing: BearingModel
     y: np.ndarray
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        n = len(self.run.D)
-        self.buffers = buffers(n, self.run.rule)
+        n = len(self.bearing.D)
+        self.buffers = buffers(n, self.bearing.rule)
         self.stages = stages(n, self.y.size)
         self.dy = np.zeros(self.y.size)
-        self.h = FIRST_STEP * self.turn
+        self.h = _FIRST_STEP * self.turn
 
     @classmethod
-    def of(cls, scene: Scene, u: np.ndarray) -> "Motion":
+    def of(cls, scene: Scene, u: np.ndarray) -> "DynamicSystem":
         """Every ball of a scene moving as u = (w_x, w_y, w_z, Omega), evenly spaced."""
-        g, operation = parameters.geometry(scene), scene.operation
-        D = parameters.ball_diameters(scene)
-        mass = g.rho * math.pi / 6.0 * D**3
-        F_y, F_z = operation.radial_load_N
-        run = Run(
-            g=g,
-            motion=parameters.motion(scene),
-            D=D,
-            mass=mass,
-            inertia=0.1 * mass * D**2,
-            hertz=hertz_table(g, D),
-            first=0 if operation.preload_method == "constant_force" else 1,
-            F_x=float(operation.preload_N),
-            F_y=float(F_y),
-            F_z=float(F_z),
-            F_rot=float(operation.rotating_load_N),
-            tilt=operation.tilt_mrad * 1e-3,
-            cage=cage_of(scene),
-            rule=parameters.quadrature(scene),
-        )
-        n = len(D)
-        places = account(n, run.cage.present)
-        y = np.zeros(places.size)
-        y[: BALL * n].reshape(n, BALL)[:, :4] = u
-        y[4 : BALL * n : BALL] = 2.0 * math.pi * np.arange(n) / n
-        motion = cls(run, places, y)
-        motion.buffers.rest[0] = static_displacement(g, run.F_x)
-        motion.buffers.s.delta[:] = motion.buffers.rest
-        if run.cage.present:
-            motion.place_cage()
-        return motion
+        bearing = bearing_model(scene)
+        system = cls(bearing, np.zeros(bearing.layout.size))
+        n = len(bearing.D)
+        system.balls[:, W_X : OMEGA + 1] = u
+        system.balls[:, PSI] = 2.0 * math.pi * np.arange(n) / n
+        system.buffers.rest[0] = static_displacement(bearing.g, bearing.F_x)
+        system.buffers.balls.delta[:] = system.buffers.rest
+        if bearing.cage.present:
+            system.place_cage()
+        return system
 
-    def variant(self, **changes) -> "Motion":
-        """The same bearing, some of what kernels are told replaced; to be unpacked into."""
-        other = Motion(self.run._replace(**changes), self.places, self.y.copy())
+    def variant(self, **changes) -> "DynamicSystem":
+        """The same bearing, some fields of its model replaced; to be unpacked into."""
+        other = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
         other.buffers.rest[:] = self.buffers.rest
-        other.buffers.s.delta[:] = other.buffers.rest
+        other.buffers.balls.delta[:] = other.buffers.rest
         return other
 
     def place_cage(self) -> None:
@@ -208,54 +103,63 @@ class Motion:
         and turns with the balls would touch nothing, ever. Where that place squeezes it, because
         load or tilt moves the balls out of their plane, it starts where it is squeezed least.
         """
-        p, b, run = self.places, self.buffers, self.run
-        free_equilibrium(self.time, self.y, run, b)
-        z = self.y[p.cage : p.cage + CAGE]
+        balls, contacts, z = self.buffers.balls, self.buffers.cage, self.cage_state
+        cage = self.bearing.cage
+        free_equilibrium(self.time, self.y, self.bearing, balls)
         z[:] = 0.0
-        cage = run.cage
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
-        z[0] = b.s.X[:, 0].mean()
-        z[2] = -0.5 * room
+        z[CENTRE] = balls.X[:, 0].mean()
+        z[CENTRE + 2] = -0.5 * room
         if cage.land == INNER_LAND:
-            z[1:3] += b.s.delta[1:]
-        pose = np.array([0, 1, 2, 6, 7, 8])
-        middle = z[pose]
+            z[CENTRE + 1 : CENTRE + 3] += balls.delta[1:]
+        middle = z[POSE]
 
         def squeezed(shift: np.ndarray) -> float:
-            z[pose] = middle + shift * scale
-            contacts_at(self.y, run, b, p)
-            return float(b.cage.sums[ELASTIC])
+            z[POSE] = middle + shift * scale
+            cage_contacts(self.y, self.bearing, balls, contacts)
+            return float(contacts.sums[ELASTIC])
 
         scale = np.zeros(6)
         energy = squeezed(scale)
         if energy > 0.0:
-            scale[:] = b.cage.approach.max()
+            scale[:] = contacts.approach.max()
             scale[3:] /= cage.radius
             squeezed(minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x)
-        z[9:] = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, 3].mean() * b.cage.R[:, 0]
+        momentum = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, OMEGA].mean()
+        z[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
+
+    @property
+    def layout(self) -> StateLayout:
+        """Offsets into the state vector `y`."""
+        return self.bearing.layout
 
     @property
     def turn(self) -> float:
         """Duration of a shaft turn, or of a turn of the faster race [s]."""
-        m = self.run.motion
+        m = self.bearing.op
         return 2.0 * math.pi / max(abs(m.omega_i), abs(m.omega_o))
 
     @property
     def balls(self) -> np.ndarray:
         """States (n, 5) of the balls: w_x, w_y, w_z, Omega, psi; a view."""
-        n = len(self.run.D)
+        n = len(self.bearing.D)
         return self.y[: BALL * n].reshape(n, BALL)
+
+    @property
+    def cage_state(self) -> np.ndarray:
+        """State (12,) of the cage, if there is one; a view."""
+        return self.y[self.layout.cage : self.layout.cage + CAGE]
 
     @property
     def qv(self) -> np.ndarray:
         """Time integral of QV (n, 2), inner and outer contact of each ball [J]; a view."""
-        return self.y[self.places.qv : self.places.pockets].reshape(-1, 2)
+        return self.y[self.layout.qv : self.layout.pockets].reshape(-1, 2)
 
-    def settle(self) -> int:
-        """Equilibrium at this instant; the status of the attempt."""
-        return motion_rates(self.time, self.y, self.run, self.buffers, self.dy, self.places)
+    def update(self) -> int:
+        """Bring buffers and rates to this instant; returns the status of the equilibrium."""
+        return state_rates(self.time, self.y, self.bearing, self.buffers, self.dy)
 
-    def why(self, status: int) -> int:
+    def diagnose(self, status: int) -> int:
         """The status; where it gives no reason, one that does, if there is one.
 
         From the last state that had an equilibrium: balls and race alone, without the cage, from a
@@ -263,71 +167,81 @@ class Motion:
         """
         if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
-        run, b, n = self.run, self.buffers, len(self.run.D)
-        Omega, psi = self.balls[:, 3].copy(), self.balls[:, 4].copy()
-        loads = np.zeros((n, 6))
-        loads[:, 0], loads[:, 1] = ORBIT, Omega
-        load_at(run, self.time, b.F)
-        rows, delta = np.empty((n, ROW)), b.rest.copy()
+        bearing, buf, n = self.bearing, self.buffers, len(self.bearing.D)
+        loads = np.zeros((n, LOAD_FIELDS))
+        loads[:, MODEL], loads[:, ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
+        load_at(bearing, self.time, buf.balls.F)
+        rows, delta = np.empty((n, PACKED)), buf.rest.copy()
         alone, *_ = race_equilibrium(
-            run.g, run.D, loads, psi, b.F, run.tilt, run.first, delta, rows
+            bearing.g,
+            bearing.D,
+            loads,
+            self.balls[:, PSI].copy(),
+            buf.balls.F,
+            bearing.tilt,
+            int(bearing.axial_is_held),
+            delta,
+            rows,
         )
         if alone not in (code.OK, code.NOT_CONVERGED):
             return int(alone)
-        if unseated([stored_state(row) for row in rows]):
+        if unseated([unpack_ball_state(row) for row in rows]):
             return code.RACE_UNSEATED
-        if status == code.NOT_CONVERGED and alone == code.OK and run.cage.present:
+        if status == code.NOT_CONVERGED and alone == code.OK and bearing.cage.present:
             return code.CAGE_JAMMED
         return status
 
-    def opened(self) -> tuple[float, np.ndarray, dict[str, float], float]:
+    def snapshot(self) -> Snapshot:
         """Time, integrals, energies and the cage's angular momentum now."""
         energy = self.energy()
-        momentum = self.cage_momentum() if self.run.cage.present else 0.0
-        return self.time, self.y[self.places.qv :].copy(), energy, momentum
+        return Snapshot(
+            time=self.time,
+            integrals=self.y[self.layout.qv :].copy(),
+            energy=energy,
+            momentum=self.cage_momentum() if self.bearing.cage.present else 0.0,
+        )
 
     def rates(self) -> np.ndarray:
-        """Time derivative of the state now; also brings `buffers.s` up to date."""
-        self.settle()
+        """Time derivative of the state now; also brings the buffers up to date."""
+        self.update()
         return self.dy
 
-    def advance(
+    def control(
         self,
-        duration: float,
         tolerance: float = TOLERANCE,
-        method: int = ROSENBROCK,
+        method: Tableau = ROSENBROCK,
         longest: float | None = None,
-    ) -> Tally:
-        """Move on in time; the tally's status says whether that went well."""
+    ) -> StepControl:
+        """How to integrate this system."""
+        return StepControl(
+            method=method,
+            tolerance=float(tolerance),
+            longest=longest or self.turn / STEPS_PER_TURN,
+        )
+
+    def advance(self, duration: float, *options, **named) -> Tally:
+        """Move on in time, with options of `control`; the tally's status says if that went well."""
+        control, end = self.control(*options, **named), self.time + duration
         tally = advance(
-            method,
-            self.time,
-            self.time + duration,
-            self.y,
-            self.run,
-            self.buffers,
-            self.places,
-            self.stages,
-            tolerance,
-            self.h,
-            longest or self.turn / STEPS_PER_TURN,
+            control, self.time, end, self.h, self.y, self.bearing, self.buffers, self.stages
         )
         self.time, self.h = tally.time, tally.h
         return tally
 
+    def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
+        """All arrays that a run goes on from, the next step h (1,) among them."""
+        balls = self.buffers.balls
+        places = balls.X, balls.delta, balls.cage_linear, balls.land_linear
+        return (self.y, h, self.buffers.cage.R0, *places)
+
     def packed(self) -> np.ndarray:
         """All that a run needs to go on as if it had not stopped: see `unpack`."""
-        s, cage = self.buffers.s, self.buffers.cage
-        b = self.buffers
-        parts = (self.y, [self.h], cage.R0, s.X, s.delta, b.extra, b.land)
-        return np.concatenate([np.ravel(part) for part in parts])
+        return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
 
     def unpack(self, state: np.ndarray, time: float) -> None:
         """Take up where the run that left `packed()` at `time` had come to."""
-        s, cage = self.buffers.s, self.buffers.cage
         h = np.empty(1)
-        b = self.buffers
-        parts = (self.y, h, cage.R0, s.X, s.delta, b.extra, b.land)
+        parts = self.parts(h)
         if state.size != sum(part.size for part in parts):
             raise ValueError(f"state of {state.size} numbers where {len(self.packed())} are")
         at = 0
@@ -335,42 +249,49 @@ class Motion:
             part[...] = state[at : at + part.size].reshape(part.shape)
             at += part.size
         self.h, self.time = float(h[0]), time
-        s.factors[:] = 0.0  # known: the equilibrium goes on from X and delta
+        # Known: the equilibrium goes on from the places.
+        self.buffers.balls.factors[:] = 0.0
 
     def cage_momentum(self) -> float:
         """Angular momentum of the cage about the bearing axis [kg m2/s]."""
-        z = self.y[self.places.cage : self.places.cage + CAGE]
-        return float(z[9] + self.run.cage.mass * (z[1] * z[5] - z[2] * z[4]))
+        z = self.cage_state
+        _, y, z_centre = z[CENTRE : CENTRE + 3]
+        _, v_y, v_z = z[VELOCITY : VELOCITY + 3]
+        return float(z[MOMENTUM] + self.bearing.cage.mass * (y * v_z - z_centre * v_y))
 
     def energy(self) -> dict[str, float]:
         """Terms of the energy account now (theory.md Eq. 26) [J].
 
         Over any stretch the change of `supplied` is that of the sum of all others.
         """
-        self.rates()
-        run, s, y, p = self.run, self.buffers.s, self.y, self.places
-        r = run.g.R_o + s.X[:, 1]
-        w, Omega = self.balls[:, :3], self.balls[:, 3]
-        free = np.array([run.g.r_i, run.g.r_o]) - 0.5 * run.D[:, None]
-        lengths = np.column_stack([np.hypot(*(s.A - s.X).T), np.hypot(s.X[:, 0], s.X[:, 1])])
+        self.update()
+        bearing, balls, cage = self.bearing, self.buffers.balls, self.buffers.cage
+        y, layout = self.y, self.layout
+        w, Omega = self.balls[:, :OMEGA], self.balls[:, OMEGA]
+        free = np.array([bearing.g.r_i, bearing.g.r_o]) - 0.5 * bearing.D[:, None]
+        to_inner, to_outer = balls.A - balls.X, balls.X
+        lengths = np.column_stack([np.hypot(*to_inner.T), np.hypot(*to_outer.T)])
         d = np.maximum(lengths - free, 0.0)
-        orbit = run.mass * r**2 * Omega**2
-        cage = self.buffers.cage
-        z = y[p.cage : p.cage + CAGE]
-        cage_kinetic = cage_energy(run.cage, z, cage.R) if run.cage.present else 0.0
+        r = bearing.g.R_o + balls.X[:, 1]
+        orbit = bearing.mass * r**2 * Omega**2
+        cage_kinetic = 0.0
+        if bearing.cage.present:
+            cage_kinetic = cage_energy(bearing.cage, self.cage_state, cage.R)
+        races = STORED * (balls.factors[:, :, HERTZ_K] * d**2.5).sum()
         return {
-            "supplied": y[p.shaft] + s.delta @ (self.buffers.F * self._held()) - y[p.load],
-            "heat": y[p.heat],
-            "drag": y[p.drag],
-            "cage heat": y[p.cage_heat],
-            "damping": y[p.damping],
-            "kinetic": 0.5 * (run.inertia * (w**2).sum(axis=1) + orbit).sum() + cage_kinetic,
-            "elastic": 0.4 * (s.factors[:, :, 0] * d**2.5).sum() + cage.sums[ELASTIC],
-            "coriolis": -(orbit.sum() - y[p.turning]),
-            "azimuth": -y[p.azimuth],
-            "hertz": -y[p.hertz],
+            "supplied": y[layout.shaft] + balls.delta @ (balls.F * self.load_mask) - y[layout.load],
+            "heat": y[layout.heat],
+            "drag": y[layout.drag],
+            "cage heat": y[layout.cage_heat],
+            "damping": y[layout.damping],
+            "kinetic": 0.5 * (bearing.inertia * (w**2).sum(axis=1) + orbit).sum() + cage_kinetic,
+            "elastic": races + cage.sums[ELASTIC],
+            "coriolis": -(orbit.sum() - y[layout.turning]),
+            "azimuth": -y[layout.azimuth],
+            "hertz": -y[layout.hertz],
         }
 
-    def _held(self) -> np.ndarray:
+    @property
+    def load_mask(self) -> np.ndarray:
         """1 for the translations in which the load does work, 0 where the race is held."""
-        return np.array([1.0 if self.run.first == 0 else 0.0, 1.0, 1.0])
+        return np.array([0.0 if self.bearing.axial_is_held else 1.0, 1.0, 1.0])

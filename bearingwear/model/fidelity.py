@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from bearingwear.model.scene import Scene
+from bearingwear.scene.scene import Scene
 
 TIERS = ("race_control", "steady", "dynamic")
 

@@ -6,9 +6,9 @@ import math
 import numpy as np
 
 from bearingwear.kernels.ellipse import SEGMENTS, Rule
-from bearingwear.kernels.params import Geometry, Motion
+from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.model.quadrature import equal_strips, gathered, gauss_halves
-from bearingwear.model.scene import Material, Scene
+from bearingwear.scene.scene import Material, Scene
 
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
@@ -46,9 +46,9 @@ def geometry(scene: Scene) -> Geometry:
     )
 
 
-def motion(scene: Scene) -> Motion:
+def operating_point(scene: Scene) -> OperatingPoint:
     """Speeds and friction of a scene."""
-    return Motion(
+    return OperatingPoint(
         omega_i=scene.operation.shaft_speed_rpm * RPM,
         omega_o=scene.operation.outer_speed_rpm * RPM,
         mu=float(scene.friction.ball_race),

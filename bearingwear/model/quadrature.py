@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from bearingwear.kernels.profile import PEAK, pressure, pressure_integral
+
 SLOPE = 0.1  # ds/dz at 0 of a split rule: benchmarks/rules.py
 
 
@@ -16,8 +18,7 @@ def equal_strips(n):
     """
     edges = np.linspace(-1.0, 1.0, n + 1)
     t = 0.5 * (edges[1:] + edges[:-1])
-    cumulative = 0.75 * (edges - edges**3 / 3.0)
-    return t, np.diff(cumulative)
+    return t, np.diff(PEAK * pressure_integral(edges))
 
 
 def gauss_legendre(m):
@@ -38,7 +39,7 @@ def gauss_halves(n):
     half = 0.5 * (x + 1.0)
     t = np.concatenate([-half[::-1], half])
     w = 0.5 * np.concatenate([w[::-1], w])
-    return t, 0.75 * (1.0 - t * t) * w
+    return t, PEAK * pressure(t) * w
 
 
 def gathered(m):

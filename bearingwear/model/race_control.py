@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_mass
+from bearingwear.kernels.contact import LARGEST_AXIS
+from bearingwear.kernels.ellipse import Rule
 from bearingwear.kernels.equilibrium import (
     cold_start,
     groove_distance,
@@ -13,17 +16,28 @@ from bearingwear.kernels.equilibrium import (
     thrust_equilibrium,
 )
 from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL, race_control
-from bearingwear.kernels.params import BallLoad, BallState, Geometry, Motion
-from bearingwear.kernels.race import ROW, axial_stiffness, race_equilibrium, stored_state
-from bearingwear.kernels.steady import LARGEST_AXIS, LAST_BIT, workspace
-from bearingwear.kernels.summary import COLUMNS, HEAT, MAJOR, QV, TRACK, contact_summary
+from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
+from bearingwear.kernels.profile import contact_approach, semi_axis
+from bearingwear.kernels.race import (
+    LOAD_FIELDS,
+    MODEL,
+    OMEGA_I,
+    OMEGA_O,
+    ORBIT_RATE,
+    PACKED,
+    axial_stiffness,
+    race_equilibrium,
+    unpack_ball_state,
+)
+from bearingwear.kernels.steady_balance import LAST_BIT
+from bearingwear.kernels.summary import COLUMNS, HEAT, MAJOR, QV, TRACK, contact_summary, workspace
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, measured, summed
 from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values, wear_values
+from bearingwear.scene.scene import Scene
 
 LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced
 LIGHT_LOAD = 0.01  # of the largest load of a ball: so lightly seated are balls almost off
@@ -45,7 +59,7 @@ class RaceControlProblem:
     """A scene as the race-control kernels see it."""
 
     g: Geometry
-    motion: Motion
+    op: OperatingPoint
     constant_force: bool
     F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
     delta_a: float  # static displacement under the initial preload alone [m]
@@ -59,13 +73,13 @@ class RaceControlProblem:
         F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
         D = parameters.ball_diameters(scene)
         return cls(
-            g,
-            parameters.motion(scene),
-            operation.preload_method == "constant_force",
-            F,
-            static_displacement(g, F[0]),
-            operation.tilt_mrad * 1e-3,
-            D if asymmetries(scene) else D[:1],
+            g=g,
+            op=parameters.operating_point(scene),
+            constant_force=operation.preload_method == "constant_force",
+            F=F,
+            delta_a=static_displacement(g, F[0]),
+            tilt=operation.tilt_mrad * 1e-3,
+            D=D if asymmetries(scene) else D[:1],
         )
 
     @property
@@ -73,41 +87,55 @@ class RaceControlProblem:
         """Azimuth of the balls solved; the first stands at +Z [rad]."""
         return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
 
-    def balance(self, laws: np.ndarray, Omega: float = 0.0) -> Balance:
-        """Equilibrium with the given law (n,), of ORBIT at the rate Omega [rad/s]."""
-        m = self.motion
+    def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
+        """Equilibrium with the kinematics model of each ball (n,), of ORBIT at Omega [rad/s]."""
+        op = self.op
+        load = BallLoad(
+            kinematics_model=int(models[0]),
+            Omega=Omega,
+            omega_i=op.omega_i,
+            omega_o=op.omega_o,
+            P_x=0.0,
+            P_r=0.0,
+        )
         if len(self.D) == 1:
-            load = BallLoad(int(laws[0]), Omega, m.omega_i, m.omega_o, 0.0, 0.0)
-            delta_a, state = thrust_equilibrium(
-                self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
-            )
-            n = self.g.n_balls
-            left = n * state.F_ix - self.F[0] if self.constant_force else 0.0
-            delta = np.array([delta_a, 0.0, 0.0])
-            return Balance(state.status, delta, [state], n * state.S_xx, abs(left))
-        loads = np.column_stack(
-            [
-                laws,
-                np.full(len(laws), Omega),
-                np.full(len(laws), m.omega_i),
-                np.full(len(laws), m.omega_o),
-                *np.zeros((2, len(laws))),
-            ]
-        ).astype(float)
-        rows = np.empty((len(self.D), ROW))
+            return self.thrust_balance(load)
+        loads = np.zeros((len(self.D), LOAD_FIELDS))
+        loads[:, MODEL], loads[:, ORBIT_RATE] = models, Omega
+        loads[:, OMEGA_I], loads[:, OMEGA_O] = op.omega_i, op.omega_o
+        packed_states = np.empty((len(self.D), PACKED))
         delta = np.array([self.delta_a, 0.0, 0.0])
-        first = 0 if self.constant_force else 1
         if self.constant_force and self.F[0] > 0.0:
             # Worn balls: start where the thrust alone would press the race to.
-            load = BallLoad(int(laws[0]), Omega, m.omega_i, m.omega_o, 0.0, 0.0)
             delta[0], _ = thrust_equilibrium(
                 self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
             )
+        first = 0 if self.constant_force else 1
         status, _, stiffness = race_equilibrium(
-            self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, rows
+            self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, packed_states
         )
-        states = [stored_state(row) for row in rows]
-        return Balance(status, delta, states, axial_stiffness(stiffness), self.unbalanced(states))
+        states = [unpack_ball_state(row) for row in packed_states]
+        return Balance(
+            status=status,
+            delta=delta,
+            states=states,
+            stiffness=axial_stiffness(stiffness),
+            race_residual=self.unbalanced(states),
+        )
+
+    def thrust_balance(self, load: BallLoad) -> Balance:
+        """Equilibrium of a symmetric scene, one ball standing for all."""
+        n = self.g.n_balls
+        delta_a, state = thrust_equilibrium(
+            self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
+        )
+        return Balance(
+            status=state.status,
+            delta=np.array([delta_a, 0.0, 0.0]),
+            states=[state],
+            stiffness=n * state.S_xx,
+            race_residual=abs(n * state.F_ix - self.F[0] if self.constant_force else 0.0),
+        )
 
     def reason(self) -> int:
         """Status of a scene that has no equilibrium under race control.
@@ -115,8 +143,10 @@ class RaceControlProblem:
         The same balls without the friction forces that carry their gyroscopic moments hang on
         springs and have an equilibrium, or are loose.
         """
-        m, alpha0 = self.motion, self.g.alpha0
-        k = race_control(OUTER_CONTROL, m.omega_i, m.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0)
+        op, alpha0 = self.op, self.g.alpha0
+        k = race_control(
+            OUTER_CONTROL, op.omega_i, op.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0
+        )
         without = self.balance(np.full(len(self.D), ORBIT), k.Omega)
         if without.status == code.NOT_CONVERGED and unseated(without.states):
             return code.RACE_UNSEATED
@@ -140,8 +170,8 @@ def unseated(states: list[BallState]) -> bool:
 
 def outer_controls(state: BallState) -> bool:
     """Whether the spin moment of the outer contact holds the ball (theory.md Eq. 23)."""
-    a_i = state.hertz_i.c_a * state.Q_i ** (1.0 / 3.0)
-    a_o = state.hertz_o.c_a * state.Q_o ** (1.0 / 3.0)
+    a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
+    a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
     outer = state.Q_o * a_o * state.hertz_o.E * math.cos(state.alpha_i - state.alpha_o)
     return outer > state.Q_i * a_i * state.hertz_i.E
 
@@ -156,32 +186,32 @@ def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray
     Returns
     -------
     Balance
-    laws : ndarray (n,)
+    models : ndarray (n,)
         OUTER_CONTROL or INNER_CONTROL of each ball.
     """
-    laws = np.full(len(problem.D), OUTER_CONTROL)
-    balance = problem.balance(laws)
+    models = np.full(len(problem.D), OUTER_CONTROL)
+    balance = problem.balance(models)
     if balance.status == code.NOT_CONVERGED:
         # Where the outer race cannot carry the gyroscopic moments there is no such equilibrium.
-        laws = np.full(len(problem.D), INNER_CONTROL)
-        balance = problem.balance(laws)
+        models = np.full(len(problem.D), INNER_CONTROL)
+        balance = problem.balance(models)
         if balance.status == code.NOT_CONVERGED:
             balance = replace(balance, status=problem.reason())
-        return balance, laws
+        return balance, models
     while True:
         failed = [
             j
             for j, state in enumerate(balance.states)
-            if laws[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
+            if models[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
         ]
         if not failed:
-            return balance, laws
-        changed = laws.copy()
+            return balance, models
+        changed = models.copy()
         changed[failed] = INNER_CONTROL
         found = problem.balance(changed)
         if found.status == code.NOT_CONVERGED:
-            return balance, laws
-        balance, laws = found, changed
+            return balance, models
+        balance, models = found, changed
 
 
 def geometric_status(states: list[BallState], D: np.ndarray) -> int:
@@ -194,7 +224,7 @@ def geometric_status(states: list[BallState], D: np.ndarray) -> int:
         for Q, alpha, hertz in loaded:
             if Q > 0.0 and not abs(alpha) < 0.5 * math.pi:
                 return code.BEYOND_GROOVE
-            if hertz.c_a * Q ** (1.0 / 3.0) >= LARGEST_AXIS * 0.5 * diameter:
+            if semi_axis(hertz.c_a, Q) >= LARGEST_AXIS * 0.5 * diameter:
                 return code.OUTSIDE_HERTZ_RANGE
     return code.OK
 
@@ -205,7 +235,7 @@ def load_rounding(g: Geometry, state: BallState) -> float:
     A light load's deformation is a small difference of large lengths.
     """
     loads = ((state.Q_i, state.hertz_i.K, g.r_i), (state.Q_o, state.hertz_o.K, g.r_o))
-    return max(1.5 * LAST_BIT * r / (Q / K) ** (2 / 3) if Q > 0.0 else 0.0 for Q, K, r in loads)
+    return max(1.5 * LAST_BIT * r / contact_approach(K, Q) if Q > 0.0 else 0.0 for Q, K, r in loads)
 
 
 def race_control_motion(scene: Scene) -> np.ndarray | None:
@@ -216,10 +246,52 @@ def race_control_motion(scene: Scene) -> np.ndarray | None:
     return np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])
 
 
+def contact_solution(
+    problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
+) -> tuple[np.ndarray, np.ndarray]:
+    """Motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
+    g, op, D = problem.g, problem.op, problem.D
+    u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
+    work = workspace(rule)
+    for j, state in enumerate(balance.states):
+        k = race_control(
+            int(models[j]), op.omega_i, op.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
+        )
+        u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
+        contact_summary(g, D[j], op, state, u[j], 0.5 * g.dm, rule, work, rows[j])
+    return u, rows
+
+
+def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
+    """Force that balls and race leave unbalanced, as a share of the largest contact load [1]."""
+    g, residual = problem.g, 0.0
+    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
+    for state, D, psi in zip(balance.states, problem.D, problem.psi, strict=True):
+        A1, A2 = groove_distance(g, psi, *balance.delta, problem.tilt)
+        residual = max(residual, polygon_residual(g, D, state, A1, A2, largest))
+    if largest > 0.0:
+        residual = max(residual, balance.race_residual / (g.n_balls * largest))
+    return residual
+
+
+def checked_status(
+    problem: RaceControlProblem, balance: Balance, residual: float, allowed: float
+) -> int:
+    """OK, or why a solved equilibrium must not be used."""
+    if not residual <= allowed:
+        return code.UNVERIFIED
+    # Beside loads a million times as large a spring's force is lost.
+    if problem.constant_force and not (
+        balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]
+    ):
+        return code.BELOW_ROUNDING
+    return code.OK
+
+
 def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of the race-control solution."""
     problem = RaceControlProblem.of(scene)
-    g, m, D = problem.g, problem.motion, problem.D
+    g, op, D = problem.g, problem.op, problem.D
     values: dict = {
         "status": code.OK,
         "ball_diameter_loss": g.D0 - D,
@@ -227,53 +299,32 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     }
     if problem.constant_force and not problem.F.any():
         return values | {"status": code.PRELOAD_GONE}, {"residual": "not solved"}
-    balance, laws = controlled_balance(problem)
+    balance, models = controlled_balance(problem)
     values["status"] = balance.status
     if balance.status == code.OK:
         values["status"] = geometric_status(balance.states, D)
     if values["status"] in (code.NOT_CONVERGED, code.BEYOND_GROOVE, code.OUTSIDE_HERTZ_RANGE):
         return values, {"residual": "not solved"}
 
-    n = len(D)
-    u, rows = np.empty((n, 4)), np.empty((n, 2, COLUMNS))
-    r = np.full(n, 0.5 * g.dm)
-    rule, twice = parameters.quadrature(scene), parameters.quadrature(scene, refined=2)
-    work, more = workspace(rule), workspace(twice)
-    finer = np.empty((n, 2, COLUMNS))
-    residual = 0.0
-    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
-    for j, state in enumerate(balance.states):
-        k = race_control(
-            int(laws[j]), m.omega_i, m.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
-        )
-        u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
-        contact_summary(g, D[j], m, state, u[j], r[j], rule, work, rows[j])
-        contact_summary(g, D[j], m, state, u[j], r[j], twice, more, finer[j])
-        A1, A2 = groove_distance(g, problem.psi[j], *balance.delta, problem.tilt)
-        residual = max(residual, polygon_residual(g, D[j], state, A1, A2, largest))
-    if largest > 0.0:
-        residual = max(residual, balance.race_residual / (g.n_balls * largest))
+    rules = parameters.quadrature(scene), parameters.quadrature(scene, refined=2)
+    (u, rows), (_, finer) = (contact_solution(problem, balance, models, r) for r in rules)
+    residual = equilibrium_residual(problem, balance)
     rounding = max(load_rounding(g, state) for state in balance.states)
     allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
-    if values["status"] == code.OK and not residual <= allowed:
-        values["status"] = code.UNVERIFIED
-    if values["status"] == code.OK and problem.constant_force:
-        # Beside loads a million times as large a spring's force is lost.
-        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]:
-            values["status"] = code.BELOW_ROUNDING
-    mass = g.rho * math.pi / 6.0 * D**3
-    slip_speed = abs(m.omega_i - m.omega_o)
+    if values["status"] == code.OK:
+        values["status"] = checked_status(problem, balance, residual, allowed)
+    n, slip_speed = len(D), abs(op.omega_i - op.omega_o)
     heat = g.n_balls * rows[..., HEAT].sum() / n
     axial = np.array([state.F_ix for state in balance.states])
-    values |= contact_values(scene, g, m, D, u, r, rows, axial)
+    values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
     values |= {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
         # No balance of power here: the torque that the estimated heat would take.
         "shaft_torque": heat / slip_speed if slip_speed > 0.0 else 0.0,
         "drag_power": 0.0,
-        "centrifugal_force": mass * 0.5 * g.dm * u[:, 3] ** 2,
-        "race_control": laws - OUTER_CONTROL,
+        "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
+        "race_control": models - OUTER_CONTROL,
         "equilibrium_residual": residual,
         "equilibrium_rounding": rounding,
     }

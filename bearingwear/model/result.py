@@ -13,7 +13,7 @@ class Result:
     Attributes
     ----------
     values : dict
-        Keyed by the variable names of `bearingwear.io.variables`; arrays or numbers in SI
+        Keyed by the variable names of `bearingwear.results.variables`; arrays or numbers in SI
         units and radians. A quantity that was not solved is absent.
     attrs : dict
         Global attributes: scene as JSON, fidelity, what was modelled and why, iterations, ...

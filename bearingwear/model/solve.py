@@ -9,8 +9,8 @@ from bearingwear.model.fidelity import Choice, NotAvailable, choice
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
-from bearingwear.model.scene import Scene
 from bearingwear.model.steady import solve_steady
+from bearingwear.scene.scene import Scene
 
 Progress = Callable[[str], None]
 

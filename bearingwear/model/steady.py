@@ -6,23 +6,34 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.ellipse import Rule, most_points
 from bearingwear.kernels.equilibrium import cold_start, static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
-from bearingwear.kernels.params import Geometry, Motion
-from bearingwear.kernels.steady import Preload, drag_force, orbit_equilibrium, settle, workspace
+from bearingwear.kernels.level_solver import pseudo_transient
+from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.steady_balance import (
+    BalanceProblem,
+    Preload,
+    Seat,
+    ThrustBearing,
+    balance_problem,
+    orbit_equilibrium,
+)
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, HALVED, changed, summed
-from bearingwear.model.scene import Scene
 from bearingwear.model.values import contact_values, wear_values
+from bearingwear.scene.scene import Scene
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
 STABILITY_POINTS = 512
 LIKE_STATE = 1e-2  # share of the speeds by which one state may differ between two rules
 UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED, code.CONTACT_LOST)
+SETTLED = 1e-9  # residual of a motion that settles from an unlike start, over friction
+SETTLING_STEPS = 300
 SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
 
@@ -31,7 +42,7 @@ class ThrustProblem:
     """A thrust-loaded scene as kernels see it; built once and solved for many wear states."""
 
     g: Geometry
-    motion: Motion
+    op: OperatingPoint
     preload: Preload
     rule: Rule
     fine_rule: Rule
@@ -42,13 +53,20 @@ class ThrustProblem:
         F_x = float(scene.operation.preload_N)
         rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
         constant_force = scene.operation.preload_method == "constant_force"
-        preload = Preload(constant_force, F_x, static_displacement(g, F_x))
-        return cls(g, parameters.motion(scene), preload, rule, fine_rule)
+        preload = Preload(
+            constant_force=constant_force, F_x=F_x, delta_a=static_displacement(g, F_x)
+        )
+        return cls(g, parameters.operating_point(scene), preload, rule, fine_rule)
 
-    def kinematic_start(self, law: int) -> np.ndarray:
+    def balance(self, D: float) -> BalanceProblem:
+        """The equations of motion of a ball of diameter D [m]."""
+        bearing = ThrustBearing(g=self.g, D=D, op=self.op, preload=self.preload)
+        return balance_problem(bearing, self.rule)
+
+    def kinematic_start(self, kinematics_model: int) -> np.ndarray:
         """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
-        g, m = self.g, self.motion
-        k = race_control(law, m.omega_i, m.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
+        g, op = self.g, self.op
+        k = race_control(kinematics_model, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
         return np.array(
             [k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega]
         )
@@ -66,25 +84,25 @@ class ThrustProblem:
         return case
 
     def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
-        m = self.motion
+        op = self.op
         if start is not None:
-            u, v_start = start, m.v_r
+            u, v_start = start, op.v_r
         else:
             u = self.kinematic_start(OUTER_CONTROL)
-            v_start = VISCOUS_START * 0.5 * self.g.dm * abs(m.omega_i - m.omega_o)
-        return thrust_case(self.g, D, m, self.preload, rule, fine, u, v_start, FRICTION_TOLERANCE)
+            v_start = VISCOUS_START * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o)
+        return thrust_case(self.g, D, op, self.preload, rule, fine, u, v_start, FRICTION_TOLERANCE)
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
         """The problem with half the regularisation, and with twice the points."""
         twice = parameters.quadrature(scene, refined=2)
         return (
-            replace(self, motion=self.motion._replace(v_r=0.5 * self.motion.v_r)),
+            replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r)),
             replace(self, rule=twice, fine_rule=twice),
         )
 
     def undetermined(self) -> int:
         """Status that is plain before any solve, or OK."""
-        if self.motion.mu == 0.0:
+        if self.op.mu == 0.0:
             return code.UNDETERMINED
         if self.preload.constant_force and self.preload.F_x == 0.0:
             return code.PRELOAD_GONE
@@ -92,8 +110,8 @@ class ThrustProblem:
 
     def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
         """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
-        m = self.g.rho * math.pi / 6.0 * D**3
-        inertia = np.array([0.1 * m * D * D] * 3 + [m * case.r**2])
+        m = ball_mass(self.g.rho, D)
+        inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
 
     def stable(self, D: float, case: ThrustCase) -> bool:
@@ -132,19 +150,16 @@ class ThrustProblem:
     def other_states(self, D: float, case: ThrustCase, count: int) -> list[ThrustCase]:
         """Steady states other than `case` that the ball settles in from unlike starts."""
         found = [case]
-        work = workspace(self.rule)
+        p = self.balance(D)
         for u in self.starts(count):
-            delta_a, state = orbit_equilibrium(
-                self.g, D, u[3], self.preload, case.delta_a, cold_start()
+            seat = orbit_equilibrium(
+                p.bearing, u[3], Seat(delta_a=case.delta_a, state=cold_start())
             )
-            if state.status != code.OK:
+            if seat.state.status != code.OK:
                 continue
-            status, *_ = settle(
-                self.g, D, self.motion, self.motion.v_r, self.preload, delta_a, state, u,
-                self.rule, work, 1e-9, 300,
-            )  # fmt: skip
+            settled = pseudo_transient(p, self.op.v_r, seat, u, SETTLED, SETTLING_STEPS)
             # Newton may go on from a state that had not settled to one that is known.
-            if status == code.OK and is_new(u, found):
+            if settled.status == code.OK and is_new(u, found):
                 other = self.solve(D, start=u)
                 if other.status == code.OK and is_new(other.u, found):
                     found.append(other)
@@ -220,23 +235,23 @@ def steady_answer(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
 
 def residual_sentence(case: ThrustCase) -> str:
     """The checks after the solve, in words."""
-    check = case.check
+    found = case.residuals
     return (
-        f"friction balance {check.friction:.1e} of the friction forces, "
-        f"normal balance {check.equilibrium:.1e} of the contact load, "
-        f"power balance {check.power:.1e} of the shaft power; allowed {LARGEST_RESIDUAL:.0e}"
+        f"friction balance {found.friction:.1e} of the friction forces, "
+        f"normal balance {found.equilibrium:.1e} of the contact load, "
+        f"power balance {found.power:.1e} of the shaft power; allowed {LARGEST_RESIDUAL:.0e}"
     )
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     """Case variables of a solved steady state."""
-    g, m, n = problem.g, problem.motion, problem.g.n_balls
-    F_v, _ = drag_force(g, D, m.drag, case.u[3])
+    g, op, n = problem.g, problem.op, problem.g.n_balls
+    F_v, _ = drag_force(g, D, op.drag, case.u[3])
     axial = case.contacts[0, LOAD] * math.sin(case.contacts[0, ANGLE])
     return contact_values(
         scene,
         g,
-        m,
+        op,
         np.array([D]),
         case.u[None],
         np.array([case.r]),
@@ -250,12 +265,12 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "centrifugal_force": np.array([case.P_r]),
         "skid_ratio": case.skid,
         "steady_state_branch": case.branch,
-        "equilibrium_residual": case.check.equilibrium,
-        "friction_residual": case.check.friction,
-        "discretisation_residual": case.check.discretisation,
-        "discretisation_error_qv": case.check.discretisation_qv,
-        "power_balance_error": case.check.power,
-        "equilibrium_rounding": case.check.equilibrium_rounding,
-        "friction_rounding": case.check.friction_rounding,
-        "power_rounding": case.check.power_rounding,
+        "equilibrium_residual": case.residuals.equilibrium,
+        "friction_residual": case.residuals.friction,
+        "discretisation_residual": case.residuals.discretisation,
+        "discretisation_error_qv": case.residuals.discretisation_qv,
+        "power_balance_error": case.residuals.power,
+        "equilibrium_rounding": case.residuals.equilibrium_rounding,
+        "friction_rounding": case.residuals.friction_rounding,
+        "power_rounding": case.residuals.power_rounding,
     }

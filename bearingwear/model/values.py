@@ -4,8 +4,14 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.contact import slip, slip_coefficients, surface_height
-from bearingwear.kernels.params import Contact, Geometry, Motion
+from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.contact import (
+    loaded_contact,
+    slip_coefficients,
+    slip_velocity,
+    surface_height,
+)
+from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.kernels.summary import (
     ANGLE,
     HEAT,
@@ -21,10 +27,10 @@ from bearingwear.kernels.summary import (
 )
 from bearingwear.kernels.wear import archard_rate, diameter_loss_rate
 from bearingwear.model import parameters
-from bearingwear.model.scene import Scene
+from bearingwear.scene.scene import Scene
 
 
-def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows, axial) -> dict:
+def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows, axial) -> dict:
     """Variables of the contacts and their wear.
 
     Parameters
@@ -46,8 +52,8 @@ def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows, axial) -
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
-    v1, v2 = slip_profiles(scene, g, m, D, u, r, rows)
-    mass = g.rho * math.pi / 6.0 * D**3
+    v1, v2 = slip_profiles(scene, g, op, D, u, r, rows)
+    inertia = ball_inertia(ball_mass(g.rho, D), D)
     values = {
         "contact_load": rows[..., LOAD],
         "contact_angle": rows[..., ANGLE],
@@ -63,7 +69,7 @@ def contact_values(scene: Scene, g: Geometry, m: Motion, D, u, r, rows, axial) -
         "rolling_slip": v2,
         "ball_angular_velocity": u[:, :3],
         "orbit_speed": u[:, 3],
-        "gyroscopic_moment": np.abs(0.1 * mass * D * D * u[:, 3] * u[:, 2]),
+        "gyroscopic_moment": np.abs(inertia * u[:, 3] * u[:, 2]),
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
@@ -112,19 +118,18 @@ def strip_centres(scene: Scene) -> np.ndarray:
     return (2.0 * np.arange(n) + 1.0) / n - 1.0
 
 
-def slip_profiles(scene: Scene, g: Geometry, m: Motion, D, u, r, rows):
+def slip_profiles(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows):
     """Slip (race minus ball) along both axes at the strip centres, two (n, 2, strips) [m/s]."""
     t = strip_centres(scene)
     h = np.empty(t.size)
     v1, v2 = np.zeros((2, len(D), 2, t.size))
-    races = ((-1.0, g.r_i, m.omega_i), (1.0, g.r_o, m.omega_o))
     for j in range(len(D)):
-        for k, (sigma, r_g, omega) in enumerate(races):
+        for k in range(2):
             row = rows[j, k]
             if row[LOAD] > 0.0:
                 sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
-                contact = Contact(sigma, row[LOAD], row[MAJOR], sine, cosine, r_g, omega)
+                contact = loaded_contact(g, op, k, row[LOAD], row[MAJOR], sine, cosine)
                 surface_height(contact, 0.5 * D[j], t, h)
                 c = slip_coefficients(contact, u[j], r[j])
-                slip(contact, c, t, h, v1[j, k], v2[j, k])
+                slip_velocity(contact, c, t, h, v1[j, k], v2[j, k])
     return v1, v2

@@ -4,13 +4,14 @@ Kernels run interpreted here: the copies have sources of their own, and compilin
 longer than all their cases.
 """
 
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import pytest
@@ -61,17 +62,25 @@ class Project:
     def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
         """Run Snakemake in the copy, by another program if a prefix is given."""
         done = subprocess.run(
-            [*prefix, *self.command(*arguments, jobs=jobs)], cwd=self.root, env=self.environment,
-            capture_output=True, text=True, timeout=300,
-        )  # fmt: skip
+            [*prefix, *self.command(*arguments, jobs=jobs)],
+            cwd=self.root,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=900,
+        )
         return Run(done.returncode, done.stdout + done.stderr)
 
     def start(self, *arguments: str) -> subprocess.Popen:
         """Run Snakemake in the copy, in a group of processes of its own, and do not wait."""
         return subprocess.Popen(
-            self.command(*arguments), cwd=self.root, env=self.environment,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
-        )  # fmt: skip
+            self.command(*arguments),
+            cwd=self.root,
+            env=self.environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
 
     def edit(self, path: str, old: str, new: str) -> None:
         """Replace a text that must be there."""
@@ -79,6 +88,11 @@ class Project:
         text = file.read_text(encoding="utf-8")
         assert old in text, f"{path} has no {old!r}"
         file.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    def change_source(self, path: str) -> None:
+        """Change a source so that it still does the same."""
+        with (self.root / path).open("a", encoding="utf-8") as file:
+            file.write("# changed\n")
 
     def configure(self, config: dict) -> None:
         (self.root / "config/config.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
@@ -135,12 +149,19 @@ def new_project(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def first_run(new_project):
-    """The small study and what Snakemake said when it was solved."""
-    project = new_project()
-    run = project.run()
-    assert run.status == 0, run.text
-    return project, run
+def first_run(new_project, made_once):
+    """The small study, for nobody to change, and what Snakemake said when it was solved."""
+
+    def make(folder: Path) -> None:
+        project = new_project()
+        run = project.run()
+        assert run.status == 0, run.text
+        project.root.rename(folder / "project")
+        (folder / "run.json").write_text(json.dumps(asdict(run)), encoding="utf-8")
+
+    folder = made_once("first_run", make)
+    run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    return Project(folder / "project"), Run(**run)
 
 
 @pytest.fixture

@@ -77,7 +77,7 @@ def solver_processes(process):
     """Processes below one that solve a case."""
     try:
         below = psutil.Process(process.pid).children(recursive=True)
-        return [child for child in below if "solve" in child.cmdline()]
+        return [child for child in below if "studies.solve.solved_case" in child.cmdline()]
     except psutil.Error:
         return []
 
@@ -86,7 +86,7 @@ def resumes(project, before, undisturbed, *arguments):
     """The study ends as if nothing had happened, and solves no finished case again."""
     run = project.run(*arguments)
     assert run.status == 0, run.text
-    assert run.jobs.get("solve", 0) == len(CASES) - len(before)
+    assert run.jobs.get("grid_solve", 0) == len(CASES) - len(before)
     after = finished(project)
     assert {path: after[path] for path in before} == before
     # who is killed while writing leaves a part; see test_parts_of_files_that_nobody_writes
@@ -134,19 +134,19 @@ def test_damaged_results_are_set_aside_and_made_anew(solved):
         (line,) = [line for line in run.text.splitlines() if line.startswith(f"{name}: ")]
         assert line.endswith(f"set aside as {name}.damaged, to be made anew")
         assert not hit.exists() and Path(f"{hit}.damaged").exists()
-    assert run.jobs["solve"] == 3 and run.jobs["wear_life"] == 1
+    assert run.jobs["grid_solve"] == 3 and run.jobs["grid_wear_life"] == 1
 
 
 def test_an_edit_with_an_old_date_counts(solved):
     for path, old, new in (
         ("config/scenes/gyro_s1_drag.yaml", "drag_density_kg_m3: 250", "drag_density_kg_m3: 240"),
-        ("bearingwear/report/figures.py", "contact angle (degree)", "angle (degree)"),
+        ("bearingwear/studies/grid/figures.py", "contact angle (degree)", "angle (degree)"),
     ):
         solved.edit(path, old, new)
         os.utime(solved.root / path, (0, 0))
     planned = solved.run("-n")
-    assert planned.jobs["solve"] == 2
-    assert planned.jobs["figure_wear"] == 2
+    assert planned.jobs["grid_solve"] == 2
+    assert planned.jobs["grid_figure_wear"] == 2
     assert "gyro_s1: fixed" not in planned.text
 
 
@@ -162,7 +162,7 @@ def test_a_clock_that_was_set_back(solved):
     assert all(path.stat().st_mtime <= time.time() for path in [*results, scene])
     # what is changed from now on counts
     solved.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")
-    assert solved.run("-n").jobs["solve"] == 8
+    assert solved.run("-n").jobs["grid_solve"] == 10  # the scene with drag is based on it
 
 
 def test_parts_of_files_that_nobody_writes(solved):
@@ -290,7 +290,7 @@ def test_the_disk_is_full(project, undisturbed, room):
     full, expected = files("full"), undisturbed.results()
     assert full.items() < expected.items()
     kept = [name for name in full if "/cases/" in name]
-    again = (project.root / "second.txt").read_text().split("\nsolve ")[1:]
+    again = (project.root / "second.txt").read_text().split("\ngrid_solve ")[1:]
     assert (int(again[0].split()[0]) if again else 0) == len(CASES) - len(kept)
     assert files("with_room") == expected
 
@@ -308,7 +308,7 @@ def test_results_cannot_be_written(done, undisturbed):
     case.parent.chmod(0o755)
     assert run.status == 1 and "Traceback" not in run.text
     name = case.relative_to(done.root)
-    log = (done.root / f"logs/gyro_s1/cases/{CASES[0]}.log").read_text()
+    log = (done.root / f"logs/grid/solve/gyro_s1/cases/{CASES[0]}.log").read_text()
     assert log == f"{name}: cannot be written (Permission denied)\n"
     resumes(done, before, undisturbed)
 
@@ -321,7 +321,7 @@ def test_damaged_files_do_not_get_into_the_study(done, undisturbed):
     emptied(done.root / "results/gyro_s1/study.nc")
     before = {path: path.stat().st_mtime_ns for path in done.cases()[3:]}
     run = done.run()
-    assert run.status == 0 and run.jobs["solve"] == 3, run.text
+    assert run.status == 0 and run.jobs["grid_solve"] == 3, run.text
     assert {path: path.stat().st_mtime_ns for path in before} == before
     results = done.results()
     aside = [name for name in results if name.endswith(".damaged")]
@@ -340,15 +340,15 @@ def test_a_run_after_the_clock_was_set_back(done, undisturbed):
     done.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.5")
     # only the cases: whoever comes next must see that the study is older than they are
     half = done.run(*(f"results/gyro_s1/cases/{case}.nc" for case in CASES))
-    assert half.status == 0 and half.jobs == {"solve": 4}
+    assert half.status == 0 and half.jobs == {"grid_solve": 4}
     rest = done.run()
-    assert rest.status == 0 and rest.jobs["gather"] == 1 and "solve" not in rest.jobs
+    assert rest.status == 0 and rest.jobs["grid_gather"] == 1 and "grid_solve" not in rest.jobs
     assert "preload_N: 7.5" in (done.root / "config/scenes/gyro_s1.yaml").read_text()
     assert done.results()["gyro_s1/study.nc"] != undisturbed.results()["gyro_s1/study.nc"]
     # and back again, by a copy that keeps its date
     shutil.copy2(ROOT / "config/scenes/gyro_s1.yaml", done.root / "config/scenes/gyro_s1.yaml")
     back = done.run()
-    assert back.status == 0 and back.jobs["solve"] == 4, back.text
+    assert back.status == 0 and back.jobs["grid_solve"] == 4, back.text
     assert done.results() == undisturbed.results()
 
 
@@ -359,7 +359,7 @@ def test_the_clock_is_set_back_in_mid_run(done, undisturbed):
     done.edit("config/scenes/gyro_s1.yaml", "preload_N: 7.0", "preload_N: 7.00")
     os.utime(scene, (time.time() + TEN_DAYS,) * 2)
     run = done.run()
-    assert run.status == 0 and run.jobs["solve"] == 4, run.text
+    assert run.status == 0 and run.jobs["grid_solve"] == 4, run.text
     assert "Nothing to be done" in done.run().text
     assert done.results() == undisturbed.results()
 
@@ -367,9 +367,11 @@ def test_the_clock_is_set_back_in_mid_run(done, undisturbed):
 @pytest.mark.faults
 def test_cases_that_do_not_converge(done, undisturbed):
     """All iterations are taken away, as if they had not sufficed."""
-    source = "bearingwear/kernels/steady.py"
-    for _ in range(2):  # Newton's, and those of the steps that come after it
-        done.edit(source, "for iteration in range(most):", "for iteration in range(0 * most):")
+    source = "bearingwear/kernels/level_solver.py"
+    for most in ("NEWTON_STEPS", "most"):  # Newton's, and those of the steps that come after it
+        done.edit(
+            source, f"for iteration in range({most}):", f"for iteration in range(0 * {most}):"
+        )
     run = done.run()
     assert run.status == 1
     says = "no_steady_state"
@@ -383,7 +385,7 @@ def test_cases_that_do_not_converge(done, undisturbed):
     assert again.status == 1 and again.jobs == {"verdict": 1}
     shutil.copy(ROOT / source, done.root / source)
     mended = done.run()
-    assert mended.status == 0 and mended.jobs["solve"] == 4
+    assert mended.status == 0 and mended.jobs["grid_solve"] == 4
     assert done.results() == undisturbed.results()
 
 

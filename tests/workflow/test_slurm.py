@@ -152,7 +152,7 @@ def on_slurm(slurm, new_project):
 def test_a_study_on_slurm(on_slurm, new_project):
     project, run = on_slurm
     assert run.status == 0, run.text
-    assert run.jobs["solve"] == 4 and run.jobs["wear_life"] == 1
+    assert run.jobs["grid_solve"] == 4 and run.jobs["grid_wear_life"] == 1
     # four cases were one job, a life another; what takes a second stayed out of the queue
     asked = [line.split() for line in queued("%T %l %C %m %j")]
     # a minute a case is asked for, but memory and cores of one case
@@ -188,5 +188,5 @@ def test_a_group_that_is_ended_keeps_its_finished_cases(on_slurm):
     # whatever else is there is of before, and must not pass for new
     rest = project.run()
     assert rest.status == 0, rest.text
-    assert rest.jobs["solve"] == 4 - len(done)
+    assert rest.jobs["grid_solve"] == 4 - len(done)
     assert done.items() <= {path: path.read_bytes() for path in project.cases()}.items()

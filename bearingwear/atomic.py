@@ -1,0 +1,75 @@
+"""Files that appear under their name only when they are complete."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+PROBE_BYTES = 1_000_000
+"""Written to learn whether a disk is full."""
+
+
+class OutputError(OSError):
+    """A file that cannot be written; its text is one line that names the file."""
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Name to write to; what was written there gets the name `path` if nothing went wrong.
+
+    Folders are made. Whatever goes wrong, a file of before is left as it was, and no part of the
+    new one stays, unless the process is killed.
+
+    Raises
+    ------
+    OutputError
+        One line: no permission, a full disk, a name that cannot be.
+    """
+    path = Path(path)
+    if "\0" in str(path):
+        raise OutputError(f"{path}: cannot be written (no character 0 in a name)")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # netCDF4 says only "Permission denied" for all that can go wrong here
+            part.open("wb").close()
+            os.fspath(part).encode()  # and nothing of use about a name that is not UTF-8
+            try:
+                yield part
+            except RuntimeError:
+                _append(part)
+                raise
+            os.replace(part, path)
+        finally:
+            with contextlib.suppress(OSError):
+                part.unlink(missing_ok=True)
+    except (OSError, RuntimeError, UnicodeError) as error:
+        raise OutputError(f"{path}: cannot be written ({reason(error)})") from None
+
+
+def _append(part: Path) -> None:
+    """HDF5 fails with a RuntimeError that does not say why; a plain write to a full disk does."""
+    with part.open("ab") as file:
+        file.write(bytes(PROBE_BYTES))
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text as UTF-8.
+
+    Raises
+    ------
+    OutputError
+    """
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8", newline="\n")
+
+
+def reason(error: BaseException) -> str:
+    """Why a file could not be read or written, on one line."""
+    if isinstance(error, UnicodeError):
+        return "netCDF takes names in UTF-8 only"
+    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    return " ".join(str(text).split())

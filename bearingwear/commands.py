@@ -1,0 +1,196 @@
+"""What each command does. Exit statuses: `cli`.
+
+A handler takes the parsed arguments and returns the exit status. Only what a command needs is
+imported, when it runs: `solve` shall not wait for xarray, nor `show` for numba.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.console import one_line
+from bearingwear.scene.new import OPTIONS
+
+if TYPE_CHECKING:
+    from bearingwear.model.result import Result
+    from bearingwear.scene.scene import Scene
+
+OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
+
+
+def new(args: argparse.Namespace) -> int:
+    from bearingwear.scene.new import write_scene
+
+    values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
+    known = {key: value for key, value in values.items() if value is not None}
+    assumed = write_scene(
+        args.file, args.bore, args.outside, known, args.ball_material, args.preload_method
+    )
+    print(f"{args.file}: written; assumed, and marked so in it:")
+    for line in assumed:
+        print(f"  {line}")
+    return OK
+
+
+def check(args: argparse.Namespace) -> int:
+    from bearingwear.model.fidelity import accuracy_told, choice, effort
+
+    scene = _scene(args)
+    chosen = choice(scene, args.fidelity)
+    print(f"{args.scene}: valid; {scene.name} would be solved with {chosen.tier}")
+    for reason in chosen.reasons:
+        print(f"  {reason}")
+    print(f"  {accuracy_told(scene, chosen)}")
+    print(f"  {effort(scene, chosen)}")
+    return OK
+
+
+def solve(args: argparse.Namespace) -> int:
+    scene = _scene(args)
+    from bearingwear.model.solve import solve as solved
+
+    restart = _restart(scene, args) if args.restart is not None else None
+    result = solved(scene, args.fidelity, restart, lambda text: _tell(f"{args.scene}: {text}"))
+    return _finish(result, args)
+
+
+def life(args: argparse.Namespace) -> int:
+    from bearingwear.scene.read import for_life
+
+    scene = for_life(_scene(args), args.scene)
+    from bearingwear.model.life import life as lived
+
+    result = lived(scene, args.fidelity, lambda text: _tell(f"{args.scene}: {text}"))
+    return _finish(result, args)
+
+
+def uncertainty(args: argparse.Namespace) -> int:
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.sampling import SAMPLES
+    from bearingwear.studies.uncertainty.quantiles import life_quantiles
+
+    samples = SAMPLES if args.samples is None else args.samples
+    found = life_quantiles(args.scene, args.friction, args.method or (), samples, args.seed)
+    write_dataset(found, args.output)
+    return OK
+
+
+def show(args: argparse.Namespace) -> int:
+    from bearingwear.results.show import scene_summary, summary
+    from bearingwear.studies import registry
+
+    if Path(args.file).suffix in (".yaml", ".yml"):
+        from bearingwear.scene.read import load_scene
+
+        text = scene_summary(load_scene(args.file))
+    else:
+        text = summary(args.file, registry("SUMMARIES"))
+    _print(text)
+    return OK
+
+
+def plot(args: argparse.Namespace) -> int:
+    from bearingwear.plotting.plot import plot as draw
+    from bearingwear.studies import registry
+
+    draw(args.file, args.output, registry("PLOTS"))
+    return OK
+
+
+def compare(args: argparse.Namespace) -> int:
+    from bearingwear.results.compare import difference
+
+    text, same = difference(args.first, args.second, args.tolerance)
+    _print(text)
+    return OK if same else DIFFERENT
+
+
+def study(args: argparse.Namespace) -> int:
+    from bearingwear.studies.launch import launch
+
+    return launch(args.name, args.jobs, args.more)
+
+
+def step(args: argparse.Namespace) -> int:
+    """Run a step of a study. `NAME+=FILE` adds to a list of files."""
+    from bearingwear.studies.run_step import NotSolved, run_step
+
+    inputs: dict[str, Any] = {}
+    for text in args.inputs:
+        name, _, file = text.partition("=")
+        if name.endswith("+"):
+            inputs.setdefault(name[:-1], []).append(Path(file))
+        else:
+            inputs[name] = Path(file)
+    try:
+        run_step(args.step, inputs, args.settings, args.output)
+    except NotSolved as error:
+        sys.stderr.write(f"{error}\n")
+        return NOT_SOLVED
+    return OK
+
+
+def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
+    """What a run goes on from; the scene is asked first, whether it moves in time at all."""
+    from bearingwear.model.fidelity import choice
+    from bearingwear.model.solve import check_restart
+    from bearingwear.results.restart import restart_from
+
+    check_restart(scene, choice(scene, args.fidelity))
+    return restart_from(args.restart, scene)
+
+
+def _tell(text: str) -> None:
+    """Write a line at once; a run goes on where nobody reads about its progress any more."""
+    with contextlib.suppress(OSError, ValueError):
+        sys.stderr.write(one_line(text))
+        sys.stderr.flush()
+
+
+def _scene(args: argparse.Namespace) -> Scene:
+    from bearingwear.scene.read import load_scene
+
+    scene = load_scene(args.scene, args.set)
+    if "output" in args:
+        _check_output(args.output, args.scene)
+    return scene
+
+
+def _check_output(path: Path, scene: str) -> None:
+    """Refuse, before anything is solved, an output that must not be replaced."""
+    from bearingwear.atomic import OutputError
+
+    try:
+        if path.exists():
+            if not path.is_file():
+                raise OutputError(f"{path}: given something that is no file; allowed a file name")
+            if path.samefile(scene):
+                raise OutputError(f"{path}: given the scene itself; allowed another file name")
+    except OutputError:
+        raise
+    except OSError as error:  # a name that is too long
+        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _finish(result: Result, args: argparse.Namespace) -> int:
+    """Write the file; say so if the solver failed."""
+    from bearingwear.kernels.status import STATUS_SENTENCES
+    from bearingwear.results.netcdf import write_result
+
+    if args.record_timing:
+        result.attrs["wall_time_s"] = float(result.wall_time_s)
+    write_result(result, args.output)
+    if result.status == "ok":
+        return OK
+    sentence = STATUS_SENTENCES[result.status]
+    sys.stderr.write(one_line(f"{args.scene}: {result.status}: {sentence} (see {args.output})"))
+    return OK if args.record_failures else NOT_SOLVED
+
+
+def _print(text: str) -> None:
+    """Names in a file of somebody else may hold what a terminal obeys."""
+    print("\n".join("".join(c if c.isprintable() else "?" for c in s) for s in text.split("\n")))

@@ -1,1 +1,0 @@
-"""The edges: scene files in, result files out."""

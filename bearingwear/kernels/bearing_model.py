@@ -1,0 +1,97 @@
+"""What stays the same while a bearing moves, and the work space of its right-hand side."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.cage import CageModel
+from bearingwear.kernels.cage_law import CageBuffers, cage_buffers
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.contact import loaded_contact
+from bearingwear.kernels.ellipse import Rule, most_points
+from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.profile import semi_axis
+from bearingwear.kernels.quasistatic import (
+    COS_I,
+    COS_O,
+    HERTZ_A,
+    SIN_I,
+    SIN_O,
+    Suspension,
+    suspension,
+)
+from bearingwear.kernels.state import StateLayout
+
+
+class BearingModel(NamedTuple):
+    """Bearing, loads and speeds of a run in time."""
+
+    g: Geometry
+    op: OperatingPoint
+    D: np.ndarray  # (n,) worn ball diameters [m]
+    mass: np.ndarray  # (n,) [kg]
+    inertia: np.ndarray  # (n,) [kg m2]
+    hertz: np.ndarray  # (n, 2, intervals, 8) see quasistatic.hertz_at
+    axial_is_held: bool  # fixed position of the race; else constant force
+    F_x: float  # preload [N]
+    F_y: float  # load fixed in space [N]
+    F_z: float
+    F_rot: float  # load that turns with the shaft, along +Z at t = 0 [N]
+    tilt: float  # [rad]
+    cage: CageModel
+    rule: Rule  # for the contact ellipses
+    layout: StateLayout
+
+
+class Buffers(NamedTuple):
+    """Work space of the right-hand side and its Jacobian."""
+
+    balls: Suspension
+    cage: CageBuffers
+    rest: np.ndarray  # (3,) displacement of the race at rest, a safe start [m]
+    t: np.ndarray  # (points,) of the contact at hand, if they depend on it
+    weight: np.ndarray  # (points,)
+    h: np.ndarray  # (points,)
+    L: np.ndarray  # (4, 4) derivative of the slip coefficients by (w, Omega)
+    gradient: np.ndarray  # (4,) of the friction potential by the slip coefficients
+    hessian: np.ndarray  # (4, 4)
+    blocks: np.ndarray  # (n, 4, 4) Jacobian of a ball's (w, Omega) with the loads held [1/s]
+    slopes: np.ndarray  # (n, 3, 4) derivative of shaft power, heat and turning by (w, Omega)
+
+
+@jit
+def buffers(n, rule):
+    """Work space for n balls and a rule."""
+    points = most_points(rule)
+    return Buffers(
+        balls=suspension(n),
+        cage=cage_buffers(n),
+        rest=np.zeros(3),
+        t=np.empty(points),
+        weight=np.empty(points),
+        h=np.empty(points),
+        L=np.empty((4, 4)),
+        gradient=np.empty(4),
+        hessian=np.empty((4, 4)),
+        blocks=np.empty((n, 4, 4)),
+        slopes=np.empty((n, 3, 4)),
+    )
+
+
+@jit
+def load_at(bearing, time, F):
+    """Load (axial, Y, Z) on the inner race at an instant, into F."""
+    theta = bearing.op.omega_i * time
+    F[0] = bearing.F_x
+    F[1] = bearing.F_y - bearing.F_rot * math.sin(theta)
+    F[2] = bearing.F_z + bearing.F_rot * math.cos(theta)
+
+
+@jit
+def race_contact_of(bearing, balls, j, k):
+    """Contact of ball j with race k (0 inner, 1 outer)."""
+    Q, d = balls.Q[j, k], balls.direction[j]
+    a = semi_axis(balls.factors[j, k, HERTZ_A], Q)
+    sine, cosine = (d[SIN_I], d[COS_I]) if k == 0 else (d[SIN_O], d[COS_O])
+    return loaded_contact(bearing.g, bearing.op, k, Q, a, sine, cosine)

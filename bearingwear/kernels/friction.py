@@ -1,0 +1,62 @@
+"""The friction law of the ball/race contacts: the only place that knows it (theory.md Eqs. 11-12).
+
+A point that presses with dQ and slips by v feels the friction force
+
+    dF = mu dQ v / sqrt(|v|^2 + v_r^2),
+
+Coulomb's law, smoothed below the slip v_r. It is the gradient, by the slip, of the convex potential
+mu dQ sqrt(|v|^2 + v_r^2). The functions give force, slope and potential for a given mu dQ or, where
+a sum is scaled by mu Q afterwards, for a share of the load.
+"""
+
+import math
+
+from bearingwear.kernels.compile import inlined
+
+
+@inlined
+def force_per_slip(load, v_2, v_r2):
+    """Friction force over slip, |dF|/|v|.
+
+    Parameters
+    ----------
+    load : float
+        mu dQ [N], or a share of it.
+    v_2 : float
+        Squared slip |v|^2 [m2/s2].
+    v_r2 : float
+        Squared regularisation [m2/s2].
+    """
+    return load / math.sqrt(v_2 + v_r2)
+
+
+@inlined
+def force_slope(load, v1, v2, v_r2):
+    """Friction force over slip, and the derivatives of the force by the slip (v1, v2).
+
+    The derivatives are written without the difference of `force_per_slip` and its own slope, which
+    would cancel where the slip is along one axis.
+
+    Returns
+    -------
+    f, p_11, p_12, p_22 : float
+        |dF|/|v|; dF1/dv1, dF1/dv2 = dF2/dv1, dF2/dv2.
+    """
+    e_2 = v1 * v1 + v_r2
+    w_2 = e_2 + v2 * v2
+    f = load / math.sqrt(w_2)
+    f3 = f / w_2
+    return f, f3 * (v2 * v2 + v_r2), -f3 * v1 * v2, f3 * e_2
+
+
+@inlined
+def potential(load, v_2, v_r2):
+    """Potential of the friction force [W for a load in N]."""
+    return load * math.sqrt(v_2 + v_r2)
+
+
+@inlined
+def friction_capacity(mu, Q_i, Q_o):
+    """Largest friction force on a ball with the contact loads Q_i and Q_o, the scale of its
+    balance [N]."""
+    return mu * (Q_i + Q_o)

@@ -1,0 +1,212 @@
+"""Contact of a ball with its cage pocket (theory.md section 10)."""
+
+import math
+from typing import NamedTuple
+
+from bearingwear.kernels.cage_law import (
+    ELASTIC,
+    POCKET_DAMPING,
+    POCKET_HEAT,
+    POCKET_TORQUE,
+    CageContact,
+    contact_law,
+    power_slopes,
+)
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.profile import contact_load, elastic_energy
+from bearingwear.kernels.state import BALL, CENTRE, OMEGA, VELOCITY, W_X, W_Y, W_Z
+from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple, unit
+
+
+class PocketPlace(NamedTuple):
+    """Where a ball is in its pocket; vectors in inertial axes."""
+
+    sin_psi: float  # of the ball's azimuth
+    cos_psi: float
+    axis: tuple[float, float, float]  # of the pocket, a unit vector
+    d: tuple[float, float, float]  # ball centre from the cage's [m]
+    across: tuple[float, float, float]  # ball centre from the pocket's axis [m]
+    offset: float  # its length [m]
+
+
+@jit(forceinline=True)
+def pocket_place(z, R, j, n_balls, psi, r, X1):
+    """Place of ball j, of axial position X1 on a circle of radius r."""
+    sp, cp = math.sin(psi), math.cos(psi)
+    phi = 2.0 * math.pi * j / n_balls
+    u1, u2 = -math.sin(phi), math.cos(phi)
+    axis = (
+        R[0, 1] * u1 + R[0, 2] * u2,
+        R[1, 1] * u1 + R[1, 2] * u2,
+        R[2, 1] * u1 + R[2, 2] * u2,
+    )
+    d = minus((X1, -r * sp, r * cp), triple(z, CENTRE))
+    across = minus(d, times(dot(d, axis), axis))
+    offset = math.sqrt(dot(across, across))
+    return PocketPlace(sin_psi=sp, cos_psi=cp, axis=axis, d=d, across=across, offset=offset)
+
+
+class PocketMotion(NamedTuple):
+    """How ball and cage move against each other where they touch; vectors in inertial axes."""
+
+    n: tuple[float, float, float]  # unit normal, from the pocket's axis outward
+    reach: tuple[float, float, float]  # contact point from the ball's centre [m]
+    arm: tuple[float, float, float]  # and from the cage's [m]
+    w_ball: tuple[float, float, float]  # angular velocity of the ball [rad/s]
+    slip: tuple[float, float, float]  # of the cage against the ball, tangential [m/s]
+    closing: float  # approach speed [m/s]
+    along_orbit: float  # speed of the cage over the ball's centre along the orbit [m/s]
+
+
+@jit(forceinline=True)
+def pocket_motion(y, i, z, w, place, r, R_b):
+    """Motion at the contact of the ball whose states begin at y[i] and radius is R_b."""
+    sp, cp, d = place.sin_psi, place.cos_psi, place.d
+    e, offset = place.across, place.offset
+    n = (e[0] / offset, e[1] / offset, e[2] / offset)
+    p = times(R_b, n)
+    q = plus(d, p)
+    # Ball surface: centre moves along (0, -cos psi, -sin psi); w from azimuth to inertial axes.
+    Omega, w_y, w_z = y[i + OMEGA], y[i + W_Y], y[i + W_Z]
+    w_ball = (y[i + W_X], w_y * cp - w_z * sp, w_y * sp + w_z * cp)
+    spin = cross(w_ball, p)
+    v_ball = (spin[0], spin[1] - r * Omega * cp, spin[2] - r * Omega * sp)
+    v = triple(z, VELOCITY)
+    slip = minus(plus(v, cross(w, q)), v_ball)
+    # A ball has inertia along the orbit alone, elsewhere the races hold it as a spring without
+    # mass: damping acts on its centre along the orbit, and less the further the contact looks
+    # away from it.
+    along_orbit = (
+        r * Omega
+        + (v[1] + w[2] * d[0] - w[0] * d[2]) * cp
+        + (v[2] + w[0] * d[1] - w[1] * d[0]) * sp
+    )
+    closing = -dot(slip, n)
+    return PocketMotion(
+        n=n,
+        reach=p,
+        arm=q,
+        w_ball=w_ball,
+        slip=plus(slip, times(closing, n)),
+        closing=closing,
+        along_orbit=along_orbit,
+    )
+
+
+@jit(forceinline=True)
+def pocket_force(cage, mass, approach, n_y, along_orbit):
+    """Normal force of a pocket, its stiffness, and its damping along the orbit.
+
+    Parameters
+    ----------
+    mass : float
+        Of the ball [kg].
+    n_y : float
+        Component of the normal along the orbit.
+
+    Returns
+    -------
+    F, stiffness, drag, c_n : float
+        Normal force [N] and its derivative by approach [N/m]; damping force on the ball [N] and
+        its derivative by the speed along the orbit [N s/m].
+    """
+    root = math.sqrt(approach)
+    F = contact_load(cage.K_pocket, approach)
+    m_eff = mass * cage.mass / (mass + cage.mass)
+    part = approach / (approach + cage.ramp_pocket)
+    c_n = cage.damping_pocket * math.sqrt(m_eff * cage.K_pocket) * math.sqrt(root) * part
+    c_n *= n_y * n_y
+    drag = c_n * along_orbit
+    if drag * n_y > F * n_y * n_y:  # nothing pulls
+        drag, c_n = F * n_y, 0.0
+    return F, 1.5 * cage.K_pocket * root, drag, c_n
+
+
+@jit(forceinline=True)
+def add_geometric_stiffness(cage, w, place, motion, F, R_b, speed, K):
+    """Add to K what turns with the ball's place: the normal, and with it the contact point.
+
+    At another point the surfaces have other speeds: friction turns.
+    """
+    a, n, slip, offset = place.axis, motion.n, motion.slip, place.offset
+    turning = F / offset
+    W = math.sqrt(speed * speed + cage.v_r * cage.v_r)
+    drift, lever = cage.mu * F / W, R_b / offset
+    s = (slip[0] / W, slip[1] / W, slip[2] / W)
+    # The cage against the ball at a point that moves over the ball, and at one fixed to it.
+    over = times(lever, minus(w, motion.w_ball))
+    ahead = motion.closing / offset
+    for v in range(3):
+        e = unit(v)
+        t = (
+            e[0] - a[0] * a[v] - n[0] * n[v],
+            e[1] - a[1] * a[v] - n[1] * n[v],
+            e[2] - a[2] * a[v] - n[2] * n[v],
+        )
+        # Less what is normal, which turns with the place.
+        c = plus(cross(over, t), cross(w, e))
+        back = dot(c, n) + dot(slip, t) / offset
+        c = minus(plus(c, times(ahead, t)), times(back, n))
+        along = dot(c, s)
+        for u in range(3):
+            K[u, v] += turning * t[u] - drift * (c[u] - along * s[u])
+
+
+@jit(forceinline=True)
+def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
+    """Force of the closed pocket j, stored and added to the sums; returns the load on the cage.
+
+    Parameters
+    ----------
+    load : tuple of two tuples of 3 floats
+        Force and moment on the cage so far [N, N m].
+    """
+    cage, R_b = bearing.cage, 0.5 * bearing.D[j]
+    motion = pocket_motion(y, BALL * j, z, w, place, r, R_b)
+    sp, cp, d, n = place.sin_psi, place.cos_psi, place.d, motion.n
+    n_y = n[1] * cp + n[2] * sp
+    F, stiffness, drag, c_n = pocket_force(cage, bearing.mass[j], approach, n_y, motion.along_orbit)
+    contact = CageContact(
+        n=n,
+        slip=motion.slip,
+        closing=motion.closing,
+        F=F,
+        stiffness=stiffness,
+        damping=0.0,
+        change=0.0,
+    )
+    K, C, loss = contacts.K[j], contacts.C[j], contacts.loss[j]
+    friction, speed = contact_law(contact, cage.mu, cage.v_r, K, C)
+    add_geometric_stiffness(cage, w, place, motion, F, R_b, speed, K)
+    C[1, 1] += c_n * cp * cp
+    C[1, 2] += c_n * cp * sp
+    C[2, 1] += c_n * cp * sp
+    C[2, 2] += c_n * sp * sp
+    power_slopes(contact, cage.mu, cage.v_r, contacts.heat[j], loss)
+    loss[1], loss[2] = 2.0 * c_n * motion.along_orbit * cp, 2.0 * c_n * motion.along_orbit * sp
+    # On the ball: pushed back along -n, dragged by the cage's slip.
+    h = minus(friction, times(F, n))
+    store((h[0], h[1] * cp + h[2] * sp + drag, -h[1] * sp + h[2] * cp), contacts.ball_force[j])
+    moment = cross(motion.reach, friction)
+    store(
+        (moment[0], moment[1] * cp + moment[2] * sp, -moment[1] * sp + moment[2] * cp),
+        contacts.ball_moment[j],
+    )
+    contacts.normal[j] = F
+    contacts.power[j] = F * speed
+    store(motion.arm, contacts.arm[j])
+    store(motion.reach, contacts.reach[j])
+    sums = contacts.sums
+    sums[POCKET_HEAT] += dot(friction, motion.slip)
+    sums[POCKET_DAMPING] += drag * motion.along_orbit
+    sums[ELASTIC] += elastic_energy(F, approach)
+    # Torque about the bearing axis, for the account of who tows whom.
+    q, e1, e2 = motion.arm, -drag * cp, -drag * sp
+    sums[POCKET_TORQUE] -= (z[CENTRE + 1] + q[1]) * h[2] - (z[CENTRE + 2] + q[2]) * h[1]
+    sums[POCKET_TORQUE] += (z[CENTRE + 1] + d[1]) * e2 - (z[CENTRE + 2] + d[2]) * e1
+    force, moment = load
+    force = minus(force, h)
+    moment = plus(moment, cross(q, (-h[0], -h[1], -h[2])))
+    force = (force[0], force[1] + e1, force[2] + e2)
+    moment = (moment[0] + d[1] * e2 - d[2] * e1, moment[1] - d[0] * e2, moment[2] + d[0] * e1)
+    return force, moment

@@ -1,0 +1,239 @@
+"""A dynamic run: windows of recorded time, their trend, lines of progress."""
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.record import (
+    PRELOAD,
+    Recorder,
+    TimeGrid,
+    advance_and_record,
+    clear,
+    empty_history,
+    empty_sums,
+)
+from bearingwear.kernels.wear import archard_rate
+from bearingwear.model import parameters
+from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
+from bearingwear.model.interrupt import Interrupt
+from bearingwear.model.values import strip_centres
+from bearingwear.scene.scene import Scene
+
+INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
+REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
+
+
+class Trend:
+    """Straight lines through what successive turns give, without keeping them.
+
+    QV, wear of all parts, of the balls, of balls and races, preload.
+    """
+
+    def __init__(self) -> None:
+        self.sums = np.zeros(3)  # 1, k, k^2
+        self.values = np.zeros((3, 5))  # (value, k value, value^2) of each
+
+    def add(self, values: np.ndarray) -> None:
+        k = self.sums[0]
+        self.sums += (1.0, k, k * k)
+        self.values += [values, k * values, values * values]
+
+    @property
+    def known(self) -> bool:
+        """Whether three turns or more say what QV and wear do."""
+        return bool(self.sums[0] >= 3 and (self.values[0, :2] > 0.0).all())
+
+    def slopes(self) -> np.ndarray | None:
+        """Relative change a turn of each (5,); None if not `known`."""
+        n, k, kk = self.sums
+        total, weighted, _ = self.values
+        if not self.known:
+            return None
+        mean = np.where(total != 0.0, total / n, 1.0)
+        return (n * weighted - k * total) / (n * kk - k * k) / mean
+
+    def scatter(self) -> np.ndarray:
+        """Standard error of each mean, relative, were the turns independent (5,)."""
+        n = self.sums[0]
+        mean, square = self.values[0] / n, self.values[2] / n
+        variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
+        return np.sqrt(variance) / np.where(mean != 0.0, np.abs(mean), 1.0)
+
+
+def wear_per_joule(scene: Scene, material: str) -> float:
+    """Worn volume per normal force times slip [m3/J]."""
+    m = scene.materials[material]
+    return archard_rate(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA, 1.0)
+
+
+def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
+    """Weights (4, m) that turn the time integrals of the state [J] into QV and worn volumes.
+
+    Rows: QV in the contacts of balls and races [J]; wear of all parts, of the balls, of balls and
+    races [m3].
+    """
+    p, b = system.layout, scene.bearing
+    ball, race = (wear_per_joule(scene, name) for name in (b.ball_material, b.race_material))
+    cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
+    weights = np.zeros((4, p.size - p.qv))
+    contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
+    weights[0, contacts] = 1.0
+    weights[1:, contacts] = np.array([[ball + race], [ball], [ball + race]])
+    weights[1:, pockets] = np.array([[ball + cage], [ball], [ball]])
+    weights[1, p.land - p.qv] = cage
+    return weights
+
+
+class _Progress:
+    """Lines of progress, no more often than every few seconds."""
+
+    def __init__(self, say: Callable[[str], None] | None, turns: float, turn: float) -> None:
+        self.say, self.turns, self.turn = say, turns, turn
+        self.begun = self.last = clock.monotonic()
+
+    def __call__(self, done: float, slopes: np.ndarray | None) -> None:
+        now = clock.monotonic()
+        if self.say is None or now - self.last < REPORT_EVERY:
+            return
+        self.last = now
+        passed = now - self.begun
+        left = passed * (self.turns / done - 1.0)
+        drift = "not known yet" if slopes is None else f"{slopes[0]:+.1e} a turn"
+        self.say(
+            f"{done:.0f} of {self.turns:.0f} turns, {1e3 * done * self.turn:.3g} ms simulated in "
+            f"{passed:.0f} s, at most {left:.0f} s left, drift of QV {drift}"
+        )
+
+
+@dataclass(frozen=True)
+class RunGrid:
+    """Instants of a run: origin + k dt.
+
+    A run that goes on from another keeps to its grid, so that both take the steps of a single one.
+    """
+
+    points: int  # a shaft turn
+    dt: float  # [s]
+    origin: float  # [s]
+    first: int
+    total: int  # intervals to simulate
+    window: int  # intervals that averages are taken over
+
+    @classmethod
+    def of(cls, scene: Scene, time: float, turn: float) -> "RunGrid":
+        points = scene.model.history_points_per_turn or STEPS_PER_TURN
+        dt = turn / points
+        total = max(1, round(scene.model.simulated_turns * points))
+        window = min(total, max(1, round(scene.model.averaged_turns * points)))
+        k = round(time / dt)
+        on_grid = k * dt == time
+        return cls(points, dt, 0.0 if on_grid else time, k if on_grid else 0, total, window)
+
+    @property
+    def instants(self) -> TimeGrid:
+        """The same for the kernels."""
+        return TimeGrid(origin=self.origin, dt=self.dt, first=self.first)
+
+    @property
+    def windows(self) -> list[int]:
+        """Lengths of the stretches; what does not fill whole windows comes first."""
+        whole, left = divmod(self.total, self.window)
+        return [left] * (left > 0) + [self.window] * whole
+
+
+class TimeRun:
+    """A scene on its way through time."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        system: DynamicSystem,
+        progress: Callable[[str], None] | None,
+        tolerance: float | None = None,
+    ):
+        model, layout, n = scene.model, system.layout, len(system.bearing.D)
+        self.system = system
+        self.grid = grid = RunGrid.of(scene, system.time, system.turn)
+        self.tolerance = tolerance or model.dynamic_tolerance
+        self.control = system.control(self.tolerance, INTEGRATORS[model.integrator])
+        keep = model.history_points_per_turn > 0
+        integrals = layout.size - layout.qv
+        self.recorder = Recorder(
+            sums=empty_sums(n, system.bearing.rule, strip_centres(scene), integrals),
+            history=empty_history(grid.total if keep else 0, n),
+            keep=keep,
+        )
+        self.weights = wear_weights(scene, system)
+        self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
+        self.done = 0
+        self.trend = Trend()
+        self.before_last_turn: tuple[np.ndarray, float] = (np.empty(0), system.time)
+        self.advance(0)  # compiles before the clock of the progress starts
+        self.report = _Progress(progress, grid.total / grid.points, system.turn)
+
+    @property
+    def turns(self) -> float:
+        """Shaft turns simulated."""
+        return self.done / self.grid.points
+
+    def advance(self, count: int) -> int:
+        """Simulate so many intervals; returns a status."""
+        system = self.system
+        tally = advance_and_record(
+            self.control,
+            self.grid.instants,
+            self.done,
+            count,
+            system.h,
+            system.y,
+            system.bearing,
+            system.buffers,
+            system.stages,
+            self.recorder,
+        )
+        system.time, system.h = tally.time, tally.h
+        self.tally += (tally.accepted, tally.rejected, tally.evaluations, tally.events)
+        if tally.status == code.OK:
+            self.done += count
+        return tally.status
+
+    def window(self, length: int, interrupt: Interrupt) -> int:
+        """Simulate a window and record it; returns a status."""
+        integrals = self.system.y[self.system.layout.qv :]
+        sums, points = self.recorder.sums, self.grid.points
+        clear(sums)
+        before_last, self.trend = self.trend, Trend()
+        self.opening = self.system.snapshot()
+        for at in range(0, length, points):
+            count = min(points, length - at)
+            if at + points >= length:
+                self.before_last_turn = self.system.packed(), self.system.time
+            before, preload = integrals.copy(), sums.bearing[PRELOAD]
+            status = self.advance(count)
+            interrupt.check()
+            if status != code.OK:
+                return status
+            if count == points:
+                gained = integrals - before
+                pressed = sums.bearing[PRELOAD] - preload
+                self.trend.add(np.array([*self.weights @ gained, pressed]))
+            shown = self.trend if self.trend.known else before_last
+            self.report(self.turns, shown.slopes())
+        return code.OK
+
+    def counts(self, evaluated: float) -> dict:
+        """Variables that say what the run took."""
+        accepted, rejected, evaluations, events = (int(number) for number in self.tally)
+        return {
+            "simulated_turns": self.turns,
+            "evaluated_turns": evaluated,
+            "steps_accepted": accepted,
+            "steps_rejected": rejected,
+            "evaluations": evaluations,
+            "contact_events": events,
+        }

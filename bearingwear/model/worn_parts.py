@@ -1,0 +1,113 @@
+"""What wears of a bearing, as a vector, and the scene that it leaves behind."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.model import parameters
+from bearingwear.scene.scene import COUNTS, Scene
+
+
+class WornLayout:
+    """Where the parts stand in a vector of what has worn, or of its rates; n balls."""
+
+    def __init__(self, n: int):
+        self.diameter = slice(0, n)  # worn off each ball's diameter [m]
+        self.ball = slice(n, 2 * n)  # volume worn off each ball [m3]
+        self.pocket = slice(2 * n, 3 * n)  # and off the cage in its pocket
+        self.race = slice(3 * n, 3 * n + 2)
+        self.land = 3 * n + 2  # off the cage at its guiding land
+        self.groove = 3 * n + 3  # depth worn into both grooves [m]
+        self.size = 3 * n + 4
+
+
+class WornParts:
+    """A scene whose balls, grooves and cage wear.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it is solved: without its cage where that is not asked for.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.count = COUNTS.index(scene.wear.counts)
+        n = scene.bearing.ball_count
+        self.layout = WornLayout(n)
+        loss = np.array(scene.wear.ball_diameter_loss_um) * parameters.UM
+        self.fresh = np.broadcast_to(loss, (n,))
+        # Per-run histories are not needed.
+        self.model = replace(scene.model, history_points_per_turn=0)
+
+    @property
+    def nothing(self) -> np.ndarray:
+        """The vector of what has worn at the start."""
+        return np.zeros(self.layout.size)
+
+    def loss(self, worn: np.ndarray) -> np.ndarray:
+        """Loss of diameter of each ball that the fit sees (n,) [m]: grooves as counted."""
+        p = self.layout
+        return self.fresh + worn[p.diameter] + (worn[p.groove] if self.count else 0.0)
+
+    def clearances(self, worn: np.ndarray) -> tuple[float, float]:
+        """Diametral clearances of pocket and most worn ball, and at the land [m]; or NaN.
+
+        The wear of all pockets and of the land is spread evenly over `worn_share` of the surface.
+        """
+        cage, p = self.scene.cage, self.layout
+        if cage is None:
+            return math.nan, math.nan
+        D0, MM = self.scene.bearing.ball_diameter_mm * parameters.MM, parameters.MM
+        r_i, r_o = 0.5 * cage.inner_diameter_mm * MM, 0.5 * cage.outer_diameter_mm * MM
+        wall = math.pi * (D0 + cage.pocket_clearance_mm * MM) * (r_o - r_i)
+        guiding = r_i if cage.guiding_race == "inner" else r_o
+        surface = 2.0 * math.pi * guiding * cage.width_mm * MM
+        pocket = 2.0 * worn[p.pocket].mean() / (cage.worn_share * wall)
+        land = 2.0 * worn[p.land] / (cage.worn_share * surface)
+        ball = (self.fresh + worn[p.diameter]).max()
+        return cage.pocket_clearance_mm * MM + pocket + ball, cage.guide_clearance_mm * MM + land
+
+    def worn_scene(self, worn: np.ndarray) -> Scene:
+        """The scene at that wear.
+
+        Raises
+        ------
+        SceneError
+            Where so much has worn that it makes no sense any more.
+        """
+        wear = replace(
+            self.scene.wear, ball_diameter_loss_um=tuple((self.loss(worn) / parameters.UM).tolist())
+        )
+        cage = self.scene.cage
+        if cage is not None:
+            pocket, guide = self.clearances(worn)
+            # The motion adds each ball's loss to its pocket, the depth of the grooves with it.
+            pocket -= (self.fresh + worn[self.layout.diameter]).max()
+            pocket -= worn[self.layout.groove] if self.count else 0.0
+            cage = replace(
+                cage,
+                pocket_clearance_mm=max(float(pocket), 0.0) / parameters.MM,
+                guide_clearance_mm=float(guide) / parameters.MM,
+            )
+        return replace(self.scene, wear=wear, cage=cage, model=self.model)
+
+    def rates(self, values: dict[str, Any]) -> np.ndarray:
+        """Rates of what wears, from the averages of a run."""
+        p, rates = self.layout, np.zeros(self.layout.size)
+        D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
+        rates[p.ball] = values["ball_wear_rate"]
+        rates[p.diameter] = 2.0 * values["ball_wear_rate"] / (math.pi * D**2)
+        rates[p.race] = values["race_wear_rate"]
+        alone, both = values["ball_diameter_loss_rate"]
+        rates[p.groove] = both - alone
+        rates[p.pocket] = values.get("pocket_wear_rate", 0.0)
+        rates[p.land] = values.get("cage_land_wear_rate", 0.0)
+        return rates
+
+    def mean_loss_rate(self, rates: np.ndarray) -> float:
+        """Rate of the mean loss of ball diameter as counted [m/s]."""
+        p = self.layout
+        return float(rates[p.diameter].mean() + (rates[p.groove] if self.count else 0.0))

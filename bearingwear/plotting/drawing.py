@@ -1,0 +1,235 @@
+"""What all figures share: style, colours, marks, words and the way they are saved."""
+
+import json
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import matplotlib.figure
+import numpy as np
+import xarray as xr
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
+
+from bearingwear.atomic import OutputError, whole_file
+from bearingwear.kernels.status import OK
+
+STYLE = Path(__file__).with_name("style.mplstyle")
+
+COLOURS = {"constant_force": "C0", "fixed_position": "C1"}
+RACE_STYLES = {
+    "inner": {"linestyle": "-", "marker": "o"},
+    "outer": {"linestyle": "--", "marker": "s"},
+}
+BALL_STYLE = {"linestyle": ":", "marker": "^"}
+FORMATS = (".svg", ".png", ".pdf")
+"""Those that can be written without a clock time."""
+DASHES = ("-", "--", ":", "-.")
+CHARACTERS_PER_INCH = 14
+MESSAGE = "message"
+"""Name, in an SVG, of the group with the title."""
+FOOT, SLOT = 0.03, 0.06
+"""Height of the lowest row of crosses in a panel, and of a row, as shares of the panel's."""
+HEADROOM = 1.05
+"""Upper end of an axis over what is drawn."""
+FAILED = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 2.0}
+
+Figure = matplotlib.figure.Figure
+
+
+def new_figure(
+    rows: int, columns: int, width: float, height: float, **kwargs: Any
+) -> tuple[Figure, np.ndarray]:
+    """Figure and its panels (rows, columns) in the house style, drawn without a display."""
+    matplotlib.rcdefaults()
+    matplotlib.style.use(STYLE)
+    figure = Figure(figsize=(width, height))
+    return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def save(figure: Figure, paths: Iterable[str | Path]) -> None:
+    """Write a figure in the format that each suffix names; no clock time goes in.
+
+    An SVG says in its `title` and `description` what the figure states and shows.
+    Mathtext is off in the style, since names from scenes stand in figures; matplotlib's own labels
+    of a logarithmic axis need it, and get plain numbers here.
+
+    Raises
+    ------
+    OutputError
+        One line; a suffix that names no format is refused before anything is written.
+    """
+    kinds = {path: path.suffix.lower() for path in map(Path, paths)}
+    for path, kind in kinds.items():
+        if kind not in FORMATS:
+            allowed = ", ".join(FORMATS)
+            raise OutputError(f"{path}: given the suffix {path.suffix!r}; allowed {allowed}")
+    metadata = {".svg": _in_words(figure), ".png": {}, ".pdf": {"CreationDate": None}}
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatter):
+                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_minor_formatter(NullFormatter())
+    for path, kind in kinds.items():
+        with whole_file(path) as part:
+            figure.savefig(part, format=kind[1:], metadata=metadata[kind])
+
+
+def _in_words(figure: Figure) -> dict[str, str | None]:
+    """Message and contents of a figure, for who cannot see it."""
+    axes = figure.axes
+
+    def distinct(texts: Iterable[str]) -> str:
+        return ", ".join(dict.fromkeys(text.replace("\n", " ") for text in texts if text))
+
+    up, along = distinct(a.get_ylabel() for a in axes), distinct(a.get_xlabel() for a in axes)
+    panels = distinct(a.get_title(loc="left") for a in axes)
+    keys = distinct(text.get_text() for legend in figure.legends for text in legend.get_texts())
+    parts = (
+        f"{up} against {along}",
+        f"Panels: {panels}" if panels else "",
+        f"Legend: {keys}" if keys else "",
+    )
+    return {
+        "Title": figure.get_suptitle().replace("\n", " "),
+        "Description": ". ".join(part for part in parts if part),
+        "Date": None,
+    }
+
+
+def methods(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
+    """Name and slice of each preload method in a dataset."""
+    names = dataset["preload_method"].attrs["flag_meanings"].split()
+    return [
+        (names[int(flag)], dataset.isel(preload_method=k))
+        for k, flag in enumerate(dataset["preload_method"].values)
+    ]
+
+
+def in_words(name: str) -> str:
+    """A name of the files as it stands in a figure."""
+    return name.replace("_", " ")
+
+
+def scene_of(dataset: xr.Dataset) -> dict[str, Any]:
+    """The scene a file was made from."""
+    return json.loads(dataset.attrs["scene"])
+
+
+def mark_failed(
+    axes: Any, where: xr.DataArray, status: xr.DataArray, color: str, slot: int
+) -> bool:
+    """Put a cross at the foot of a panel for each case of a line that was not solved.
+
+    Parameters
+    ----------
+    where : DataArray
+        Abscissa of each case.
+    status : DataArray
+        Its status.
+    color : str
+        That of the line.
+    slot : int
+        Row of the crosses, so that several lines do not hide each other's.
+
+    Returns
+    -------
+    bool
+        Whether there was any.
+    """
+    failed = where.values[status.values != OK]
+    if failed.size:
+        height = np.full(failed.size, FOOT + SLOT * slot)
+        at_foot = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
+        axes.plot(failed, height, color=color, **FAILED, **at_foot)
+    return bool(failed.size)
+
+
+def list_failed(axes: Any, names: list[str]) -> None:
+    """Name in a corner of a panel what has no line in it because it was not solved."""
+    if names:
+        text = "\n".join(["not solved:", *names])
+        axes.text(0.02, 0.98, text, transform=axes.transAxes, color="crimson", va="top")
+
+
+def key(label: str, **style: Any) -> Line2D:
+    """Entry of a legend."""
+    return Line2D([], [], label=label, **style)
+
+
+def method_keys(names: Iterable[str]) -> list[Line2D]:
+    """Legend of the colours."""
+    return [key(in_words(name), color=COLOURS[name], linewidth=3) for name in names]
+
+
+def race_keys() -> list[Line2D]:
+    """Legend of the races, and of what a ball has in both contacts."""
+    keys = [key(f"{race} contact", color="0.3", **style) for race, style in RACE_STYLES.items()]
+    return [*keys, key("ball, both contacts", color="0.3", **BALL_STYLE)]
+
+
+def dashes(frictions: Iterable[float]) -> dict[float, str]:
+    """Line style of each friction coefficient."""
+    return {mu: DASHES[k % len(DASHES)] for k, mu in enumerate(frictions)}
+
+
+def dash_keys(styles: dict[float, str]) -> list[Line2D]:
+    """Legend of the friction coefficients."""
+    return [key(mu_is(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
+
+
+def failed_keys(any_failed: bool) -> list[Line2D]:
+    """Legend of the crosses, if there are any."""
+    return [key("not solved", color="0.3", **FAILED)] if any_failed else []
+
+
+def frame(figure: Figure, title: str, handles: list[Line2D], columns: int) -> None:
+    """Title above and legend below the panels, where they hide nothing."""
+    width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
+    figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+
+
+def lines_of_a_title(title: str, width: int) -> list[str]:
+    """As few lines as the width allows, and as even as they can be: no single word is left over."""
+
+    def lines(width: int) -> list[str]:
+        return textwrap.wrap(title, width, break_long_words=False)
+
+    narrowest = next(w for w in range(1, width + 1) if len(lines(w)) <= len(lines(width)))
+    return lines(narrowest)
+
+
+def mu_is(mu: float) -> str:
+    """A friction coefficient for a title, in one piece."""
+    return f"µ\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{mu:g}"
+
+
+def percent(value: float) -> str:
+    """A ratio as a percentage for a title; a dash where it is not known."""
+    return f"{100.0 * value:.0f} %" if np.isfinite(value) else "– %"
+
+
+def percent_in_text(value: float) -> str:
+    """A ratio as a percentage with two digits, in one piece; a dash where it is not known."""
+    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"
+
+
+def from_zero(axes: Any) -> None:
+    """Let the ordinate start at zero, with room above for the marks."""
+    top = axes.get_ylim()[1]
+    axes.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
+
+
+def power_of_ten(values: Sequence[xr.DataArray]) -> int:
+    """Power of ten that takes the largest of the values to 1 to 1000, a multiple of three."""
+    largest = max((float(abs(v).max()) for v in values if v.size and v.notnull().any()), default=0)
+    return 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
+
+
+def ten_to_the(exponent: int) -> str:
+    """A power of ten with its exponent raised."""
+    return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

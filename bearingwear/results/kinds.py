@@ -1,0 +1,48 @@
+"""What kind of result a file holds, and which function serves a kind.
+
+A registry maps kinds to functions by their dotted names, `module:function`, so that nothing is
+imported before it is needed. The studies, which stand above this part of the package, hand in a
+registry of their own kinds.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+CASE_KIND, LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND = "case", "life", "study", "wear life"
+
+Registry = Mapping[str, str]
+"""Dotted name of a function for each kind of file."""
+
+
+def kind_of(file: Any) -> str:
+    """What a result file holds: a case, a life, a study, a wear life, or a kind of some study.
+
+    A case and a life are told by their variables. Every other file says it itself: by its attribute
+    `kind`, or else by its title up to the first ` of ` or colon.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset or xarray.Dataset
+    """
+    if _is_scalar(file, "end_criterion"):
+        return LIFE_KIND
+    if "contact_load" in file.variables and _is_scalar(file, "status"):
+        return CASE_KIND
+    attributes = file.attrs if hasattr(file, "attrs") else file.__dict__
+    title = str(attributes.get("title", "result"))
+    return str(attributes.get("kind", re.split(" of |:", title)[0].lower()))
+
+
+def _is_scalar(file: Any, name: str) -> bool:
+    return name in file.variables and file[name].ndim == 0
+
+
+def function(dotted: str) -> Callable[..., Any]:
+    """The function of a dotted name `module:function`."""
+    module, _, name = dotted.partition(":")
+    found: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return found

@@ -1,0 +1,174 @@
+"""How sure a life is: what a study of uncertainty found for the bearing that the life is of."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.scene.scene import COUNTS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+KIND = "uncertainty"
+PLACES_BESIDE = ("spread/*.nc", "design/uncertainty.nc", "uncertainty.nc")
+"""Where such files lie beside the results of a scene, the last beside those of the design study."""
+
+PRELOAD_CHOICE, UNCERTAIN_INPUTS = "preload_choice", "uncertain_inputs"
+"""Dimensions of such a file: which preload, and which of the uncertain inputs vary."""
+
+GIVEN, RECOMMENDED = 0, 1
+"""Values of `PRELOAD_CHOICE`: the scene's own preload, and the recommended one."""
+
+ALL_INPUTS, ALL_BUT_WEAR = 0, 1
+"""Values of `UNCERTAIN_INPUTS`: all that the scene calls uncertain, or all but the wear coefficient
+and the hardness."""
+
+MEDIAN = 0.5
+"""Probability of the largest quantile that is quoted."""
+
+CONFIDENCE = 0.95
+"""Of the intervals of quantiles and Sobol indices."""
+
+NO_QUANTILES = "no spread computed"
+SEE = "see `uncertain_lives` in config/README.md, or `bearingwear uncertainty`"
+QUANTILES_TEXT = (
+    "Spread: L10 is the life that 10 % of bearings do not reach, L50 the one that half of them do "
+    f"not, with all that the scene calls uncertain; in brackets their {100 * CONFIDENCE:g} % "
+    "confidence intervals, by the size of the sample."
+)
+
+
+class Quantile(NamedTuple):
+    """A quantile of the life, and the ends of its confidence interval [h]."""
+
+    name: str  # L10: the life that 10 % of bearings do not reach
+    hours: float
+    low: float
+    high: float
+    solved: float = 1.0  # share of the sampled lives; the others are left out
+
+    @property
+    def text(self) -> str:
+        """`L10 1.2 h [1.1, 1.3]`, which breaks into lines before the bracket only."""
+        new = ", beyond a limit when new" if self.hours == 0.0 else ""
+        value, ends = f"{self.name} {self.hours:.3g} h", f"[{self.low:.3g}, {self.high:.3g}]"
+        return " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in (value, ends)) + new
+
+
+Quantiles = dict[str, tuple[Quantile, ...]]
+"""L10 and L50 by each way of counting wear."""
+
+
+def load_quantiles(path: str | Path) -> xr.Dataset:
+    """A file of the study of uncertainty.
+
+    Raises
+    ------
+    CaseFileError
+    """
+    found = load(path)
+    if found.attrs.get("kind") != KIND:
+        raise CaseFileError(f"{path}: not a file of the kind {KIND}")
+    if not {PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims):
+        raise CaseFileError(f"{path}: of an earlier version, to be made anew")
+    return found
+
+
+def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
+    """A file itself and the files beside it, as far as they are of uncertainty."""
+    folder = Path(path).parent
+    found = []
+    for file in [path, *(file for place in PLACES_BESIDE for file in sorted(folder.glob(place)))]:
+        with contextlib.suppress(CaseFileError):
+            found.append(load_quantiles(file))
+    return found
+
+
+def quantiles_of(
+    known: Iterable[xr.Dataset],
+    scene: Mapping[str, Any],
+    method: str,
+    friction: float,
+    choice: int = GIVEN,
+) -> Quantiles | None:
+    """The spread of the life of a scene, or None where none was computed for just that one.
+
+    Parameters
+    ----------
+    known : iterable of Dataset
+        Files of the study of uncertainty.
+    scene : mapping
+        The life's, as its file states it; that of a study leaves out what is varied.
+    method, friction
+        Of the life.
+    choice : int
+        The preload: the scene's own or the recommended one.
+    """
+    for dataset in known:
+        sampled = json.loads(dataset.attrs["scene"])
+        flags = dataset["preload_method"].attrs["flag_meanings"].split()
+        methods = [flags[int(flag)] for flag in dataset["preload_method"].values]
+        if (
+            method in methods
+            and choice in dataset[PRELOAD_CHOICE]
+            and _point(scene, method, friction) == _point(sampled, method)
+        ):
+            one = dataset.isel(
+                {"preload_method": methods.index(method), UNCERTAIN_INPUTS: ALL_INPUTS}
+            ).sel({PRELOAD_CHOICE: choice})
+            return {way: _quantiles(one.isel(loss_basis=k)) for k, way in enumerate(COUNTS)}
+    return None
+
+
+def hours_of(lives: Iterable[Quantiles | None], way: str) -> dict[str, list[float]]:
+    """Every L10 and every L50 of some lives, by its name, counting wear in one way [h]."""
+    found: dict[str, list[float]] = {}
+    for quantiles in lives:
+        for one in (quantiles or {}).get(way, ()):
+            found.setdefault(one.name, []).append(one.hours)
+    return found
+
+
+def quantiles_text(quantiles: Iterable[Quantile]) -> str:
+    """L10 and L50 on a line, and of how many lives if not of all; or that there are none."""
+    known = tuple(quantiles)
+    if not known:
+        return NO_QUANTILES
+    share = known[0].solved
+    of = f" (of the {100.0 * share:.3g} % of lives that were solved)" if share < 1.0 else ""
+    return "; ".join(one.text for one in known) + of
+
+
+def _point(scene: Mapping[str, Any], method: str, friction: float | None = None) -> dict[str, Any]:
+    """A scene at a method and friction, with what a study leaves out filled in.
+
+    Settings of accuracy move a life by far less than it spreads; they may differ.
+    """
+    wear = {"ball_diameter_loss_um": 0.0} | scene["wear"]
+    mu = scene["friction"]["ball_race"] if friction is None else friction
+    return {key: scene[key] for key in scene if key not in ("description", "model")} | {
+        "operation": scene["operation"] | {"preload_method": method},
+        "friction": scene["friction"] | {"ball_race": mu},
+        "wear": wear,
+    }
+
+
+def _quantiles(one: xr.Dataset) -> tuple[Quantile, ...]:
+    return tuple(
+        Quantile(
+            name=f"L{100.0 * float(p):.0f}",
+            hours=float(one["life_quantile"][k]),
+            low=float(one["life_quantile_low"][k]),
+            high=float(one["life_quantile_high"][k]),
+            solved=float(one["solved_share"]),
+        )
+        for k, p in enumerate(one["probability"].values)
+        if p <= MEDIAN and np.isfinite(one["life_quantile"][k])
+    )

@@ -1,0 +1,91 @@
+"""The state at the end of a dynamic case, to go on from."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.provenance import source_hash
+from bearingwear.results.netcdf import CaseFileError, opened
+from bearingwear.scene.accuracy import REGULARISATION
+from bearingwear.scene.keys import leaves
+from bearingwear.scene.scene import Scene
+
+MAY_DIFFER = ("description", "wear", "uncertainty", "model", REGULARISATION)
+"""What of a scene a run may change when it goes on from another; the rest decides the state."""
+
+
+def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
+    """What a run goes on from.
+
+    Parameters
+    ----------
+    path : path
+        A case file of `fidelity: dynamic`, solved.
+    scene : Scene, optional
+        The scene that shall go on; it may differ from the file's in wear and model alone.
+
+    Returns
+    -------
+    dict
+        `state` (m,) in SI units, `time` [s], `scene` as plain data.
+
+    Raises
+    ------
+    CaseFileError
+        One line: no such case, not solved, of another version of the solver, of another scene.
+    """
+    name = os.fspath(path)
+    with opened(path) as file:
+        fidelity = str(getattr(file, "fidelity", "none"))
+        if fidelity != "dynamic" or "contact_load" not in file.variables:
+            raise CaseFileError(
+                f"{name}: given a file of fidelity {fidelity}; allowed a dynamic case"
+            )
+        status = int(file["status"][...])
+        if status != OK:
+            raise CaseFileError(
+                f"{name}: given a case with status {STATUS_NAMES[status]}; allowed status ok"
+            )
+        if file.source_hash != source_hash():
+            raise CaseFileError(
+                f"{name}: given a case of another version of the solver, {file.source_hash}; "
+                f"allowed one of this version, {source_hash()}"
+            )
+        state = _numbers(file["final_state"])
+        time = float(_numbers(file["final_time"]))
+        before = json.loads(file.scene)
+    if not np.isfinite(state).all() or not np.isfinite(time):
+        raise CaseFileError(f"{name}: given a case without its last state; allowed one with it")
+    if scene is not None:
+        _same_scene(name, before, scene.to_dict())
+    return {"state": state, "time": time, "scene": before}
+
+
+def _numbers(variable: Any) -> np.ndarray:
+    """Values of a variable, NaN where there is none."""
+    return np.ma.filled(np.ma.asarray(variable[...], dtype=float), np.nan)
+
+
+def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
+    """Refuse a case of a scene that differs in what decides the state."""
+    one, other = (
+        leaves({key: part for key, part in scene.items() if key not in MAY_DIFFER})
+        for scene in (before, now)
+    )
+    for key in [*other, *one]:
+        if one.get(key) != other.get(key) and key not in MAY_DIFFER:
+            raise CaseFileError(
+                f"{name}: {key}: given a case with {_shown(one.get(key))}; allowed that of the "
+                f"scene, {_shown(other.get(key))} (only wear, model and {REGULARISATION} may "
+                "differ)"
+            )
+
+
+def _shown(value: Any) -> str:
+    return "nothing" if value is None else json.dumps(value)

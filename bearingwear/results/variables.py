@@ -1,0 +1,432 @@
+"""The one table of what a result file can hold: names, dimensions, units, meaning, display.
+
+Inside the program all values are SI and radians; `scale` takes them to the units of the file, and
+`factor` from there to the unit in which a person reads them. What has no unit has flags.
+
+A study describes its own variables with the same `Variable`, in a `table` of its own, and makes
+datasets with `bearingwear.results.netcdf.data_array` or `dataset_of`. Their dimensions are then
+those of one solve; the dimensions along which a study repeats it are given with the values:
+
+    POWERS = table(Variable("drag", (), "W", "power of the drag"), Variable("heat", ...), ...)
+    data_array(POWERS["drag"], values, along=("shaft_speed", "preload"))
+    dataset_of(POWERS, {"drag": values, "heat": ...}, along=("shaft_speed", "preload"))
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
+
+DEGREE = 180.0 / math.pi
+SECONDS_PER_HOUR = 3600.0
+HOURS_PER_SECOND = 1.0 / SECONDS_PER_HOUR
+
+RACES = ("inner", "outer")
+BALL_AXES = ("axial", "tangential", "radial")
+DIRECTIONS = ("axial", "Y", "Z")
+EDGES = ("at_negative_x", "at_positive_x")
+BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
+STABILITY = ("unstable", "stable")
+
+FACTORS = {
+    ("1", "%"): 100.0,
+    ("1", "%/turn"): 100.0,
+    ("m", "mm"): 1e3,
+    ("m", "um"): 1e6,
+    ("m3", "um3"): 1e18,
+    ("m3 s-1", "um3/s"): 1e18,
+    ("N m", "uN m"): 1e6,
+    ("N m-1", "N/um"): 1e-6,
+    ("Pa", "MPa"): 1e-6,
+    ("rad s-1", "rad/s"): 1.0,
+    ("s Pa-1", "s/Pa"): 1.0,
+    ("W", "mW"): 1e3,
+}
+"""From a unit of the files to one that is shown."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of a result file.
+
+    Attributes
+    ----------
+    name : str
+    dims : tuple of str
+    units : str
+        In the file; empty for flags, which have none.
+    long_name : str
+    dtype : str
+        `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value.
+    scale : float
+        What takes the program's SI value to the file's units.
+    flags : tuple of str, optional
+        Meanings of 0, 1, ...
+    comment : str, optional
+    always : bool
+        Written also where it was not solved, as `_FillValue`; others are then left out.
+    averaged : bool
+        Of a dynamic case, this is the mean over the evaluated turns; so is all that is `always`.
+    label : str, optional
+        Short name for a person, as in `bearingwear show`.
+    shown : str, optional
+        Unit for a person, where it is not that of the file.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+    dtype: str = "f8"
+    scale: float = 1.0
+    flags: tuple[str, ...] | None = None
+    comment: str | None = None
+    always: bool = False
+    averaged: bool = False
+    label: str = ""
+    shown: str = ""
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Its attributes in a file."""
+        found: dict[str, Any] = {"long_name": self.long_name}
+        if self.units:
+            found["units"] = self.units
+        if self.flags:
+            found["flag_values"] = np.arange(len(self.flags), dtype=self.dtype)
+            found["flag_meanings"] = " ".join(self.flags)
+        if self.comment:
+            found["comment"] = self.comment
+        return found
+
+    @property
+    def display_unit(self) -> str:
+        return self.shown or self.units
+
+    @property
+    def factor(self) -> float:
+        """What takes a value of the file to `display_unit`."""
+        return FACTORS[self.units, self.shown] if self.shown else 1.0
+
+
+def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
+    """Variables by their names; `always` holds for all of them."""
+    return {v.name: replace(v, always=True) if always else v for v in variables}
+
+
+_BALL, _RACE, _BOTH = ("ball",), ("race",), ("ball", "race")
+_STRIPS = ("ball", "race", "strip")
+TIME, _TIME_BALL, _TIME_BOTH = ("time",), ("time", "ball"), ("time", "ball", "race")
+_TIME_DIRECTION = ("time", "direction")
+_STEP, _STEP_RACE, _STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
+_STEP_BALL = ("step", "ball")
+
+
+def _history(
+    name: str,
+    dims: tuple[str, ...],
+    units: str,
+    long_name: str,
+    scale: float = 1.0,
+    comment: str | None = None,
+) -> Variable:
+    """Values of a dynamic case at instants, in single precision."""
+    return Variable(f"history_{name}", dims, units, long_name, "f4", scale, comment=comment)
+
+
+COORDINATES = table(
+    Variable("ball", _BALL, "1", "number of the ball", "i4"),
+    Variable("race", _RACE, "", "race", "i1", flags=RACES),
+    Variable("axis", ("axis",), "", "axis of the ball's azimuth frame", "i1", flags=BALL_AXES),
+    Variable("strip", ("strip",), "1", "number of the strip on the contact ellipse", "i4"),
+    Variable("counts", ("counts",), "", "what wear counts as loss", "i1", flags=COUNTS),
+    Variable("steady_state", ("steady_state",), "1", "number of the steady state", "i4"),
+    Variable("step", ("step",), "1", "number of the step along the life", "i4"),
+    # CF's standard_name "time" is for dates: it asks for units with a date to count from
+    Variable("time", ("time",), "s", "simulated time"),
+    Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
+    Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
+    Variable("state", ("state",), "1", "number in the state of motion", "i4"),
+)
+
+STUDY_COORDINATES = table(
+    Variable(
+        "preload_method",
+        ("preload_method",),
+        "",
+        "how the preload is applied",
+        "i1",
+        flags=PRELOAD_METHODS,
+    ),
+    Variable("friction", ("friction",), "1", "ball/race friction coefficient"),
+    Variable("ball_diameter_loss", ("ball_diameter_loss",), "um", "loss of ball diameter by wear"),
+)
+"""Along which the studies repeat solves."""
+
+STRIP_POSITION = Variable(
+    "strip_position",
+    ("strip",),
+    "1",
+    "position of the strip's middle over the semi-major axis",
+    comment="+1 is the end towards the bearing axis' positive direction",
+)
+
+STATUS = Variable(
+    "status",
+    (),
+    "",
+    "whether the numbers may be used",
+    "i1",
+    flags=STATUS_NAMES,
+    comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES),
+)
+
+INTERVAL_MEANS = {
+    "history_contact_qv",
+    "history_ball_wear_rate",
+    "history_race_wear_rate",
+    "history_cage_pocket_wear_rate",
+    "history_cage_land_wear_rate",
+}
+"""Histories that are means over the interval which ends at the instant."""
+
+_ESTIMATE = "from solves with other settings of accuracy; differences of model are not in it"
+_OF_STEADY = "of what of the scene has a steady life, see the attribute steady_life_of"
+
+# fmt: off
+ALWAYS = table(STATUS) | table(
+    Variable("contact_load", _BOTH, "N", "normal load of the contact", label="contact load"),
+    Variable("contact_angle", _BOTH, "degree", "contact angle", scale=DEGREE,
+        label="contact angle"),
+    Variable("semi_major_axis", _BOTH, "m", "semi-major axis of the contact ellipse",
+        label="semi-major axis", shown="um"),
+    Variable("semi_minor_axis", _BOTH, "m", "semi-minor axis of the contact ellipse",
+        label="semi-minor axis", shown="um"),
+    Variable("maximum_pressure", _BOTH, "Pa", "largest contact pressure", label="maximum pressure",
+        shown="MPa"),
+    Variable("qv", _BOTH, "W", "integral of load times slip speed over the contact (QV)",
+        label="QV", shown="mW"),
+    Variable("friction_heat", _BOTH, "W", "friction heat of the contact", label="friction heat",
+        shown="mW"),
+    Variable("gyroscopic_slip", _STRIPS, "m s-1", "slip along the major axis, race minus ball"),
+    Variable("rolling_slip", _STRIPS, "m s-1", "slip along the rolling direction, race minus ball",
+        comment="positive towards y of the azimuth frame, against the orbit of a positive rate"),
+    Variable("ball_angular_velocity", ("ball", "axis"), "rad s-1",
+        "absolute angular velocity of the ball in its azimuth frame"),
+    Variable("orbit_speed", _BALL, "rad s-1", "orbit rate of the ball",
+        label="orbit speed of the balls", shown="rad/s"),
+    Variable("spin_to_roll_ratio", _BOTH, "1", "spin over roll of ball against race",
+        label="spin/roll"),
+    Variable("residual_preload", (), "N", "axial force of all balls on the inner race",
+        label="residual preload"),
+    Variable("axial_displacement", (), "m", "axial displacement of the inner race",
+        comment="from the free-contact, unworn position", label="axial displacement", shown="um"),
+    Variable("gyroscopic_slip_share", _BOTH, "1", "gyroscopic share of the slip, weighted by load",
+        label="gyroscopic slip share", shown="%"),
+    Variable("total_qv", (), "W", "QV of the whole bearing", label="QV"),
+    Variable("shaft_torque", (), "N m", "torque of the inner race on the balls, whole bearing",
+        label="shaft torque", shown="uN m"),
+    Variable("drag_power", (), "W", "power of the lubricant drag, whole bearing",
+        label="drag power"),
+    Variable("axial_stiffness", (), "N m-1", "axial stiffness at constant speed",
+        label="axial stiffness", shown="N/um"),
+    Variable("ball_wear_rate", _BALL, "m3 s-1", "wear rate of one ball",
+        label="wear rate of one ball", shown="um3/s"),
+    Variable("race_wear_rate", _RACE, "m3 s-1", "wear rate of the whole race",
+        label="wear rate, whole race", shown="um3/s"),
+    always=True,
+)
+"""Of every case, solved or not."""
+
+STATE = ALWAYS | table(
+    Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets", averaged=True,
+        label="wear rate, pockets", shown="um3/s"),
+    Variable("pocket_wear_rate", _BALL, "m3 s-1", "wear rate of the cage in one pocket",
+        averaged=True),
+    Variable("cage_land_wear_rate", (), "m3 s-1", "wear rate of the cage at its guiding land",
+        averaged=True, label="wear rate, land", shown="um3/s"),
+    Variable("cage_friction_heat", (), "W", "friction heat of the cage", averaged=True,
+        label="friction heat", shown="mW"),
+    Variable("cage_speed", (), "rad s-1", "speed of the cage", averaged=True, label="speed",
+        shown="rad/s"),
+    Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter by wear"),
+    Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
+        "rate of the loss of ball diameter, mean over the balls", averaged=True),
+    Variable("initial_axial_displacement", (), "m", "axial displacement at rest, unworn"),
+    Variable("gyroscopic_moment", _BALL, "N m", "gyroscopic moment on the ball, magnitude",
+        averaged=True),
+    Variable("centrifugal_force", _BALL, "N", "centrifugal force on the ball", averaged=True),
+    Variable("contact_track_radius", _BOTH, "m", "radius of the contact's track about the axis",
+        averaged=True),
+    Variable("race_control", _BALL, "", "race that controls the ball", "i1",
+        flags=("outer", "inner")),
+    Variable("skid_ratio", (), "1",
+        "lag of the orbit behind pure rolling, over the pure-rolling rate", averaged=True,
+        label="skid ratio", shown="%"),
+    Variable("stable", (), "", "stability of the state", "i1", flags=STABILITY),
+    Variable("fast_time_scale", (), "s", "time in which slip settles"),
+    Variable("slow_time_scale", (), "s", "time in which the spin axis settles",
+        label="slow time scale"),
+    Variable("steady_state_branch", (), "", "where the ball spins", "i1", flags=BRANCHES),
+    Variable("steady_state_count", (), "1", "number of steady states found", "i4"),
+    Variable("steady_state_orbit_speed", ("steady_state",), "rad s-1", "orbit rate of each state"),
+    Variable("steady_state_total_qv", ("steady_state",), "W", "QV of the bearing in each state"),
+    Variable("steady_state_stable", ("steady_state",), "", "stability of each state", "i1",
+        flags=STABILITY),
+    Variable("friction_residual", (), "1",
+        "friction balance after the solve, over friction forces"),
+    Variable("equilibrium_residual", (), "1",
+        "normal force balance after the solve, over contact load"),
+    Variable("discretisation_residual", (), "1",
+        "friction balance with four times the points, over friction forces"),
+    Variable("discretisation_error_qv", (), "1",
+        "change of QV with four times the points, over QV"),
+    Variable("qv_error_estimate", (), "1", "estimated numerical error of total QV, over QV",
+        comment=_ESTIMATE, label="numerical error of QV", shown="%"),
+    Variable("residual_preload_error_estimate", (), "1",
+        "estimated numerical error of the residual preload, over it", comment=_ESTIMATE,
+        label="of the residual preload", shown="%"),
+    Variable("wear_rate_error_estimate", ("counts",), "1",
+        "estimated numerical error of the loss rate of ball diameter, over it", comment=_ESTIMATE,
+        label="of the loss rate", shown="%"),
+    Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
+    Variable("equilibrium_rounding", (), "1",
+        "what rounding of places can make of equilibrium_residual"),
+    Variable("friction_rounding", (), "1",
+        "what rounding of the speeds can make of friction_residual"),
+    Variable("power_rounding", (), "1",
+        "what rounding of the speeds can make of power_balance_error"),
+)
+
+DYNAMIC = table(
+    Variable("simulated_turns", (), "1", "shaft turns simulated", label="turns simulated"),
+    Variable("evaluated_turns", (), "1", "shaft turns at their end that averages are taken over",
+        label="turns averaged"),
+    Variable("qv_drift_per_turn", (), "1", "change of QV per shaft turn, over QV",
+        label="drift of QV", shown="%/turn"),
+    Variable("wear_rate_drift_per_turn", (), "1",
+        "change of the wear rate per shaft turn, over the rate", label="drift of the wear rate",
+        shown="%/turn"),
+    Variable("steps_accepted", (), "1", "steps of the time integration", "i8", label="steps"),
+    Variable("steps_rejected", (), "1", "steps that were repeated with a shorter one", "i8",
+        label="steps repeated"),
+    Variable("evaluations", (), "1", "evaluations of the equations of motion", "i8"),
+    Variable("contact_events", (), "1", "contacts of cage and races made or broken", "i8",
+        label="contact events"),
+    Variable("energy_account_error", (), "1", "gap in the energy account, over the heat",
+        label="energy account error", shown="%"),
+    Variable("coriolis_energy_share", (), "1", "work of the Coriolis force, over the heat",
+        comment="left out of the motion"),
+    Variable("azimuth_energy_share", (), "1",
+        "work of the inner force along the circumference, over the heat",
+        comment="left out of the motion"),
+    Variable("mean_pocket_torque", (), "N m", "torque of the balls on the cage about the axis",
+        averaged=True, label="mean pocket torque", shown="uN m"),
+    Variable("mean_land_torque", (), "N m", "torque of the guiding land on the cage about the axis",
+        averaged=True, label="mean land torque", shown="uN m"),
+    Variable("cage_momentum_rate", (), "N m",
+        "change of the cage's angular momentum about the axis", averaged=True),
+    Variable("final_time", (), "s", "simulated time at the end"),
+    Variable("final_state", ("state",), "1", "state of motion at the end, to go on from",
+        comment="in SI units, laid out as the solver of the same source_hash has it"),
+    _history("contact_load", _TIME_BOTH, "N", "normal load of the contact"),
+    _history("slip", _TIME_BOTH, "m s-1", "slip speed of the contact, mean by load"),
+    _history("contact_qv", _TIME_BOTH, "W", "QV of the contact"),
+    _history("orbit_lead", _TIME_BALL, "degree",
+        "azimuth of the ball ahead of the middle of its pocket", DEGREE,
+        "ahead of even spacing where there is no cage"),
+    _history("residual_preload", TIME, "N", "axial force of all balls on the inner race"),
+    _history("race_displacement", _TIME_DIRECTION, "m", "displacement of the inner race"),
+    _history("ball_wear_rate", _TIME_BALL, "m3 s-1", "wear rate of one ball"),
+    _history("race_wear_rate", ("time", "race"), "m3 s-1", "wear rate of the whole race"),
+    _history("cage_position", _TIME_DIRECTION, "m", "place of the cage's centre"),
+    _history("cage_tilt", _TIME_DIRECTION, "degree", "tilt of the cage about a direction", DEGREE),
+    _history("cage_speed", TIME, "rad s-1", "speed of the cage"),
+    _history("pocket_force", _TIME_BALL, "N", "normal force of ball and cage pocket"),
+    _history("land_force", ("time", "edge"), "N", "normal force of cage and guiding land"),
+    _history("cage_pocket_wear_rate", TIME, "m3 s-1", "wear rate of the cage pockets"),
+    _history("cage_land_wear_rate", TIME, "m3 s-1", "wear rate of the cage at its guiding land"),
+)
+
+CASE = STATE | DYNAMIC
+
+LIFE = table(
+    STATUS,
+    Variable("life", ("counts",), "h", "time to the end of life", scale=HOURS_PER_SECOND,
+        always=True, label="life"),
+    Variable("normalised_life", ("counts",), "s Pa-1",
+        "life times wear coefficient over hardness of the balls", always=True,
+        label="life times K_s/H", shown="s/Pa"),
+    Variable("life_error_bound", ("counts",), "h", "bound on the integration error of the life",
+        scale=HOURS_PER_SECOND, always=True, label="bound of the integration"),
+    Variable("life_error_estimate", ("counts",), "1",
+        "estimated numerical error of the life, over it", comment=_ESTIMATE,
+        label="numerical error, all", shown="%"),
+    Variable("end_criterion", (), "", "the criterion that was met first", "i1", flags=CRITERIA,
+        always=True),
+    Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life", always=True,
+        label="loss of ball diameter", shown="um"),
+    Variable("history_ball_diameter_loss", _STEP, "m", "loss of ball diameter"),
+    Variable("history_time", _STEP_COUNTS, "h", "time since the start", scale=HOURS_PER_SECOND),
+    Variable("history_residual_preload", _STEP, "N", "axial force of all balls on the inner race",
+        label="residual preload"),
+    Variable("history_total_qv", _STEP, "W", "QV of the whole bearing", label="QV"),
+    Variable("history_qv", _STEP_RACE, "W", "QV of one ball"),
+    Variable("history_contact_angle", _STEP_RACE, "degree", "contact angle", scale=DEGREE),
+    Variable("history_contact_load", _STEP_RACE, "N", "normal load of the contact"),
+    Variable("history_gyroscopic_slip_share", _STEP_RACE, "1",
+        "gyroscopic share of the slip, weighted by load"),
+    Variable("history_skid_ratio", _STEP, "1", "lag of the orbit behind pure rolling"),
+    Variable("history_ball_diameter_loss_rate", _STEP_COUNTS, "m s-1",
+        "rate of the loss of ball diameter"),
+    Variable("history_ball_wear_rate", _STEP, "m3 s-1", "wear rate of one ball"),
+    Variable("history_race_wear_rate", _STEP_RACE, "m3 s-1", "wear rate of the whole race"),
+    # of a life in time alone
+    Variable("history_status", _STEP, "", "whether the run in time was solved", "i1",
+        flags=STATUS_NAMES),
+    Variable("history_start", _STEP, "", "where the run in time began", "i1",
+        flags=("start_anew", "end_of_the_step_before")),
+    Variable("history_simulated_turns", _STEP, "1", "shaft turns simulated"),
+    Variable("history_worn_diameter", _STEP_BALL, "m",
+        "worn off the diameter of one ball since the start", label="diameter of one ball",
+        shown="um"),
+    Variable("history_groove_depth", _STEP, "m", "depth worn into both grooves since the start",
+        label="both grooves, depth", shown="um"),
+    Variable("history_ball_worn_volume", _STEP_BALL, "m3",
+        "volume worn off one ball since the start", label="one ball", shown="um3"),
+    Variable("history_race_worn_volume", _STEP_RACE, "m3",
+        "volume worn off the race since the start", shown="um3"),
+    Variable("history_pocket_worn_volume", _STEP_BALL, "m3",
+        "volume worn off the cage in one pocket since the start", label="one pocket", shown="um3"),
+    Variable("history_land_worn_volume", _STEP, "m3",
+        "volume worn off the cage at its guiding land since the start", label="guiding land",
+        shown="um3"),
+    Variable("history_each_ball_wear_rate", _STEP_BALL, "m3 s-1", "wear rate of each ball"),
+    Variable("history_pocket_wear_rate", _STEP_BALL, "m3 s-1",
+        "wear rate of the cage in one pocket"),
+    Variable("history_land_wear_rate", _STEP, "m3 s-1",
+        "wear rate of the cage at its guiding land"),
+    Variable("history_pocket_clearance", _STEP, "m",
+        "diametral clearance of pocket and most worn ball", label="pocket clearance then",
+        shown="mm"),
+    Variable("history_guide_clearance", _STEP, "m", "diametral clearance of cage and guiding land",
+        label="guide clearance then", shown="mm"),
+    Variable("steady_status", (), "", "whether there is a steady life to compare with", "i1",
+        flags=STATUS_NAMES, comment=_OF_STEADY),
+    Variable("steady_life", (), "h", "time to the end of life by the steady model",
+        scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="steady life"),
+    Variable("steady_end_criterion", (), "", "the criterion that the steady life meets first", "i1",
+        flags=CRITERIA, comment=_OF_STEADY),
+    Variable("steady_loss_at_end", (), "m", "loss of ball diameter at the end of the steady life",
+        comment=_OF_STEADY, label="loss at its end", shown="um"),
+    Variable("steady_time_to_loss", (), "h", "time that the steady model takes to loss_at_end",
+        scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="its time to the loss above"),
+)
+# fmt: on

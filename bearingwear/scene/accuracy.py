@@ -1,0 +1,243 @@
+"""The block `model` of a scene, and the presets of accuracy: what `model.accuracy` sets.
+
+Each preset states the relative error of total QV it is meant for. What they really give and take is
+measured by the study of accuracy (docs/accuracy.md); a single key in a scene overrides its preset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
+
+from bearingwear.scene.records import Key
+
+ACCURACY = "model.accuracy"
+"""The key that decides the default of others."""
+
+FIDELITIES = ("auto", "race_control", "steady", "dynamic")
+
+
+class AccuracyPreset(NamedTuple):
+    """Settings of accuracy that belong together, under the names of the scene's keys."""
+
+    error: float  # of total QV, relative: what it is meant for
+    quadrature: str
+    strips: int
+    steady_starts: int
+    slip_regularisation_m_s: float
+    dynamic_tolerance: float
+    simulated_turns: float
+    settled_drift: float
+    tolerance: float
+
+    @property
+    def keys(self) -> dict[str, float | int | str]:
+        """The settings by their paths in a scene."""
+        values = self._asdict()
+        del values["error"]
+        regularisation = {REGULARISATION: values.pop("slip_regularisation_m_s")}
+        return regularisation | {f"model.{name}": value for name, value in values.items()}
+
+
+REGULARISATION = "friction.slip_regularisation_m_s"
+
+# The reference is brute force: its points know nothing of where the slip turns round, and other
+# steady states are sought from many more starts.
+PRESETS = (
+    AccuracyPreset(
+        error=5e-2,
+        quadrature="split",
+        strips=24,
+        steady_starts=2,
+        slip_regularisation_m_s=3e-4,
+        dynamic_tolerance=1e-1,
+        simulated_turns=6.0,
+        settled_drift=1e-2,
+        tolerance=1e-4,
+    ),
+    AccuracyPreset(
+        error=2e-2,
+        quadrature="split",
+        strips=32,
+        steady_starts=4,
+        slip_regularisation_m_s=2e-4,
+        dynamic_tolerance=3e-2,
+        simulated_turns=12.0,
+        settled_drift=5e-3,
+        tolerance=1e-5,
+    ),
+    AccuracyPreset(
+        error=5e-3,
+        quadrature="split",
+        strips=50,
+        steady_starts=4,
+        slip_regularisation_m_s=1e-4,
+        dynamic_tolerance=1e-2,
+        simulated_turns=40.0,
+        settled_drift=1e-3,
+        tolerance=1e-6,
+    ),
+    AccuracyPreset(
+        error=1e-3,
+        quadrature="split",
+        strips=80,
+        steady_starts=8,
+        slip_regularisation_m_s=3e-5,
+        dynamic_tolerance=1e-3,
+        simulated_turns=100.0,
+        settled_drift=1e-3,
+        tolerance=1e-7,
+    ),
+    AccuracyPreset(
+        error=1e-4,
+        quadrature="gauss",
+        strips=1000,
+        steady_starts=64,
+        slip_regularisation_m_s=1e-5,
+        dynamic_tolerance=1e-5,
+        simulated_turns=160.0,
+        settled_drift=1e-4,
+        tolerance=1e-8,
+    ),
+)
+NAMED_PRESETS = {"draft": PRESETS[0], "standard": PRESETS[2], "reference": PRESETS[-1]}
+STANDARD = NAMED_PRESETS["standard"]
+
+
+def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
+    """The preset of a name, or the cheapest one that is meant for a target error."""
+    if isinstance(accuracy, str):
+        return NAMED_PRESETS[accuracy]
+    return next((preset for preset in PRESETS if preset.error <= accuracy), PRESETS[-1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """What overrides the program's own choice of model and accuracy.
+
+    `accuracy` decides when a scene is read (`bearingwear.scene.read`); of a Model built in Python
+    it changes nothing.
+    """
+
+    fidelity: Annotated[str, Key("The model to solve", choices=FIDELITIES)] = "auto"
+    cage_results: Annotated[
+        bool, Key("Ask for cage motion and wear, which need a cage and dynamics")
+    ] = False
+    accuracy: Annotated[
+        str | float,
+        Key(
+            "Sets all keys of accuracy together, those whose default is named so, by a name or by"
+            " the error of total QV aimed at",
+            within="[0.0001, 0.1]",
+            choices=tuple(NAMED_PRESETS),
+        ),
+    ] = "standard"
+    strips: Annotated[
+        int,
+        Key(
+            "Points or strips on each contact ellipse (split: at the most, a quarter on each side"
+            " of a pure-rolling point, and never fewer than 20)",
+            "1",
+            "[2, 2000]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.strips
+    quadrature: Annotated[
+        str,
+        Key(
+            "Rule over the contact ellipse, Gauss-Legendre on each half of the major axis, Gauss-"
+            "Legendre split at the pure-rolling points and gathered there, or equal strips",
+            choices=("gauss", "split", "strips"),
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.quadrature
+    steady_starts: Annotated[
+        int,
+        Key(
+            "Unlike starts from which other steady states are sought, steady only",
+            "1",
+            "[0, 10000]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.steady_starts
+    simulated_turns: Annotated[
+        float, Key("Shaft turns simulated, dynamic only", "1", "(0, 1e6]", default_by=ACCURACY)
+    ] = STANDARD.simulated_turns
+    evaluated_turns: Annotated[
+        float | None,
+        Key(
+            "Shaft turns at the end of the simulated ones over which averages are taken, their "
+            "second half if left out (at most model.simulated_turns)",
+            "1",
+            "(0, 1e6]",
+        ),
+    ] = None
+    history_points_per_turn: Annotated[
+        int,
+        Key(
+            "Points of the histories per shaft turn, none at 0 (at most a million in all), "
+            "dynamic only",
+            "1",
+            "[0, 10000]",
+        ),
+    ] = 20
+    integrator: Annotated[
+        str,
+        Key(
+            "Method of time integration, a linearly implicit one or the source's explicit one",
+            choices=("rosenbrock", "runge_kutta"),
+        ),
+    ] = "rosenbrock"
+    dynamic_tolerance: Annotated[
+        float,
+        Key(
+            "Error of the slip velocities in one step of time over the mean slip, dynamic only",
+            "1",
+            "[1e-9, 1]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.dynamic_tolerance
+    settled_drift: Annotated[
+        float,
+        Key(
+            "Largest change of QV and wear still to come, relative, at which a run counts as "
+            "settled and ends, dynamic only",
+            "1",
+            "(0, 1]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.settled_drift
+    land_stiffness_factor: Annotated[
+        float,
+        Key(
+            "Factor on the assumed stiffness of the cage's contact with its guiding land, to see "
+            "what depends on it",
+            "1",
+            "(0, 1000]",
+        ),
+    ] = 1.0
+    life_steps: Annotated[
+        int,
+        Key(
+            "Steps of wear to the end of a life in time, about, each with a short run in time",
+            "1",
+            "[2, 10000]",
+        ),
+    ] = 12
+    life_run_in_turns: Annotated[
+        float,
+        Key(
+            "Shaft turns in which the cage forgets its start before the first rates of a life in "
+            "time are taken, none without a cage",
+            "1",
+            "[0, 1e6]",
+        ),
+    ] = 200.0
+    tolerance: Annotated[
+        float, Key("Relative error tolerance of the life", "1", "[1e-12, 0.1]", default_by=ACCURACY)
+    ] = STANDARD.tolerance
+
+    @property
+    def averaged_turns(self) -> float:
+        """Shaft turns over which a transient is averaged; its second half if not given."""
+        return self.evaluated_turns or 0.5 * self.simulated_turns

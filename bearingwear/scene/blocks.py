@@ -1,0 +1,266 @@
+"""The blocks of a scene: the bearing, how it runs, and its wear.
+
+Plain frozen data. The field names are the keys of a scene file, so the unit is in the name and
+nothing is converted here (`bearingwear.model.parameters` does that).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Annotated
+
+from bearingwear.scene.accuracy import ACCURACY, STANDARD
+from bearingwear.scene.records import NAME, Key
+
+COUNTS = ("ball", "ball_and_races")
+"""What the life may count as loss: the wear of the ball alone, or also that of the races."""
+
+PRELOAD_METHODS = ("constant_force", "fixed_position")
+"""How the preload is applied: by a spring, or by a fixed distance of the rings."""
+
+MATERIAL = "a name under materials"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing:
+    """Nominal, unworn geometry."""
+
+    ball_count: Annotated[
+        int,
+        Key("Number of balls, they must fit side by side on the pitch circle", "1", "[3, 1000]"),
+    ]
+    ball_diameter_mm: Annotated[float, Key("Nominal (unworn) ball diameter", "mm", "[0.1, 500]")]
+    pitch_diameter_mm: Annotated[
+        float, Key("Pitch diameter, larger than the ball diameter", "mm", "[0.2, 10000]")
+    ]
+    contact_angle_deg: Annotated[
+        float, Key("Free contact angle (unloaded, unworn)", "degree", "[0, 80]")
+    ]
+    inner_groove_factor: Annotated[
+        float, Key("Groove radius of the inner race over ball diameter", "1", "(0.5, 1]")
+    ]
+    outer_groove_factor: Annotated[
+        float, Key("Groove radius of the outer race over ball diameter", "1", "(0.5, 1]")
+    ]
+    ball_material: Annotated[str, Key("Material of the balls", pattern=NAME, allowed=MATERIAL)]
+    race_material: Annotated[str, Key("Material of both races", pattern=NAME, allowed=MATERIAL)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Elastic, inertial and wear properties of one material."""
+
+    youngs_modulus_GPa: Annotated[float, Key("Young's modulus", "GPa", "[0.001, 2000]")]
+    poisson_ratio: Annotated[float, Key("Poisson's ratio", "1", "[0, 0.5)")]
+    density_kg_m3: Annotated[float, Key("Density", "kg/m3", "[10, 30000]")]
+    brinell_hardness_GPa: Annotated[
+        float, Key("Brinell hardness as a pressure, the H of Archard's law", "GPa", "[0.001, 100]")
+    ]
+    wear_coefficient: Annotated[
+        float, Key("Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]")
+    ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cage:
+    """A cage with cylindrical radial pockets."""
+
+    material: Annotated[str, Key("Material of the cage", pattern=NAME, allowed=MATERIAL)]
+    guiding_race: Annotated[
+        str,
+        Key(
+            "What guides the cage, the land of a race or the balls",
+            choices=("outer", "inner", "ball"),
+        ),
+    ] = "outer"
+    restitution: Annotated[
+        float, Key("Coefficient of restitution of ball/pocket and cage/land impacts", "1", "[0, 1]")
+    ] = 0.5
+    inner_diameter_mm: Annotated[float, Key("Inner diameter of the cage ring", "mm", "(0, 10000]")]
+    outer_diameter_mm: Annotated[
+        float, Key("Outer diameter of the cage ring, larger than the inner one", "mm", "(0, 10000]")
+    ]
+    width_mm: Annotated[float, Key("Axial width of the cage", "mm", "(0, 1000]")]
+    pocket_clearance_mm: Annotated[
+        float, Key("Diametral clearance of ball and pocket", "mm", "[0, 50]")
+    ]
+    guide_clearance_mm: Annotated[
+        float, Key("Diametral clearance of cage and guiding land", "mm", "[0, 50]")
+    ]
+    worn_share: Annotated[
+        float,
+        Key(
+            "Share of the pocket walls and of the guiding surface over which their wear spreads "
+            "evenly, assumed, life in time only",
+            "1",
+            "[0.001, 1]",
+        ),
+    ] = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Operation:
+    """Speeds, preload and loads."""
+
+    shaft_speed_rpm: Annotated[
+        float, Key("Speed of the shaft and the inner race", "r/min", "[0, 1e7]")
+    ]
+    outer_speed_rpm: Annotated[
+        float, Key("Speed of the outer race, either way round", "r/min", "[-1e7, 1e7]")
+    ] = 0.0
+    preload_method: Annotated[
+        str, Key("How the preload is held, a spring or a fixed distance", choices=PRELOAD_METHODS)
+    ]
+    preload_N: Annotated[float, Key("Initial (static, unworn) axial preload", "N", "[0, 1e7]")]
+    radial_load_N: Annotated[
+        tuple[float, float],
+        Key(
+            "Radial load along Y and Z, fixed in space",
+            "N",
+            "[-1e7, 1e7]",
+            each="One component of the radial load",
+        ),
+    ] = (0.0, 0.0)
+    rotating_load_N: Annotated[
+        float,
+        Key("Radial load that turns with the shaft, along +Z at the start", "N", "[-1e7, 1e7]"),
+    ] = 0.0
+    tilt_mrad: Annotated[float, Key("Tilt of the inner race about Y", "mrad", "[-20, 20]")] = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction:
+    """Coulomb friction, regularised at small slip."""
+
+    ball_race: Annotated[float, Key("Coulomb coefficient of ball and race", "1", "[0, 2]")]
+    cage: Annotated[
+        float, Key("Coulomb coefficient of ball and cage, and of cage and land", "1", "[0, 2]")
+    ] = 0.05
+    slip_regularisation_m_s: Annotated[
+        float,
+        Key(
+            "Slip speed below which friction is smoothed, an accuracy setting",
+            "m/s",
+            "[1e-9, 1]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.slip_regularisation_m_s
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lubricant:
+    """Drag on the orbiting balls."""
+
+    drag_density_kg_m3: Annotated[
+        float,
+        Key(
+            "Effective density of the oil-gas mixture times drag coefficient of an orbiting ball",
+            "kg/m3",
+            "[0, 10000]",
+        ),
+    ] = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndOfLife:
+    """Criteria of which the first that is met ends the life; None where one does not apply.
+
+    The clearances are limits of the cage, which a life in time alone sees wearing.
+    """
+
+    preload_fraction: Annotated[
+        float | None,
+        Key("Residual preload over preload_N, at or below which life ends", "1", "(0, 1)"),
+    ] = None
+    gyroscopic_slip_share: Annotated[
+        float | None,
+        Key(
+            "Gyroscopic share of the slip in any contact, at or above which life ends",
+            "1",
+            "(0, 1]",
+        ),
+    ] = None
+    skid_ratio: Annotated[
+        float | None,
+        Key(
+            "Lag of the orbit rate behind pure rolling, at or above which life ends", "1", "(0, 1]"
+        ),
+    ] = None
+    ball_diameter_loss_um: Annotated[
+        float | None,
+        Key(
+            "Loss of ball diameter at which life ends, below a tenth of the ball diameter",
+            "um",
+            "(0, 50000]",
+        ),
+    ] = None
+    pocket_clearance_mm: Annotated[
+        float | None,
+        Key(
+            "Diametral clearance of pocket and most worn ball at which life ends, needs a cage, "
+            "seen by a life in time alone",
+            "mm",
+            "(0, 50]",
+        ),
+    ] = None
+    guide_clearance_mm: Annotated[
+        float | None,
+        Key(
+            "Diametral clearance of cage and guiding land at which life ends, needs a cage guided"
+            " by a race, seen by a life in time alone",
+            "mm",
+            "(0, 50]",
+        ),
+    ] = None
+
+    @property
+    def criteria(self) -> dict[str, float]:
+        """The criteria that apply."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+    @property
+    def without_cage(self) -> EndOfLife:
+        """The criteria that ask nothing of a cage."""
+        return replace(self, pocket_clearance_mm=None, guide_clearance_mm=None)
+
+
+CRITERIA = (*(field.name for field in fields(EndOfLife)), "none")
+"""What may end a life, in the order of the flags."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wear:
+    """State of wear, way of counting, end of life.
+
+    `ball_diameter_loss_um` has one value for all balls, or one for each ball (where they differ).
+    """
+
+    ball_diameter_loss_um: Annotated[
+        tuple[float, ...],
+        Key(
+            "Loss of ball diameter at which a case is solved, below a tenth of the ball diameter",
+            "um",
+            "[0, 50000]",
+            single=True,
+            least=1,
+            most=1000,
+            each="Loss of diameter of one ball",
+            allowed="a number from 0 to 50000, or a list of one such number for each ball",
+        ),
+    ] = (0.0,)
+    counts: Annotated[
+        str,
+        Key(
+            "What wear counts as a loss of ball diameter where one life is quoted (files always "
+            "hold both)",
+            choices=COUNTS,
+        ),
+    ] = COUNTS[1]
+    end_of_life: Annotated[
+        EndOfLife | None,
+        Key(
+            "End-of-life criteria of which the first that is met counts (at least one is needed "
+            "for a life, leave out what does not apply)"
+        ),
+    ] = None

@@ -1,0 +1,96 @@
+"""Changes to the data of a scene, `{"operation.preload_N": 9.0}`, and the one behind a fault."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.scene import key_of_scene
+from bearingwear.scene.strict_yaml import data_of
+
+KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
+
+
+def changes_of(texts: Iterable[str]) -> dict[str, Any]:
+    """Changes from texts `operation.preload_N=9`, as `--set` takes them, their values in YAML.
+
+    Raises
+    ------
+    SceneError
+    """
+    changes: list[tuple[str, Any]] = []
+    for text in texts:
+        key, equals, value = text.partition("=")
+        key = key.strip()
+        if not equals or not re.fullmatch(KEY, key):
+            problem = f"given {shown(text)}; allowed KEY=VALUE, operation.preload_N=7"
+            raise SceneError("", problem, source="--set")
+        changes.append((key, data_of(value, f"--set {key}")))
+    keys = [key for key, _ in changes]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise SceneError("", "given more than once; allowed once", source=f"--set {key}")
+    return dict(changes)
+
+
+def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Copy of a scene's data with values replaced, and blocks made where they stand in none.
+
+    None takes an entry of `materials` or `uncertainty` away.
+
+    Raises
+    ------
+    SceneError
+        A key below something that is no block.
+    """
+    result = dict(data)
+    for key, value in changes.items():
+        *blocks, last = key.split(".")
+        block: dict[str, Any] = result
+        for depth, name in enumerate(blocks, 1):
+            inner = block.get(name)
+            if not isinstance(inner, Mapping | None):
+                path = ".".join(blocks[:depth])
+                part = key_of_scene(path)
+                what = part.allowed if part else "another value"
+                problem = f"given a key of {path}, which is no block; allowed {what}"
+                raise SceneError("", problem, source=f"--set {key}")
+            block[name] = block = dict(inner or {})
+        above = key_of_scene(".".join(blocks))
+        if value is None and last in block and above is not None and above.kind == "mapping":
+            del block[last]
+        else:
+            block[last] = value
+    return result
+
+
+def blamed(error: SceneError, data: Mapping[str, Any], changes: Sequence[str]) -> SceneError:
+    """The same error, naming the change that brought it about, if one did.
+
+    Parameters
+    ----------
+    error : SceneError
+    data : mapping
+        Before the changes.
+    changes : sequence of str
+        Their keys.
+    """
+    for at_fault in (error.key, *error.involved):
+        for key in changes:
+            for cause in filter(None, (key, _block_made(data, key))):
+                if at_fault == cause or at_fault.startswith((f"{cause}.", f"{cause}[")):
+                    name = "" if error.key == key else error.key
+                    return SceneError(name, error.problem, error.involved, f"--set {key}")
+    return error
+
+
+def _block_made(data: Any, key: str) -> str | None:
+    """The outermost block that had to be made for a key."""
+    *blocks, _ = key.split(".")
+    for depth, name in enumerate(blocks, 1):
+        data = data.get(name)
+        if data is None:
+            return ".".join(blocks[:depth])
+    return None

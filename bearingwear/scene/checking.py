@@ -1,0 +1,296 @@
+"""Checks plain data, as YAML gives it, by the fields of a record, and builds the record.
+
+    plan = record(Sampling, {"samples": -1}, "config/design.yaml")
+
+raises a SceneError for the first thing that is wrong, in one line:
+`config/design.yaml: samples: given -1; allowed a whole number >= 1`.
+
+What several fields must fulfil together is checked in the record's `__post_init__`, which raises
+a ValueError, or a `SceneError` that names the field.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import numbers
+import os
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple, TypeVar
+
+from bearingwear.scene.errors import SceneError, short, shown, yaml_number
+from bearingwear.scene.records import NAME, Key, Part, part_at, whole
+
+R = TypeVar("R")
+
+DEEPEST = 20
+"""Limit of blocks within blocks; a scene has three."""
+
+
+def record(record_type: type[R], data: Any, source: str = "scene") -> R:
+    """Check plain nested data and build the record of it.
+
+    Parameters
+    ----------
+    record_type : type
+        A dataclass.
+    data : dict
+        Not changed.
+    source : str
+        What error messages name.
+
+    Raises
+    ------
+    SceneError
+        For the first thing that is wrong.
+    """
+    try:
+        return built(record_type, checked_data(record_type, data))
+    except SceneError as error:
+        raise SceneError(error.key, error.problem, error.involved, source) from None
+
+
+def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
+    """Read a YAML file, in which anchors are allowed, and build the record of it.
+
+    Raises
+    ------
+    SceneError
+        For the first thing that is wrong.
+    """
+    from bearingwear.scene.strict_yaml import data_of, text_of
+
+    source = os.fspath(path)
+    data = data_of(text_of(path), source, anchors=True)
+    if not isinstance(data, dict):
+        raise SceneError("", f"given {shown(data)}; allowed a block of keys", source=source)
+    return record(record_type, data, source)
+
+
+def checked_data(record_type: type, data: Any) -> dict[str, Any]:
+    """Plain copy of data that fits the record, nothing filled in.
+
+    Raises
+    ------
+    SceneError
+    """
+    file = whole(record_type)
+    plain = _copied(data, "", 0, file)
+    if faults := list(_faults(plain, file, "", ())):
+        fault = min(faults, key=lambda f: (f.rank, f.place))
+        raise SceneError(fault.path, fault.problem)
+    return plain
+
+
+def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
+    """Plain copy of nested data, refusing what is not plain or not finite."""
+    if depth > DEEPEST:
+        raise SceneError(path, f"given more than {DEEPEST} blocks within each other; allowed less")
+    if isinstance(value, Mapping):
+        for key in value:
+            if not isinstance(key, str):
+                raise SceneError(path, f"given the key {shown(key)}; allowed text as a key")
+        return {
+            k: _copied(v, f"{path}.{k}" if path else k, depth + 1, file) for k, v in value.items()
+        }
+    if hasattr(value, "tolist"):  # numpy numbers and arrays
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_copied(part, f"{path}[{i}]", depth + 1, file) for i, part in enumerate(value)]
+    if value is None or isinstance(value, bool | str | int):
+        return value
+    if isinstance(value, numbers.Real) and math.isfinite(value):
+        return float(value)
+    given = float(value) if isinstance(value, numbers.Real) else value
+    part = part_at(file, path)
+    raise SceneError(
+        path, f"given {shown(given)}; allowed {part.allowed if part else 'another value'}"
+    )
+
+
+# A name that is impossible comes first: the path of whatever is wrong below it would hold it.
+# A mistyped key is both unknown and missing: it is named as what it is.
+_IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _NOTHING = range(5)
+
+
+class Fault(NamedTuple):
+    """Something wrong: how soon it is told, where it stands in the file, and what to say."""
+
+    rank: int
+    place: tuple[int, ...]
+    path: str
+    problem: str
+
+
+def _faults(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Iterator[Fault]:
+    if value is None and part.nullable:
+        return
+    problem = f"given {shown(value)}; allowed {part.allowed}"
+    if part.kind == "list" and part.key.single and _is_number(value):
+        part = part.item or part
+    if part.kind == "block" and isinstance(value, Mapping):
+        yield from _block_faults(value, part, path, place)
+    elif part.kind == "mapping" and isinstance(value, Mapping):
+        yield from _mapping_faults(value, part, path, place)
+    elif part.kind == "list" and isinstance(value, list):
+        if len(value) < part.key.least or len(value) > (part.key.most or math.inf):
+            problem = f"given a list of {len(value)}; allowed {part.allowed}"
+            yield Fault(_OUT_OF_RANGE, place, path, problem)
+        for i, item in enumerate(value):
+            yield from _faults(item, part.item, f"{path}[{i}]", (*place, i))  # type: ignore[arg-type]
+    elif part.kind in ("choice", "choice_or_number"):
+        number = part.kind == "choice_or_number" and _is_number(value)
+        if not (number and _in_range(value, part.key)) and value not in part.key.choices:
+            yield Fault(_OUT_OF_RANGE, place, path, problem)
+    elif part.kind not in ("own", "any"):
+        if not _has_kind(value, part.kind):
+            hint = _number_hint(value, part)
+            problem = f"given {shown(value)}{hint}; allowed {part.allowed}"
+            yield Fault(_WRONG_TYPE, place, path, problem)
+        elif not (_text_fits if part.kind == "text" else _in_range)(value, part.key):
+            yield Fault(_OUT_OF_RANGE, place, path, problem)
+
+
+def _block_faults(
+    given: Mapping[str, Any], part: Part, path: str, place: tuple[int, ...]
+) -> Iterator[Fault]:
+    known = part.below
+    unknown = next((key for key in given if key not in known), None)
+    if unknown is not None:
+        near = difflib.get_close_matches(unknown, known, n=2, cutoff=0.6)
+        free = [key for key in known if key not in given] or list(known)
+        names = f"nearest allowed: {' or '.join(near)}" if near else f"allowed: {', '.join(free)}"
+        where = _joined(path, short(unknown))
+        yield Fault(_UNKNOWN, place, where, f"given an unknown key; {names}")
+    for name, below in known.items():
+        if below.required and name not in given:
+            problem = f"given nothing; allowed {below.allowed}"
+            yield Fault(_NOTHING, place, _joined(path, name), problem)
+    for i, (name, value) in enumerate(given.items()):
+        if name in known:
+            yield from _faults(value, known[name], _joined(path, name), (*place, i))
+
+
+def _mapping_faults(
+    given: Mapping[str, Any], part: Part, path: str, place: tuple[int, ...]
+) -> Iterator[Fault]:
+    assert part.item is not None
+    if len(given) < part.key.least:
+        problem = f"given a block of {len(given)} keys; allowed {part.allowed}"
+        yield Fault(_OUT_OF_RANGE, place, path, problem)
+    for i, (name, value) in enumerate(given.items()):
+        if not _is_name(name, part):
+            problem = f"given the name {shown(name)}; allowed {part.allowed}"
+            yield Fault(_IMPOSSIBLE_NAME, place, path, problem)
+        yield from _faults(value, part.item, _joined(path, name), (*place, i))
+
+
+def _is_name(name: str, mapping: Part) -> bool:
+    if mapping.key.names:
+        return name in mapping.key.names
+    return mapping.item is None or mapping.item.kind == "any" or bool(re.search(NAME, name))
+
+
+def _has_kind(value: Any, kind: str) -> bool:
+    if kind == "integer":
+        whole_float = isinstance(value, float) and value.is_integer()
+        return _is_number(value) and (isinstance(value, int) or whole_float)
+    if kind == "number":
+        return _is_number(value)
+    return isinstance(value, {"boolean": bool, "text": str}.get(kind, ()))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _in_range(value: Any, key: Key) -> bool:
+    if isinstance(value, bool):
+        return True
+    return (
+        (key.minimum is None or value >= key.minimum)
+        and (key.above is None or value > key.above)
+        and (key.maximum is None or value <= key.maximum)
+        and (key.below is None or value < key.below)
+        and abs(value) <= _LARGEST
+    )
+
+
+_LARGEST = 1.7976931348623157e308
+"""A whole number of YAML may be larger than any that can be calculated with."""
+
+
+def _text_fits(value: str, key: Key) -> bool:
+    return len(value) <= (key.longest or math.inf) and bool(re.search(key.pattern, value))
+
+
+def fits(value: Any, part: Part) -> bool:
+    """Whether a value may stand at a part."""
+    return not any(_faults(value, part, "", ()))
+
+
+def _joined(path: str, name: str) -> str:
+    return f"{path}.{name}" if path else name
+
+
+# building
+
+
+def built(record_type: type[R], plain: Mapping[str, Any], path: str = "") -> R:
+    """The record of checked data; whole numbers become floats where a number is meant.
+
+    Raises
+    ------
+    SceneError
+        Where the record itself refuses its values.
+    """
+    values = {
+        part.field: _value(plain[name], part, _joined(path, name))
+        for name, part in whole(record_type).below.items()
+        if name in plain and (plain[name] is not None or part.required)
+    }
+    try:
+        return record_type(**values)
+    except SceneError as error:
+        here = path and ".".join(filter(None, (path, error.key)))
+        raise SceneError(here or error.key, error.problem, error.involved) from None
+    except ValueError as error:
+        raise SceneError(path, str(error)) from None
+
+
+def _value(value: Any, part: Part, path: str) -> Any:
+    if value is None:
+        return None
+    if part.kind == "block":
+        return built(part.type, value, path)
+    if part.kind == "own":
+        try:
+            return part.type.from_plain(value)
+        except SceneError:
+            raise
+        except ValueError as error:
+            raise SceneError(path, str(error)) from None
+    if part.kind == "mapping" and part.item:
+        return {name: _value(v, part.item, _joined(path, name)) for name, v in value.items()}
+    if part.kind == "list" and part.item:
+        values = value if isinstance(value, list) else [value]
+        return tuple(_value(v, part.item, f"{path}[{i}]") for i, v in enumerate(values))
+    if part.kind == "integer":
+        return int(value)
+    return float(value) if part.kind != "any" and _is_number(value) else value
+
+
+def _number_hint(value: Any, part: Part) -> str:
+    """How a text that was meant as a number is written as one."""
+    numeric = part.item if part.key.single and part.item else part
+    if not isinstance(value, str) or numeric.kind not in ("integer", "number"):
+        return ""
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        return ", text, not a number"
+    whole = number == int(number) and abs(number) < 1e9
+    return f", text, not a number (write {int(number) if whole else yaml_number(number)})"

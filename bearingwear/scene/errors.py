@@ -1,0 +1,69 @@
+"""How input is refused: one line that says what was given and what is allowed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+LONGEST = 60
+"""Longest text that a message repeats."""
+
+
+class SceneError(ValueError):
+    """Input that cannot be used; its text is one line.
+
+    Parameters
+    ----------
+    key : str
+        Path of the key at fault, `bearing.ball_count`; empty for the file as a whole.
+    problem : str
+        What was given and what is allowed.
+    involved : tuple of str
+        Further keys that take part in the contradiction.
+    source : str
+        Where the data came from: a file, or `scene` for one built in Python.
+    """
+
+    def __init__(
+        self, key: str, problem: str, involved: tuple[str, ...] = (), source: str = "scene"
+    ) -> None:
+        self.key = key
+        self.problem = problem
+        self.involved = involved
+        self.source = source
+        text = ": ".join(part for part in (source, key, problem) if part)
+        super().__init__("".join(c if c.isprintable() else "?" for c in text))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SceneError, (self.key, self.problem, self.involved, self.source)
+
+
+def yaml_number(value: float) -> str:
+    """A number written so that every YAML reader takes it for one: 1.0e-5, not 1e-05."""
+    mantissa, e, exponent = repr(value).partition("e")
+    if not e:
+        return mantissa
+    return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent):+d}"
+
+
+def shown(value: Any) -> str:
+    """A value as it would stand in a file, on one short line."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return f"a block of {len(value)} keys"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}"
+    if isinstance(value, int) and abs(value) > 10**30:
+        return "a whole number of more than 30 digits"
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
+    return short(yaml_number(value) if isinstance(value, float) else repr(value))
+
+
+def short(text: str) -> str:
+    """A text of a file, as far as a message repeats it."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

@@ -1,0 +1,99 @@
+"""The keys of a record as a table and as a list, and the values of nested data under their keys.
+
+`python -m bearingwear.scene.keys config/README.md` puts tables between the markers of that file: of
+a scene's keys, or of those of the record that a marker names.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from bearingwear.scene.errors import yaml_number
+from bearingwear.scene.records import Part, whole
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.schema import default
+
+KEY_TABLES = re.compile(
+    r"(<!-- keys(?: ([\w.]+):(\w+))?: begin -->\n).*?(<!-- keys: end -->)", re.DOTALL
+)
+"""A table of keys in a text, of the record RECORD where it says `keys MODULE:RECORD: begin`."""
+
+
+def key_table(record_type: type = Scene) -> str:
+    """Markdown table: key, meaning, unit, what is allowed, default."""
+    lines = ["| key | meaning | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
+    for path, part in keys(record_type):
+        unit = "" if part.unit == "-" else part.unit
+        row = (f"`{path}`", part.key.meaning, unit, part.allowed, _default(part))
+        lines.append(f"| {' | '.join(row)} |")
+    return "\n".join(lines)
+
+
+def keys(record_type: type = Scene) -> Iterator[tuple[str, Part]]:
+    """Every key of a record, with those below it: `operation.preload_N`."""
+    return _keys(whole(record_type), "")
+
+
+def _keys(block: Part, path: str) -> Iterator[tuple[str, Part]]:
+    for name, part in block.below.items():
+        yield f"{path}{name}", part
+        if part.kind == "block":
+            yield from _keys(part, f"{path}{name}.")
+        elif part.item is not None and part.item.kind == "block":
+            named = ".NAME" if part.kind == "mapping" else "[]"
+            yield from _keys(part.item, f"{path}{name}{named}.")
+
+
+def scene_keys() -> list[str]:
+    """Every key of a scene that takes a value of its own, `operation.preload_N`."""
+    return [path for path, part in keys() if part.kind != "block"]
+
+
+def leaves(block: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    """Values of nested data by their whole keys, `operation.preload_N`."""
+    found: dict[str, Any] = {}
+    for key, value in block.items():
+        if isinstance(value, Mapping):
+            found |= leaves(value, f"{path}{key}.")
+        else:
+            found[f"{path}{key}"] = value
+    return found
+
+
+def _default(part: Part) -> str:
+    if part.required:
+        return "required"
+    if part.key.default_by:
+        return f"by `{part.key.default_by}`"
+    value = default(part)
+    if value is None:
+        return "none"
+    if part.kind == "block":
+        return "the defaults of its keys"
+    if value == "":
+        return "empty"
+    return yaml_number(value) if isinstance(value, float) else json.dumps(value).strip('"')
+
+
+def renewed(text: str) -> str:
+    """A text with the tables between its markers made anew."""
+
+    def table(match: re.Match[str]) -> str:
+        begin, module, name, end = match.groups()
+        record_type = (
+            getattr(importlib.import_module(f"bearingwear.{module}"), name) if module else Scene
+        )
+        return f"{begin}{key_table(record_type)}\n{end}"
+
+    return KEY_TABLES.sub(table, text)
+
+
+if __name__ == "__main__":
+    file = Path(sys.argv[1])
+    file.write_text(renewed(file.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,199 @@
+"""From a YAML file, or plain data, to a checked `Scene`, with one line for whatever is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from bearingwear.scene.accuracy import Model, accuracy_preset
+from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
+from bearingwear.scene.checking import DEEPEST, built, checked_data, fits, record
+from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.records import NAME, NAME_RULE, Key, whole
+from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene
+from bearingwear.scene.strict_yaml import data_of, text_of
+from bearingwear.scene.uncertain import uncertain_key
+
+Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
+
+
+def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
+    """Read and check a scene file.
+
+    Parameters
+    ----------
+    path : path
+        The YAML file.
+    overrides : iterable of str
+        `"operation.preload_N=9"` each, as `--set` takes them; the value is read as YAML.
+
+    Raises
+    ------
+    SceneError
+        One line that names the file (or the `--set`), the key, what was given, what is allowed.
+    """
+    data, source = as_data(path)
+    return changed_scene(data, changes_of(overrides), source)
+
+
+def as_scene(scene: Source) -> Scene:
+    """A checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
+    return scene_from_dict(*as_data(scene))
+
+
+def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
+    """The data of a scene, not checked, and what error messages call it."""
+    if isinstance(scene, Scene):
+        # checked like any other: who builds one in Python skips the ranges
+        return scene.to_dict(), "scene"
+    if isinstance(scene, Mapping):
+        return scene, "scene"
+    if isinstance(scene, str | os.PathLike):
+        return _read(scene)[0], os.fspath(scene)
+    raise TypeError(f"a scene is a path, a dict or a Scene, not {type(scene).__name__}")
+
+
+def changed_scene(data: Mapping[str, Any], changes: Mapping[str, Any], source: str) -> Scene:
+    """The scene of plain data with some values replaced.
+
+    Raises
+    ------
+    SceneError
+        Names the change that is to blame as `--set KEY`.
+    """
+    new = with_changes(data, changes)
+    try:
+        return scene_from_dict(new, source)
+    except SceneError as error:
+        raise blamed(error, data, list(changes)) from None
+
+
+def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
+    """Check plain nested data and build the scene from it.
+
+    Parameters
+    ----------
+    data : mapping
+        The shape of a scene file; not changed.
+    source : str
+        What error messages name.
+
+    Raises
+    ------
+    SceneError
+    """
+    try:
+        plain = checked_data(Scene, data)
+        _check_spread(plain)
+        plain["description"] = " ".join(plain.get("description", "").split())
+        return built(Scene, _with_accuracy(plain))
+    except SceneError as error:
+        raise SceneError(error.key, error.problem, error.involved, source) from None
+
+
+def for_life(scene: Scene, source: str = "scene") -> Scene:
+    """The scene, if it says when its life ends."""
+    end = scene.wear.end_of_life
+    if end is None or not end.criteria:
+        names = ", ".join(whole(EndOfLife).below)
+        raise SceneError(
+            "wear.end_of_life", f"given no criterion; allowed, for a life: {names}", (), source
+        )
+    if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
+        raise SceneError(
+            "wear.end_of_life.preload_fraction",
+            "given with a preload of 0; allowed only with a preload",
+            ("operation.preload_N",),
+            source,
+        )
+    return scene
+
+
+# files
+
+
+@dataclass(frozen=True, kw_only=True)
+class BasedOn:
+    """A scene file that is another one with some keys changed."""
+
+    name: Annotated[str, Key("Name of the scene", pattern=NAME, allowed=NAME_RULE)]
+    description: Annotated[str, Key("Replaces that of the other scene")] = ""
+    based_on: Annotated[
+        str,
+        Key(
+            "The other scene, a file beside this one, without its .yaml",
+            pattern=NAME,
+            allowed=NAME_RULE,
+        ),
+    ]
+    changes: Annotated[
+        Mapping[str, Any],
+        Key("Keys of the other scene and their values here", name="set", allowed="KEY: VALUE"),
+    ] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for key in self.changes:
+            if not re.fullmatch(KEY, key):
+                raise SceneError("set", f"given {shown(key)}; allowed keys, operation.preload_N")
+
+
+def scene_files(path: str | os.PathLike[str]) -> list[str]:
+    """The file of a scene, and those it is based on.
+
+    Raises
+    ------
+    SceneError
+    """
+    return _read(path)[1]
+
+
+def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any], list[str]]:
+    """Data of a scene file, made whole if it is based on another, and the files read."""
+    source = os.fspath(path)
+    data = data_of(text_of(path), source)
+    if not isinstance(data, dict):
+        problem = f"given {shown(data)}; allowed a block of keys, a scene"
+        raise SceneError("", problem, source=source)
+    if "based_on" not in data:
+        return data, [source]
+    this = record(BasedOn, data, source)
+    if depth > DEEPEST:
+        problem = f"given {this.based_on}, based on itself; allowed another scene"
+        raise SceneError("based_on", problem, source=source)
+    base, files = _read(Path(path).with_name(f"{this.based_on}.yaml"), depth + 1)
+    own = {key: data[key] for key in ("name", "description") if key in data}
+    try:
+        return with_changes(base, own | dict(this.changes)), [source, *files]
+    except SceneError as error:
+        key = error.source.removeprefix("--set ")
+        raise SceneError(f"set.{key}", error.problem, source=source) from None
+
+
+# what the keys alone do not say
+
+
+def _check_spread(data: Mapping[str, Any]) -> None:
+    """The middle and the ends of a distribution are values that the key itself may take."""
+    for name, spread in (data.get("uncertainty") or {}).items():
+        part = key_of_scene(uncertain_key(name, "NAME"))
+        assert part is not None
+        for end in ("mean", "median", "low", "high"):
+            value = spread.get(end)
+            if value is not None and not fits(value, part):
+                raise SceneError(
+                    f"uncertainty.{name}.{end}", f"given {shown(value)}; allowed {part.allowed}"
+                )
+
+
+def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
+    """Fill in what the accuracy asked for decides, where the scene does not."""
+    model = plain.get("model") or {}
+    keys = accuracy_preset(model.get("accuracy", Model.accuracy)).keys
+    for path, value in keys.items():
+        block, _, name = path.partition(".")
+        plain[block] = {name: value} | (plain.get(block) or {})
+    return plain

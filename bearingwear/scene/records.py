@@ -1,0 +1,245 @@
+"""Typed records: what a key of a file means and takes stands at the field of a dataclass.
+
+A field is annotated with its `Key`:
+
+    @dataclass(frozen=True, kw_only=True)
+    class Sampling:
+        samples: Annotated[int, Key("Base samples, a power of two", minimum=1)] = 256
+
+`bearingwear.scene.checking` checks plain data by it. The JSON schema (`scene.schema`) and the table
+of keys (`scene.keys`) are made from the same fields.
+
+A field may be int, float, bool, str (with `choices` or a `pattern`), `str | float` (a choice or a
+number), another record, a tuple of one of these, a `Mapping` of names to one of these, `X | None`,
+or `Any`. A class that needs more has a method `from_plain(data)`, and says in `ALLOWED` what it
+takes.
+
+This file imports nothing heavy: the command line completes keys with it.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+import types
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+
+from bearingwear.scene.errors import yaml_number
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$(?!\n)"
+"""Names of scenes, materials and blocks."""
+
+NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64, the first a letter or digit)"
+
+
+@dataclass(frozen=True)
+class Key:
+    """What a key means and takes.
+
+    Attributes
+    ----------
+    meaning : str
+        One sentence.
+    unit : str, optional
+        1 for a number, none for anything else.
+    within : str
+        The range as an interval: `[0, 0.5)` are the numbers from 0 to below 0.5.
+    minimum, above, maximum, below : float, optional
+        The same as its ends, where there is only one; above and below are not part of it.
+    choices : tuple of str
+        The texts that are allowed.
+    pattern : str
+        Regular expression of a text.
+    longest : int, optional
+        Most characters of a text.
+    least, most : int
+        Fewest and most values of a list, blocks of a mapping.
+    names : tuple of str
+        Names that a mapping may use; any name where empty.
+    each : str
+        What one value of a list or a mapping means.
+    single : bool
+        A single value stands for a list of one.
+    default_by : str
+        Key that decides the default.
+    allowed : str
+        In words, where the range and the choices do not say it.
+    name : str
+        In the file, where it cannot be a name in Python.
+    """
+
+    meaning: str = ""
+    unit: str = ""
+    within: str = ""
+    minimum: float | None = None
+    above: float | None = None
+    maximum: float | None = None
+    below: float | None = None
+    choices: tuple[str, ...] = ()
+    pattern: str = ""
+    longest: int | None = None
+    least: int = 0
+    most: int | None = None
+    names: tuple[str, ...] = ()
+    each: str = ""
+    single: bool = False
+    default_by: str = ""
+    allowed: str = ""
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.within:
+            low, high = map(float, self.within[1:-1].split(","))
+            object.__setattr__(self, "minimum" if self.within[0] == "[" else "above", low)
+            object.__setattr__(self, "maximum" if self.within[-1] == "]" else "below", high)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest number."""
+        low = self.above if self.minimum is None else self.minimum
+        high = self.below if self.maximum is None else self.maximum
+        return -math.inf if low is None else low, math.inf if high is None else high
+
+
+@dataclass(frozen=True)
+class Part:
+    """A field of a record, resolved.
+
+    Attributes
+    ----------
+    kind : str
+        integer, number, boolean, text, choice, choice_or_number, list, mapping, block, own or any.
+    type : type
+        The record of a block.
+    item : Part
+        Of a list or a mapping.
+    """
+
+    kind: str
+    key: Key
+    type: Any = None
+    item: Part | None = None
+    nullable: bool = False
+    field: str = ""
+    required: bool = True
+    default: Any = None
+
+    @functools.cached_property
+    def below(self) -> Mapping[str, Part]:
+        """Parts of a block."""
+        return parts(self.type) if self.kind == "block" else {}
+
+    @functools.cached_property
+    def allowed(self) -> str:
+        """What it takes, in words."""
+        return self.key.allowed or _in_words(self)
+
+    @property
+    def unit(self) -> str:
+        """`-` where there is none."""
+        numeric = self.kind in ("integer", "number")
+        return self.key.unit or ("1" if numeric else "-")
+
+    def at(self, name: str) -> Part | None:
+        """What stands under a name, or under an index of a list."""
+        return self.below.get(name) or self.item
+
+
+_KINDS = {int: "integer", float: "number", bool: "boolean", str: "text", Any: "any"}
+
+
+@functools.cache
+def parts(record_type: Any) -> Mapping[str, Part]:
+    """The parts of a record, by the names of their keys."""
+    found = {}
+    hints = get_type_hints(record_type, include_extras=True)
+    for f in fields(record_type):
+        hint, key = hints[f.name], Key()
+        if get_origin(hint) is Annotated:
+            hint, key = get_args(hint)
+        optional = f.default is not MISSING or f.default_factory is not MISSING
+        default = f.default if f.default is not MISSING else {} if optional else None
+        part = _part(hint, key, field=f.name, required=not optional, default=default)
+        found[key.name or f.name] = part
+    return types.MappingProxyType(found)
+
+
+def whole(record_type: type) -> Part:
+    """A record that stands for a whole file."""
+    return Part("block", Key(), record_type)
+
+
+def part_at(part: Part, path: str) -> Part | None:
+    """The part at a path, `materials.steel.density_kg_m3`; None where there is none."""
+    found: Part | None = part
+    for name in re.findall(r"[^.\[\]]+", path):
+        found = found and found.at(name)
+    return found
+
+
+def _part(hint: Any, key: Key, **more: Any) -> Part:
+    nullable = False
+    if get_origin(hint) in (Union, types.UnionType):
+        hints = [part for part in get_args(hint) if part is not type(None)]
+        nullable = len(hints) < len(get_args(hint))
+        hint = hints[0]
+        if len(hints) > 1:
+            return Part("choice_or_number", key, nullable=nullable, **more)
+    each: dict[str, Any] = {"least": 0, "most": None, "names": (), "single": False, "allowed": ""}
+    item_key = replace(key, meaning=key.each, each="", **each)
+    if get_origin(hint) is tuple:
+        of, *others = get_args(hint)
+        if others != [...]:
+            key = replace(key, least=len(get_args(hint)), most=len(get_args(hint)))
+        return Part("list", key, item=_part(of, item_key), nullable=nullable, **more)
+    if get_origin(hint) is not None:
+        item = _part(get_args(hint)[1], item_key)
+        return Part("mapping", key, item=item, nullable=nullable, **more)
+    if hasattr(hint, "from_plain"):
+        return Part("own", key, hint, nullable=nullable, **more)
+    if is_dataclass(hint):
+        nullable = nullable or not more.get("required", True)
+        return Part("block", key, hint, nullable=nullable, **more)
+    kind = "choice" if hint is str and key.choices else _KINDS[hint]
+    return Part(kind, key, nullable=nullable, **more)
+
+
+def _in_words(part: Part) -> str:
+    key = part.key
+    if part.kind in ("integer", "number"):
+        return f"a {'whole ' if part.kind == 'integer' else ''}number{_range(key)}"
+    if part.kind == "choice_or_number":
+        return f"{', '.join(key.choices)} or a number{_range(key)}"
+    if part.kind == "choice":
+        return " or ".join(filter(None, (", ".join(key.choices[:-1]), key.choices[-1])))
+    if part.kind == "list" and part.item is not None:
+        count = f" of {_COUNTS[key.least]} numbers" if key.least == key.most else ""
+        return f"a list{count}, each {part.item.allowed.removeprefix('a number ')}"
+    if part.kind == "mapping":
+        named = ", ".join(key.names) or f"by {NAME_RULE}"
+        return f"{'one or more ' if key.least and not key.names else ''}blocks named {named}"
+    if part.kind == "own":
+        return str(getattr(part.type, "ALLOWED", "another value"))
+    words = {"boolean": "true or false", "block": "a block of keys", "text": "text"}
+    return words.get(part.kind, "another value")
+
+
+_COUNTS = ("no", "one", "two", "three", "four")
+
+
+def _range(key: Key) -> str:
+    if key.minimum is not None and key.maximum is not None:
+        return f" from {_end(key.minimum)} to {_end(key.maximum)}"
+    signs = {">": key.above, ">=": key.minimum, "<": key.below, "<=": key.maximum}
+    ends = [f"{sign} {_end(end)}" for sign, end in signs.items() if end is not None]
+    return " " + " and ".join(ends) if ends else ""
+
+
+def _end(value: float) -> str:
+    if value == int(value):
+        return str(int(value))
+    exponent = math.floor(math.log10(abs(value)))
+    return yaml_number(value) if exponent >= -3 else f"{value / 10.0**exponent:.1f}e{exponent}"

@@ -1,0 +1,357 @@
+"""The scene: one bearing, how it runs, and how worn it is.
+
+The fields of `Scene` and of its blocks are the one table of keys: meaning, unit, range and default
+of each (`bearingwear.scene.records`). What several values must fulfil together is checked here,
+whoever builds the scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from types import MappingProxyType
+from typing import Annotated, Any
+
+from bearingwear.scene.accuracy import FIDELITIES, Model
+from bearingwear.scene.blocks import (
+    COUNTS,
+    PRELOAD_METHODS,
+    Bearing,
+    Cage,
+    EndOfLife,
+    Friction,
+    Lubricant,
+    Material,
+    Operation,
+    Wear,
+)
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import NAME, NAME_RULE, Key, Part, part_at, whole
+from bearingwear.scene.uncertain import PARAMETERS, UNCERTAIN, WORN, Distribution
+
+__all__ = [
+    "COUNTS",
+    "FIDELITIES",
+    "LARGEST_LOSS",
+    "PARAMETERS",
+    "PRELOAD_METHODS",
+    "UNCERTAIN",
+    "WORN",
+    "Bearing",
+    "Cage",
+    "Distribution",
+    "EndOfLife",
+    "Friction",
+    "Lubricant",
+    "Material",
+    "Model",
+    "Operation",
+    "Scene",
+    "SceneError",
+    "Wear",
+    "key_of_scene",
+    "most_balls",
+]
+
+LARGEST_LOSS = 0.1
+"""Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
+
+MOST_HISTORY_POINTS = 1_000_000
+"""Most points of a history that is accepted: histories are held in memory."""
+
+NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """One bearing, how it runs, and how worn it is.
+
+    Raises
+    ------
+    SceneError
+        Where the values contradict each other: balls that do not fit the pitch circle, a material
+        that is not there, ...
+    """
+
+    name: Annotated[str, Key("Name of the scene", pattern=NAME, allowed=NAME_RULE)]
+    description: Annotated[
+        str,
+        Key(
+            "What the scene is and where its numbers come from",
+            pattern=NO_CONTROL,
+            longest=4000,
+            allowed="text of at most 4000 characters, none of them a control character",
+        ),
+    ] = ""
+    bearing: Annotated[Bearing, Key("Nominal, unworn geometry and materials of the bearing")]
+    materials: Annotated[
+        Mapping[str, Material],
+        Key(
+            "The materials, each a block under its name",
+            least=1,
+            each="One material, under a name of your choice (letters, digits, _ and -)",
+        ),
+    ]
+    cage: Annotated[
+        Cage | None,
+        Key("The cage, none if left out (its presence alone does not call for a dynamic model)"),
+    ] = None
+    operation: Annotated[Operation, Key("Speeds, preload and loads")]
+    friction: Annotated[Friction, Key("Friction")]
+    lubricant: Annotated[Lubricant, Key("Lubricant, no drag if left out")] = field(
+        default_factory=Lubricant
+    )
+    wear: Annotated[Wear, Key("State of wear and end of life")] = field(default_factory=Wear)
+    uncertainty: Annotated[
+        Mapping[str, Distribution] | None,
+        Key(
+            "How values of the scene are distributed for the study of uncertainty (snakemake "
+            "design), each a block under the name of its key",
+            least=1,
+            names=tuple(UNCERTAIN),
+            each="Distribution of one value of the scene",
+        ),
+    ] = None
+    model: Annotated[Model, Key("Overrides what the program would choose")] = field(
+        default_factory=Model
+    )
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
+        if self.uncertainty is not None:
+            object.__setattr__(self, "uncertainty", MappingProxyType(dict(self.uncertainty)))
+        _check_materials(self)
+        _check_balls(self)
+        _check_wear(self)
+        _check_cage_limits(self)
+        if self.cage is not None:
+            _check_cage(self, self.cage)
+        _check_uncertainty(self)
+        _check_model(self)
+
+    def __hash__(self) -> int:
+        values = (getattr(self, f.name) for f in fields(self))
+        return hash(tuple(tuple(v.items()) if isinstance(v, Mapping) else v for v in values))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy can be neither pickled nor copied
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return _rebuilt, (
+            {key: dict(v) if isinstance(v, Mapping) else v for key, v in values.items()},
+        )
+
+    def nominal(self, name: str) -> float:
+        """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
+        block: Any = getattr(self, UNCERTAIN[name])
+        return getattr(block[self.bearing.race_material] if name in WORN else block, name)
+
+    @property
+    def without_cage(self) -> Scene:
+        """The scene without its cage, and without the limits of its wear."""
+        end = self.wear.end_of_life
+        wear = replace(self.wear, end_of_life=end and end.without_cage)
+        return replace(self, cage=None, wear=wear)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as plain nested data, in the order of a scene file, all defaults filled in.
+
+        What a scene does without (cage, end of life or one of its criteria) is left out.
+        """
+        plain = _plain(self)
+        loss = self.wear.ball_diameter_loss_um
+        if len(loss) == 1:
+            plain["wear"]["ball_diameter_loss_um"] = loss[0]
+        return plain
+
+
+def _rebuilt(values: dict[str, Any]) -> Scene:
+    return Scene(**values)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        parts = ((f.name, getattr(value, f.name)) for f in fields(value))
+        return {name: _plain(part) for name, part in parts if part is not None}
+    if isinstance(value, Mapping):
+        return {key: _plain(part) for key, part in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def key_of_scene(path: str) -> Part | None:
+    """What a scene takes at a path, `materials.steel.density_kg_m3`; None for no key."""
+    return part_at(whole(Scene), path)
+
+
+def _check_materials(scene: Scene) -> None:
+    used = {
+        "bearing.ball_material": scene.bearing.ball_material,
+        "bearing.race_material": scene.bearing.race_material,
+    }
+    if scene.cage is not None:
+        used["cage.material"] = scene.cage.material
+    for key, name in used.items():
+        if name not in scene.materials:
+            names = ", ".join(scene.materials)
+            raise SceneError(
+                key, f"given {name!r}, not under materials; allowed {names}", ("materials",)
+            )
+
+
+def most_balls(diameter: float, pitch_diameter: float) -> int:
+    """Most balls (or pockets) of a diameter that fit side by side on the pitch circle."""
+    if diameter >= pitch_diameter:
+        return 0
+    # the tolerance is for balls that touch exactly
+    return math.floor(math.pi / math.asin(diameter / pitch_diameter) + 1e-9)
+
+
+def _check_balls(scene: Scene) -> None:
+    b = scene.bearing
+    keys = ("bearing.ball_count", "bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+    if b.ball_diameter_mm >= b.pitch_diameter_mm:
+        raise SceneError(
+            "bearing.pitch_diameter_mm",
+            f"given {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm; "
+            f"allowed a number > {b.ball_diameter_mm:g}",
+            keys,
+        )
+    most = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
+    if b.ball_count > most:
+        raise SceneError(
+            "bearing.ball_count",
+            f"given {b.ball_count} balls of {b.ball_diameter_mm:g} mm on a pitch circle of "
+            f"{b.pitch_diameter_mm:g} mm, where they do not fit; allowed at most {most}",
+            keys,
+        )
+
+
+def _check_wear(scene: Scene) -> None:
+    loss = scene.wear.ball_diameter_loss_um
+    count = scene.bearing.ball_count
+    key = "wear.ball_diameter_loss_um"
+    if len(loss) not in (1, count):
+        raise SceneError(
+            key,
+            f"given {len(loss)} values; allowed one number, or a list of one number for each of "
+            f"the {count} balls",
+            ("bearing.ball_count",),
+        )
+    if len(set(loss)) == 1:
+        object.__setattr__(scene, "wear", replace(scene.wear, ball_diameter_loss_um=loss[:1]))
+    largest = LARGEST_LOSS * 1e3 * scene.bearing.ball_diameter_mm
+    limits = {key: max(loss)}
+    if scene.wear.end_of_life is not None:
+        limits["wear.end_of_life.ball_diameter_loss_um"] = (
+            scene.wear.end_of_life.ball_diameter_loss_um or 0.0
+        )
+    for where, value in limits.items():
+        if value >= largest:
+            raise SceneError(
+                where,
+                f"given {value:g}; allowed a number < {largest:g} "
+                f"({100 * LARGEST_LOSS:g} % of the ball diameter)",
+                ("bearing.ball_diameter_mm",),
+            )
+
+
+def _check_cage_limits(scene: Scene) -> None:
+    end, cage = scene.wear.end_of_life or EndOfLife(), scene.cage
+    guided = cage is not None and cage.guiding_race != "ball"
+    for name, there, needed in (
+        ("pocket_clearance_mm", cage is not None, "with a cage"),
+        ("guide_clearance_mm", guided, "with a cage guided by a race"),
+    ):
+        value = getattr(end, name)
+        if value is not None and not there:
+            raise SceneError(
+                f"wear.end_of_life.{name}", f"given {value:g}; allowed only {needed}", ("cage",)
+            )
+
+
+def _check_cage(scene: Scene, cage: Cage) -> None:
+    b = scene.bearing
+    rim = ("cage.inner_diameter_mm", "cage.outer_diameter_mm")
+    circle = ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm")
+    if cage.inner_diameter_mm >= cage.outer_diameter_mm:
+        raise SceneError(
+            rim[0],
+            f"given {cage.inner_diameter_mm:g}; allowed a number < {cage.outer_diameter_mm:g}, "
+            f"the cage's outer diameter",
+            rim,
+        )
+    inside, outside = (
+        b.pitch_diameter_mm - b.ball_diameter_mm,
+        b.pitch_diameter_mm + b.ball_diameter_mm,
+    )
+    if cage.inner_diameter_mm >= outside or cage.outer_diameter_mm <= inside:
+        raise SceneError(
+            rim[0],
+            f"given a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
+            f"misses the balls; allowed diameters that overlap {inside:g} to {outside:g} mm",
+            rim + circle,
+        )
+    pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
+    if b.ball_count > most_balls(pocket, b.pitch_diameter_mm):
+        widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm
+        raise SceneError(
+            "cage.pocket_clearance_mm",
+            f"given {cage.pocket_clearance_mm:g}, which makes the pockets overlap; allowed a "
+            f"number <= {widest:.4g}",
+            ("bearing.ball_count", *circle),
+        )
+
+    # What is left of a ring between the pockets; `model.dynamic` gives it this mass.
+    width, most = cage.width_mm, b.ball_count * math.pi * (0.5 * pocket) ** 2
+    wall = math.pi * (cage.outer_diameter_mm + cage.inner_diameter_mm) / 2.0
+    if most >= wall * width:
+        raise SceneError(
+            "cage.width_mm",
+            f"given {width:g}, which the pockets cut through; allowed a number > {most / wall:.4g}",
+            ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
+        )
+
+
+def _check_uncertainty(scene: Scene) -> None:
+    for name, given in (scene.uncertainty or {}).items():
+        key = f"uncertainty.{name}"
+        needs, takes = PARAMETERS[given.distribution]
+        parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
+        for part, value in parts.items():
+            if value is None and part in needs:
+                raise SceneError(
+                    f"{key}.{part}",
+                    f"given nothing; the distribution {given.distribution} needs it",
+                    (key,),
+                )
+            if value is not None and part not in needs + takes:
+                raise SceneError(
+                    f"{key}.{part}",
+                    f"given {value:g} with the distribution {given.distribution}; "
+                    f"allowed {', '.join(needs + takes)}",
+                    (key,),
+                )
+        if given.low is not None and given.high is not None and given.low >= given.high:
+            raise SceneError(
+                f"{key}.high", f"given {given.high:g}; allowed a number > {given.low:g}", (key,)
+            )
+
+
+def _check_model(scene: Scene) -> None:
+    if scene.model.cage_results and scene.cage is None:
+        raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))
+    turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns
+    if averaged is not None and averaged > turns:
+        raise SceneError(
+            "model.evaluated_turns",
+            f"given {averaged:g} with {turns:g} simulated turns; allowed a number <= {turns:g}",
+            ("model.simulated_turns",),
+        )
+    points = scene.model.history_points_per_turn
+    if points * turns > MOST_HISTORY_POINTS:
+        raise SceneError(
+            "model.history_points_per_turn",
+            f"given {points} with {turns:g} simulated turns; allowed a whole number <= "
+            f"{math.floor(MOST_HISTORY_POINTS / turns)}",
+            ("model.simulated_turns",),
+        )

@@ -1,0 +1,150 @@
+"""Strict reading of a small YAML file as plain data.
+
+What YAML would quietly get wrong is refused instead: a key given twice (the last one would win),
+anchors and aliases (a few lines can stand for gigabytes), tags, several documents. Numbers are
+those of YAML 1.2, and so of JSON: `1e-5`, `1E3`, `5.`. What is another number to readers of YAML
+1.1 stays text: `010` (octal), `1:30` (sexagesimal), `1_000`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import Any
+
+import yaml
+
+from bearingwear.scene.checking import DEEPEST
+from bearingwear.scene.errors import SceneError
+
+LARGEST_FILE = 1_000_000
+"""Size limit of a scene file [bytes]; a scene takes two thousand."""
+
+MOST_VALUES = 5000
+"""Limit of values and keys; a scene has some hundred, a thousand unequal balls a thousand more."""
+
+_FIRST = list("-+0123456789.")
+_BOOLEAN = re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$")
+_NULL = re.compile(r"^(?:~|null|Null|NULL|)$")
+_INTEGER = re.compile(r"^[-+]?(?:0|[1-9][0-9]*)$")
+_FLOAT = re.compile(
+    r"^(?:[-+]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+    r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$"
+)
+
+
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    yaml_implicit_resolvers: dict[str, list[Any]] = {}
+
+
+_Loader.add_implicit_resolver("tag:yaml.org,2002:bool", _BOOLEAN, list("tTfF"))
+_Loader.add_implicit_resolver("tag:yaml.org,2002:null", _NULL, ["~", "n", "N", ""])
+_Loader.add_implicit_resolver("tag:yaml.org,2002:int", _INTEGER, _FIRST)
+_Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, _FIRST)
+
+
+def text_of(path: str | os.PathLike[str]) -> str:
+    """Contents of a small UTF-8 text file.
+
+    Raises
+    ------
+    SceneError
+        Missing, unreadable, too large, or not text.
+    """
+    source = os.fspath(path)
+    try:
+        with open(source, "rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+        if len(data) <= LARGEST_FILE:
+            return data.decode("utf-8-sig")
+        problem = f"given more than {LARGEST_FILE} bytes; allowed at most that"
+    except UnicodeDecodeError as error:
+        problem = f"given bytes that are not text (byte {error.start}); allowed UTF-8"
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        problem = f"given a file that cannot be read ({reason}); allowed a YAML file"
+    raise SceneError("", problem, source=source)
+
+
+def data_of(text: str, source: str, anchors: bool = False) -> Any:
+    """Plain data (dict, list, str, int, float, bool, None) of a YAML text.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        What error messages name.
+    anchors : bool
+        Allow anchors, aliases and merge keys: in a file of one's own they save repetition.
+
+    Raises
+    ------
+    SceneError
+        Not YAML, or YAML that is refused (see above).
+    """
+    try:
+        _check_events(text, anchors)
+        loader = _Loader(text)
+        try:
+            node = loader.get_single_node()
+            return None if node is None else _plain(loader, node, "", anchors)
+        finally:
+            loader.dispose()
+    except SceneError as error:
+        raise SceneError(error.key, error.problem, source=source) from None
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
+        problem = f"given text that is not YAML{where} ({reason}); allowed YAML"
+        raise SceneError("", problem, source=source) from None
+
+
+def _check_events(text: str, anchors: bool) -> None:
+    """Refuse, before anything is built, what could grow large or change meaning."""
+    depth = documents = values = 0
+    for event in yaml.parse(text, Loader=_Loader):
+        documents += isinstance(event, yaml.DocumentStartEvent)
+        values += isinstance(event, yaml.NodeEvent)
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        anchor = isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None
+        for refused, what, allowed in (
+            (anchor and not anchors, "an anchor or alias", "none"),
+            (getattr(event, "tag", None) is not None, "a tag", "none"),
+            (documents > 1, "a second document", "one"),
+            (values > MOST_VALUES, f"more than {MOST_VALUES} keys and values", "at most that"),
+            (depth > DEEPEST, f"more than {DEEPEST} blocks within each other", "at most that"),
+        ):
+            if refused:
+                line = event.start_mark.line + 1
+                raise SceneError("", f"given {what} in line {line}; allowed {allowed}")
+
+
+def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
+    if isinstance(node, yaml.SequenceNode):
+        parts = enumerate(node.value)
+        return [_plain(loader, part, f"{path}[{i}]", anchors) for i, part in parts]
+    if isinstance(node, yaml.MappingNode):
+        block: dict[str, Any] = {}
+        merged: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            line = key_node.start_mark.line + 1
+            if not isinstance(key_node, yaml.ScalarNode):
+                problem = f"given a list or block as a key in line {line}; allowed text"
+                raise SceneError(path, problem)
+            key = key_node.value
+            here = f"{path}.{key}" if path else key
+            if key in block:
+                raise SceneError(here, f"given a second time in line {line}; allowed once")
+            value = _plain(loader, value_node, here, anchors)
+            if key == "<<" and anchors and isinstance(value, dict):
+                merged = value
+            else:
+                block[key] = value
+        return merged | block
+    try:
+        return loader.construct_object(node)
+    except ValueError:  # an integer of thousands of digits
+        problem = f"given {len(node.value)} digits; allowed a number that can be read"
+        raise SceneError(path, problem) from None

@@ -1,0 +1,84 @@
+"""What of a scene may be uncertain, and how it is distributed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from bearingwear.scene.records import Key
+
+UNCERTAIN = {
+    "ball_diameter_mm": "bearing",
+    "contact_angle_deg": "bearing",
+    "inner_groove_factor": "bearing",
+    "outer_groove_factor": "bearing",
+    "brinell_hardness_GPa": "materials",
+    "wear_coefficient": "materials",
+    "preload_N": "operation",
+    "ball_race": "friction",
+    "drag_density_kg_m3": "lubricant",
+}
+"""Keys of a scene that may be uncertain, and the block each stands in."""
+
+WORN = ("brinell_hardness_GPa", "wear_coefficient")
+"""Those of them that are a material's: the races', and the balls' in proportion."""
+
+PARAMETERS = {
+    "normal": (("standard_deviation",), ("mean",)),
+    "lognormal": (("factor",), ("median",)),
+    "uniform": (("low", "high"), ()),
+}
+"""What each distribution needs, and what it may be given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distribution:
+    """How a value of the scene is distributed, in that value's unit.
+
+    `mean` and `median` are the scene's own value where they are None. `factor` is the geometric
+    standard deviation: two thirds of the values lie between median/factor and median*factor.
+    """
+
+    distribution: Annotated[
+        str,
+        Key(
+            "Kind of distribution, cut off where the value would be impossible",
+            choices=tuple(PARAMETERS),
+        ),
+    ]
+    mean: Annotated[
+        float | None,
+        Key("Mean of a normal distribution, the scene's own value if left out", "as the value"),
+    ] = None
+    standard_deviation: Annotated[
+        float | None, Key("Standard deviation of a normal distribution", "as the value", above=0)
+    ] = None
+    median: Annotated[
+        float | None,
+        Key(
+            "Median of a lognormal distribution, the scene's own value if left out",
+            "as the value",
+            above=0,
+        ),
+    ] = None
+    factor: Annotated[
+        float | None,
+        Key(
+            "Geometric standard deviation of a lognormal distribution, two thirds of the values "
+            "lie between median/factor and median*factor",
+            "1",
+            "(1, 100]",
+        ),
+    ] = None
+    low: Annotated[float | None, Key("Least value of a uniform distribution", "as the value")] = (
+        None
+    )
+    high: Annotated[
+        float | None, Key("Largest value of a uniform distribution", "as the value")
+    ] = None
+
+
+def uncertain_key(name: str, material: str) -> str:
+    """The key whose value an uncertainty is about."""
+    block = f"{UNCERTAIN[name]}.{material}" if name in WORN else UNCERTAIN[name]
+    return f"{block}.{name}"

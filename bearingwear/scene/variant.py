@@ -1,0 +1,45 @@
+"""The one way to say "this scene with these keys changed"."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bearingwear.scene.read import as_data, changed_scene
+from bearingwear.scene.scene import Scene
+
+
+def variant(
+    source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Mapping[str, Any]
+) -> Scene:
+    """A scene with some of its values replaced, checked.
+
+    Parameters
+    ----------
+    source : path, dict or Scene
+    changes : mapping
+        `{"operation.preload_N": 9.0}`; blocks that are not there are made, None leaves out what a
+        scene can do without.
+
+    Raises
+    ------
+    SceneError
+        One line that names the file, or the change (as `--set`, which makes such changes).
+    """
+    data, name = as_data(source)
+    return changed_scene(data, changes, name)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A scene by the name of its file, and what is changed in it."""
+
+    scene: str
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def load(self, folder: str | os.PathLike[str] = "config/scenes") -> Scene:
+        """The scene, read and checked."""
+        return variant(Path(folder) / f"{self.scene}.yaml", self.changes)

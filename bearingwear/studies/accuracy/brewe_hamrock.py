@@ -1,0 +1,57 @@
+"""Hamrock and Brewe's fit in place of the exact Hertz factors, to see what it costs.
+
+Source: Brewe and Hamrock, *Simplified solution for elliptical-contact deformation between two
+elastic solids*, J. Lubr. Technol. 99 (1977) 485. No kernel uses it: the exact solution is as cheap.
+"""
+
+import math
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingwear.kernels.hertz import INNER, OUTER
+from bearingwear.kernels.params import Geometry
+
+
+def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, float]:
+    """Factors K, c_a, c_b of a point contact, as `bearingwear.kernels.hertz.point_contact`.
+
+    Parameters
+    ----------
+    A, B : float
+        Half the sum of the curvatures along the major axis and along rolling [1/m], B >= A.
+    E_star : float
+        Contact modulus [Pa].
+    """
+    ratio = B / A
+    kappa = 1.0339 * ratio**0.636
+    E = 1.0003 + 0.5968 / ratio
+    K = 1.5277 + 0.6023 * math.log(ratio)
+    c_b = (3.0 * E / (2.0 * math.pi * kappa * E_star * (A + B))) ** (1.0 / 3.0)
+    flexibility = 3.0 * K / (2.0 * math.pi * kappa * c_b * E_star)
+    return flexibility**-1.5, kappa * c_b, c_b
+
+
+def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
+    """K [N/m^1.5] and c_a [m/N^(1/3)] of a contact, as `bearing_model.exact_factors`."""
+    r_g = g.r_o if race > 0.0 else g.r_i
+    A = 0.5 * (2.0 / D - 1.0 / r_g)
+    B = 0.5 * (2.0 / D - race * 2.0 * cos_alpha / (g.dm + race * D * cos_alpha))
+    return fitted_contact(A, B, g.E_star)[:2]
+
+
+def fitted_displacement(g: Geometry, F_x: float) -> float:
+    """Axial displacement of the static, unworn bearing under its preload alone [m].
+
+    Both contacts of a ball then lie on one line, so their deformations add up.
+    """
+    radial = g.BD * math.cos(g.alpha0)
+
+    def excess(alpha: float) -> float:
+        K = np.array([fitted_factors(g, s, g.D0, math.cos(alpha))[0] for s in (INNER, OUTER)])
+        d = radial / math.cos(alpha) - g.BD
+        Q = (np.sum(K ** (-2.0 / 3.0)) ** -1.5) * max(d, 0.0) ** 1.5
+        return float(g.n_balls * Q * math.sin(alpha) - F_x)
+
+    alpha = brentq(excess, g.alpha0, 0.5 * math.pi - 1e-3, xtol=1e-15, rtol=1e-14)
+    return radial * math.tan(alpha) - g.BD * math.sin(g.alpha0)

@@ -1,0 +1,368 @@
+"""Figures of the study of accuracy: time against error, and what leaving things out costs."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from bearingwear.kernels.status import OK
+from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure, percent_in_text
+from bearingwear.plotting.pareto import pareto
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.studies.dataset import loaded
+
+LEAST_ERROR = 1e-8  # smaller errors are drawn there
+
+STYLES: dict[str, dict[str, Any]] = {
+    "strips": {"color": "C0", "marker": "o"},
+    "gauss": {"color": "C2", "marker": "s"},
+    "split": {"color": "C1", "marker": "D"},
+    "regularisation": {"color": "C3", "marker": "^"},
+    "life_tolerance": {"color": "C5", "marker": "v"},
+    "regularisation_dynamic": {"color": "C3", "marker": "^"},
+    "runge_kutta": {"color": "C0", "marker": "o"},
+    "tolerance": {"color": "C2", "marker": "s"},
+    "points_dynamic": {"color": "C1", "marker": "D"},
+    "turns": {"color": "C0", "marker": "o"},
+    "start": {"color": "C4", "marker": "P", "linestyle": "none"},
+    "mixed_steady": {"color": "0.65", "marker": ".", "linestyle": "none"},
+    "mixed_dynamic": {"color": "0.65", "marker": ".", "linestyle": "none"},
+}
+PRESET_MARKERS = {"draft": "v", "standard": "*", "reference": "^"}
+PRESET_STYLE = {"color": "black", "markersize": 8, "linestyle": "none", "zorder": 5}
+FRONT = {"color": "0.3", "linewidth": 3.0, "alpha": 0.35, "zorder": 1}
+DOUBT = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
+
+QUANTITY = {
+    "total_qv": "error of total QV",
+    "contact_qv": "error of QV of a contact",
+    "wear_rate": "error of the wear rate",
+    "life": "error of the wear life",
+}
+
+
+def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
+    """The points whose texts (scene, sweep, against, ...) are the ones given."""
+    mask = np.ones(trade.sizes["point"], dtype=bool)
+    for name, text in texts.items():
+        mask &= trade[name].values == text
+    return trade.isel(point=mask)
+
+
+def names(trade: xr.Dataset, variable: str) -> list[str]:
+    """Values of a text variable in the order of the file."""
+    return list(dict.fromkeys(trade[variable].values))
+
+
+def of_sweeps(trade: xr.Dataset, against: str, leave_out: Iterable[str] = ()) -> xr.Dataset:
+    """Numerical points against one reference."""
+    points = points_where(trade, against=against, kind="numerical")
+    return points.isel(point=~np.isin(points["sweep"].values.astype(str), list(leave_out)))
+
+
+def drawn_error(error: np.ndarray) -> np.ndarray:
+    """An error without its sign, no smaller than what is drawn."""
+    return np.maximum(np.abs(error), LEAST_ERROR)
+
+
+def panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time") -> None:
+    """Lines of sweeps, front and presets of one scene."""
+    for name in names(points, "sweep"):
+        line = points_where(points, sweep=name)
+        x, y = line[time].values, drawn_error(line[f"error_{quantity}"].values)
+        if name.startswith("preset"):
+            for label, at, error in zip(line["label"].values, x, y, strict=True):
+                axes.plot(at, error, marker=PRESET_MARKERS.get(label, "*"), **PRESET_STYLE)
+        else:
+            usable = np.isfinite(x) & np.isfinite(y)
+            axes.plot(x[usable], y[usable], **{"markersize": 3.5, "linewidth": 1.0, **STYLES[name]})
+    x, y = points[time].values, drawn_error(points[f"error_{quantity}"].values)
+    front = np.flatnonzero(pareto(x, y))
+    front = front[np.argsort(x[front])]
+    axes.plot(x[front], y[front], drawstyle="steps-post", **FRONT)
+    logarithmic(axes)
+
+
+def logarithmic(axes: Any) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(numticks=6))
+
+
+def label_times(axes: Any) -> None:
+    """Numbers that can be read also where the times span less than a decade."""
+    low, high = axes.get_xlim()
+    if high < 5.0 * low:
+        axes.xaxis.set_major_locator(MaxNLocator(3))
+    elif high < 20.0 * low:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+
+
+def doubt(axes: Any, trade: xr.Dataset, scene: str, against: str, quantity: str) -> None:
+    """A line at what the reference itself is not sure of."""
+    check = points_where(trade, scene=scene, sweep=against, label="check")
+    if check.sizes["point"] and np.isfinite(check[f"error_{quantity}"].values[0]):
+        axes.axhline(drawn_error(check[f"error_{quantity}"].values)[0], **DOUBT)
+
+
+def keys_of(points: xr.Dataset) -> list[Any]:
+    """Legend of the sweeps, the front and the presets."""
+    handles = []
+    for name in names(points, "sweep"):
+        if not name.startswith("preset"):
+            title = names(points_where(points, sweep=name), "sweep_title")[0]
+            handles.append(key(title, **STYLES[name]))
+    handles.append(key("beaten by no other point", **FRONT))
+    if any(name.startswith("preset") for name in names(points, "sweep")):
+        handles += [
+            key(f"preset: {label}", marker=mark, **PRESET_STYLE)
+            for label, mark in PRESET_MARKERS.items()
+        ]
+    return [*handles, key("doubt of the reference", **DOUBT)]
+
+
+def multiples(
+    trade: xr.Dataset, points: xr.Dataset, quantities: Iterable[str], title: str, time="wall_time"
+) -> Figure:
+    """A column of panels for each scene, a row for each quantity."""
+    scenes, rows = names(points, "scene"), list(quantities)
+    size = 1.9 * len(scenes) + 0.6, 2.0 * len(rows) + 1.2
+    figure, panels = new_figure(len(rows), len(scenes), *size, sharex="col", sharey="row")
+    against = names(points, "against")[0]
+    for row, quantity in zip(panels, rows, strict=True):
+        for axes, scene in zip(row, scenes, strict=True):
+            panel(axes, points_where(points, scene=scene), quantity, time)
+            doubt(axes, trade, scene, against, quantity)
+        row[0].set_ylabel(QUANTITY[quantity])
+    for axes, scene in zip(panels[0], scenes, strict=True):
+        axes.set_title(in_words(scene))
+    for axes in panels[-1]:
+        axes.set_xlabel("wall time (s)")
+        label_times(axes)
+    frame(figure, title, keys_of(points), columns=6)
+    return figure
+
+
+# Figures
+
+
+def steady_figure(trade: xr.Dataset) -> Figure:
+    """Quadrature and regularisation of the steady state."""
+    points = of_sweeps(trade, "steady", leave_out=["life_tolerance"])
+    strips = points_where(points, sweep="strips", label="strips 50")
+    split = points_where(points, sweep="split", label="split 32")
+    worst, best = _worst(strips, "total_qv"), _worst(split, "total_qv")
+    times = _range(time_ratios(split, strips))
+    title = (
+        f"Steady state: 50 equal strips err by up to {percent_in_text(worst)} in total QV, "
+        f"32 split Gauss points by {percent_in_text(best)}, in {times} times the time"
+    )
+    return multiples(trade, points, ("total_qv", "contact_qv"), title)
+
+
+def life_tolerance_figure(trade: xr.Dataset) -> Figure:
+    """The same sweeps, by the wear life."""
+    points = of_sweeps(trade, "steady")
+    worst = _worst(points_where(points, sweep="regularisation", label="0.001"), "life")
+    title = f"Wear life: v_r = 1e-3 m/s shifts it by up to {percent_in_text(worst)}"
+    return multiples(trade, points, ("life",), title, "life_wall_time")
+
+
+def dynamic_figure(trade: xr.Dataset) -> Figure:
+    """Turns, start, tolerance and regularisation together, in time."""
+    points = of_sweeps(trade, "long")
+    two = _worst(points_where(points, sweep="turns", label="2"), "total_qv")
+    many = _worst(points_where(points, sweep="turns", label="50"), "total_qv")
+    title = (
+        f"Solved in time: 2 turns err by up to {percent_in_text(two)} in total QV, "
+        f"50 turns by {percent_in_text(many)}"
+    )
+    return multiples(trade, points, ("total_qv", "wear_rate"), title)
+
+
+def integration_figure(trade: xr.Dataset) -> Figure:
+    """Step control, integrator, regularisation and points over the same few turns."""
+    points = of_sweeps(trade, "short")
+    explicit = points_where(points, sweep="runge_kutta")
+    implicit = points_where(points, sweep="regularisation_dynamic")
+    small, large = "0.0001", "0.1"
+    slower = [
+        _most(time_ratios(points_where(line, label=small), points_where(line, label=large)))
+        for line in (explicit, implicit)
+    ]
+    faster = _most(
+        time_ratios(points_where(explicit, label=small), points_where(implicit, label=small))
+    )
+    title = (
+        f"The same turns: as v_r falls from {large} to {small} m/s, Runge-Kutta takes up to "
+        f"{slower[0]} times as long, Rosenbrock up to {slower[1]} times; there it is up to "
+        f"{faster} times as fast"
+    )
+    return multiples(trade, points, ("total_qv", "contact_qv"), title)
+
+
+def overview_figure(trade: xr.Dataset) -> Figure:
+    """Median over the scenes, steady and in time."""
+    figure, panels = new_figure(1, 2, 7.6, 4.4)
+    handles: dict[str, Any] = {}
+    for axes, against, text in zip(
+        panels[0], ("steady", "long"), ("steady state", "solved in time"), strict=True
+    ):
+        points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
+        panel(axes, points, "total_qv")
+        for handle in keys_of(points):
+            handles.setdefault(str(handle.get_label()), handle)
+        axes.set_title(text)
+        axes.set_xlabel("wall time of a solve (s), median over the scenes")
+    handles.pop("doubt of the reference", None)
+    panels[0, 0].set_ylabel("error of total QV, median over the scenes")
+    presets = over_scenes(of_sweeps(trade, "long"))
+    times = {
+        label: float(points_where(presets, sweep="preset_dynamic", label=label)["wall_time"].mean())
+        for label in ("draft", "standard", "reference")
+    }
+    title = (
+        "What accuracy costs: in time, draft is "
+        f"{times['standard'] / times['draft']:.0f} times as fast as standard, and standard "
+        f"{times['reference'] / times['standard']:.0f} times as fast as reference"
+    )
+    frame(figure, title, list(handles.values()), columns=5)
+    return figure
+
+
+def over_scenes(points: xr.Dataset) -> xr.Dataset:
+    """Median of times and errors (without sign) over the scenes in which a point was solved."""
+    rows = []
+    for sweep in names(points, "sweep"):
+        line = points_where(points, sweep=sweep)
+        for label in names(line, "label"):
+            same = points_where(line, label=label)
+            row = same.isel(point=[0]).copy()
+            for name in ("wall_time", *(n for n in same if str(n).startswith("error_"))):
+                values = np.abs(same[name].values)
+                finite = values[np.isfinite(values)]
+                row[name] = ("point", [np.median(finite) if finite.size else np.nan])
+            rows.append(row)
+    return xr.concat(rows, "point")
+
+
+SIMPLER = (
+    ("fidelity_steady", "race control", "race control for the steady state"),
+    ("fidelity_steady", "traction", "traction in the normal balance"),
+    ("fidelity", "race control", "race control for the motion in time"),
+    ("fidelity", "steady", "steady, thrust alone"),
+    ("fidelity", "three balls", "three balls in time, thrust alone"),
+    ("fidelity", "no cage", "all balls in time, no cage"),
+    ("hertz", "fit", "Hamrock and Brewe's fit"),
+)
+BOOKED = (
+    ("coriolis_energy_share", "Coriolis work left out (booked)"),
+    ("azimuth_energy_share", "circumferential force left out (booked)"),
+)
+_MARKERS = ("o", "s", "D", "^", "v", "P", "X")
+
+
+def models_figure(trade: xr.Dataset) -> Figure:
+    """Differences of model rather than of numerics."""
+    figure, panels = new_figure(1, 3, 8.6, 4.2, sharey=True)
+    scenes = names(trade, "scene")
+    rows = [text for *_, text in SIMPLER] + [text for _, text in BOOKED]
+    marks = {
+        scene: {"color": f"C{k % 6}", "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
+        for k, scene in enumerate(scenes)
+    }
+    for axes, quantity in zip(panels[0], ("total_qv", "contact_qv", "wear_rate"), strict=True):
+        for at, (sweep, label, _) in enumerate(SIMPLER):
+            for k, scene in enumerate(scenes):
+                point = points_where(trade, sweep=sweep, label=label, scene=scene)
+                if point.sizes["point"] and int(point["status"].values[0]) == OK:
+                    value = np.abs(point[f"error_{quantity}"].values[0])
+                    axes.plot(max(value, 1e-6), at + 0.09 * (k - 2.5), **marks[scene])
+        if quantity == "total_qv":
+            for at, (name, _) in enumerate(BOOKED, len(SIMPLER)):
+                for k, scene in enumerate(scenes):
+                    point = points_where(trade, sweep="long", label="reference", scene=scene)
+                    if point.sizes["point"] and np.isfinite(point[name].values[0]):
+                        value = abs(point[name].values[0])
+                        axes.plot(max(value, 1e-6), at + 0.09 * (k - 2.5), **marks[scene])
+        axes.set_xscale("log")
+        axes.set_title(QUANTITY[quantity].replace("error", "difference"))
+        axes.set_xlabel("relative to the fuller model")
+    panels[0, 0].set_yticks(range(len(rows)), rows)
+    panels[0, 0].invert_yaxis()
+    race_control = points_where(trade, sweep="fidelity_steady", label="race control")
+    total, contact = (
+        percent_in_text(_worst(race_control, quantity)) for quantity in ("total_qv", "contact_qv")
+    )
+    cage = percent_in_text(
+        _worst(points_where(trade, sweep="fidelity", label="no cage"), "total_qv")
+    )
+    title = (
+        f"Race control errs by up to {total} in total QV and {contact} in that of a contact; "
+        f"without the cage, total QV changes by up to {cage}"
+    )
+    frame(figure, title, [key(in_words(s), **marks[s]) for s in scenes], columns=6)
+    return figure
+
+
+_FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
+    "overview": overview_figure,
+    "steady": steady_figure,
+    "life": life_tolerance_figure,
+    "dynamic_model": dynamic_figure,
+    "integration": integration_figure,
+    "models": models_figure,
+}
+
+
+def figure(trade: Path, which: str) -> Figure:
+    """Step: one of the figures.
+
+    Raises
+    ------
+    CaseFileError
+        One line: there is no such figure.
+    """
+    if which not in _FIGURES:
+        raise CaseFileError(f"figure: given {which}; allowed {', '.join(_FIGURES)}")
+    return _FIGURES[which](loaded(trade, point=()))
+
+
+def accuracy_plot(trade: xr.Dataset) -> Figure:
+    """What `bearingwear plot` draws: the overview of all sweeps.
+
+    Raises
+    ------
+    CaseFileError
+        One line: a single sweep has no errors yet.
+    """
+    if "scene" not in trade:
+        raise CaseFileError("given a single sweep; allowed all of them, gathered in one file")
+    return overview_figure(trade)
+
+
+def time_ratios(points: xr.Dataset, others: xr.Dataset) -> np.ndarray:
+    """Wall times over those of others, in every scene in which both were solved."""
+    times = [
+        dict(zip(of["scene"].values, of["wall_time"].values, strict=True))
+        for of in (points, others)
+    ]
+    ratios = np.array([time / times[1].get(scene, np.nan) for scene, time in times[0].items()])
+    return ratios[np.isfinite(ratios)]
+
+
+def _most(ratios: np.ndarray) -> str:
+    return f"{ratios.max():.2g}" if ratios.size else "–"
+
+
+def _range(ratios: np.ndarray) -> str:
+    return f"{ratios.min():.2g} to {ratios.max():.2g}" if ratios.size else "–"
+
+
+def _worst(points: xr.Dataset, quantity: str) -> float:
+    values = np.abs(points[f"error_{quantity}"].values)
+    finite = values[np.isfinite(values)]
+    return float(finite.max()) if finite.size else float("nan")

@@ -1,0 +1,99 @@
+"""Gathers the sweeps into one dataset: what each setting costs in time and in accuracy."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.studies.accuracy.plan import FIRST
+from bearingwear.studies.accuracy.quantities import QUANTITIES
+
+_SHARED = ("source_hash", "package_version", "numpy_version", "numba_version")
+
+
+def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
+    """Step: every point of every sweep on every scene, with its errors.
+
+    Parameters
+    ----------
+    paths : iterable of path
+        Files of `bearingwear.studies.accuracy.run.sweep`, references among them.
+
+    Returns
+    -------
+    Dataset
+        Over `point`: scene, sweep, kind, against, label, value, settings; times; the quantities;
+        `error_*`, relative to the reference and signed, NaN where a quantity was not solved;
+        `error_contact_qv`, the larger of both contacts without its sign; `reference_time`.
+
+    Raises
+    ------
+    CaseFileError
+        One line: a file that is no such file, of other sources, or whose reference is missing.
+    """
+    found: dict[tuple[str, str], xr.Dataset] = {}
+    shared: dict[str, Any] = {}
+    for path in map(Path, paths):
+        dataset = load(path)
+        attrs = dataset.attrs
+        if not {"scene_name", "sweep_name", "sweep_kind", "against"} <= set(attrs):
+            raise CaseFileError(f"{path}: not a sweep of the study of accuracy")
+        of = {key: attrs.get(key) for key in _SHARED}
+        shared = shared or of
+        for key, value in of.items():
+            if value != shared[key]:
+                raise CaseFileError(f"{path}: {key} is not that of the files before it")
+        found[attrs["scene_name"], attrs["sweep_name"]] = dataset
+    if not found:
+        raise CaseFileError("no sweeps of the study of accuracy given")
+    parts = []
+    for (scene, sweep), dataset in found.items():
+        against = dataset.attrs["against"]
+        reference = dataset if against == FIRST else found.get((scene, against))
+        if reference is None:
+            raise CaseFileError(f"{scene}, {sweep}: its reference {against} is missing")
+        part = with_errors(dataset, reference.isel(point=0))
+        names = {"scene": scene, "sweep": sweep, "against": against}
+        names |= {
+            "kind": dataset.attrs["sweep_kind"],
+            "sweep_title": dataset.attrs["sweep_title"],
+        }
+        size = dataset.sizes["point"]
+        for key, text in names.items():
+            part[key] = ("point", np.full(size, text, dtype=object))
+        parts.append(part.drop_attrs(deep=False))
+    attrs = next(iter(found.values())).attrs
+    return xr.concat(parts, "point").assign_attrs(
+        {key: attrs[key] for key in ("Conventions", "source", *_SHARED) if key in attrs}
+        | {
+            "title": "Accuracy against time",
+            "history": "gathered by snakemake accuracy",
+            "comment": "Errors are relative to the reference of each scene, signed. "
+            "Wall times differ from run to run.",
+        }
+    )
+
+
+def with_errors(points: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
+    """Points and their errors against one point."""
+    out = points.copy()
+    solved = points["status"] == OK
+    for name in QUANTITIES:
+        right = float(reference[name]) if int(reference["status"]) == OK else np.nan
+        error = (points[name] / right - 1.0 if right else points[name] * np.nan).where(solved)
+        out[f"error_{name}"] = error.assign_attrs(
+            long_name=f"error of {points[name].attrs.get('long_name', name)}", units="1"
+        )
+    both = [abs(out[f"error_qv_{race}"]) for race in ("inner", "outer")]
+    out["error_contact_qv"] = xr.concat(both, "race").max("race", skipna=False)
+    out["error_contact_qv"].attrs = {
+        "long_name": "error of the QV of a contact, the larger of both, without sign",
+        "units": "1",
+    }
+    out["reference_time"] = xr.full_like(points["wall_time"], float(reference["wall_time"]))
+    out["reference_time"].attrs = {"long_name": "wall time of the reference", "units": "s"}
+    return out

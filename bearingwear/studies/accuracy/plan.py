@@ -1,0 +1,310 @@
+"""What the study of accuracy against time runs: config/accuracy.yaml, checked.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from bearingwear.scene.accuracy import NAMED_PRESETS
+from bearingwear.scene.checking import read_record
+from bearingwear.scene.errors import SceneError, yaml_number
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.scene import Scene
+
+ACCURACY_FILE = "config/accuracy.yaml"
+
+FIRST, _SCENE = "first", "scene"
+"""A sweep against its own first point; a sweep that starts from the scene as it stands."""
+
+SWEEP_KINDS = ("numerical", "model")
+TRADE_FIDELITIES = ("race_control", "traction", "steady", "three_balls", "no_cage", "dynamic")
+STARTS = ("steady", "race_control", "kinematic")
+HERTZ = ("exact", "fit")
+
+_SPECIAL = {"fidelity": TRADE_FIDELITIES, "start": STARTS, "hertz": HERTZ}
+"""Settings of a point that are no keys of a scene, and what they take."""
+
+PRESET_KEYS: dict[str, Mapping[str, Any]] = {
+    name: preset.keys for name, preset in NAMED_PRESETS.items()
+}
+"""What `preset` stands for: the settings of `model.accuracy`."""
+
+FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "models")
+
+Changes = Annotated[Mapping[str, Any], Key("Settings", name="set")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepPoint:
+    """One solve.
+
+    Attributes
+    ----------
+    label : str
+        What sets it apart from the other points of its sweep.
+    value : float
+        The same as a number, NaN where it is none.
+    fidelity : str
+        Model to solve.
+    start, hertz : str
+        How it starts, and its Hertz factors; empty where they are the usual ones.
+    settings : sequence of str
+        As `--set` takes them.
+    text : str
+        All of it, as the file of the sweep says it.
+    """
+
+    label: str
+    value: float
+    fidelity: str
+    start: str = ""
+    hertz: str = ""
+    settings: tuple[str, ...]
+    text: str
+
+    def overrides(self, scene_settings: Mapping[str, str]) -> list[str]:
+        """Its settings and those of its scene, as `--set` takes them."""
+        own = dict(text.split("=", 1) for text in self.settings)
+        return [f"{key}={value}" for key, value in {**scene_settings, **own}.items()]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """What is held for right, and how it is checked."""
+
+    fidelity: Annotated[str, Key("Model to solve", choices=TRADE_FIDELITIES)]
+    changes: Changes = field(default_factory=dict)
+    check: Annotated[Mapping[str, Any], Key("Settings that check it")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TradeScene:
+    """A scene of the study."""
+
+    file: Annotated[str, Key("Name of a file in config/scenes", pattern=NAME)]
+    changes: Changes = field(default_factory=dict)
+    references: Annotated[tuple[str, ...], Key("References that it has", least=1)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """Points that differ in the keys of `grid`."""
+
+    title: Annotated[str, Key("In the legend")]
+    kind: Annotated[str, Key("What the points differ in", choices=SWEEP_KINDS)] = "numerical"
+    base: Annotated[str, Key("Reference that it starts from, or `scene`", name="from")]
+    errors_against: Annotated[
+        str, Key("Reference of its errors, or `first`; default: `from`", name="against")
+    ] = ""
+    changes: Changes = field(default_factory=dict)
+    grid: Annotated[Mapping[str, Any], Key("Lists of values; every combination is a point")]
+    only: Annotated[tuple[str, ...], Key("Scenes that it is run on; default: all")] = ()
+
+    def __post_init__(self) -> None:
+        for key, values in self.grid.items():
+            if not isinstance(values, list):
+                raise SceneError(f"grid.{key}", f"given {values!r}; allowed a list")
+
+    @property
+    def against(self) -> str:
+        return self.errors_against or self.base
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableRow:
+    """A row of the table of what simplifications cost and save."""
+
+    sweep: Annotated[str, Key("Name of the sweep")]
+    label: Annotated[str, Key("Of the point")]
+    text: Annotated[str, Key("First cell")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tolerance:
+    """How far a number in docs/accuracy.md may differ from a run."""
+
+    error: Annotated[float, Key("Factor of an error", minimum=1)]
+    floor: Annotated[float, Key("Error of a steady state below which all is noise", minimum=0)]
+    floor_dynamic: Annotated[float, Key("The same of the dynamic model", minimum=0)]
+    time: Annotated[float, Key("Factor of a time", minimum=1)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AccuracyPlan:
+    """Everything in config/accuracy.yaml."""
+
+    repeats: Annotated[int, Key("How often a solve is timed; the median counts", minimum=1)]
+    seconds: Annotated[float, Key("Time after which it is not repeated", unit="s", above=0)]
+    tolerance: Annotated[Tolerance, Key("How far the docs may differ from a run")]
+    references: Annotated[Mapping[str, Reference], Key("What is held for right")]
+    scenes: Annotated[Mapping[str, TradeScene], Key("Scenes, by a name of their own")]
+    sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps")]
+    table: Annotated[tuple[TableRow, ...], Key("Rows of the table in docs/accuracy.md")]
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> AccuracyPlan:
+        """Read and check the file.
+
+        Raises
+        ------
+        SceneError
+            One line.
+        """
+        return read_record(cls, path)
+
+    def __post_init__(self) -> None:
+        for name, scene in self.scenes.items():
+            for reference in scene.references:
+                _check_known(reference, self.references, f"scenes.{name}.references")
+        for name, sweep in self.sweeps.items():
+            where = f"sweeps.{name}"
+            _check_known(sweep.base, (*self.references, _SCENE), f"{where}.from")
+            _check_known(sweep.against, (*self.references, FIRST), f"{where}.against")
+            for only in sweep.only:
+                _check_known(only, self.scenes, f"{where}.only")
+            self.points(name)
+        for row in self.table:
+            _check_known(row.sweep, self.sweeps, "table.sweep")
+            labels = [point.label for point in self.points(row.sweep)]
+            _check_known(row.label, labels, f"table, {row.sweep}")
+
+    def check_scenes(self) -> None:
+        """Read every scene as each of its points changes it.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        for scene, sweep in self.jobs():
+            for point in self.points(sweep):
+                try:
+                    self.varied(scene, point)
+                except ValueError as error:
+                    raise ValueError(
+                        f"{ACCURACY_FILE}: {scene}, {sweep}, {point.label}: {error}"
+                    ) from None
+
+    def varied(self, name: str, point: SweepPoint) -> Scene:
+        """A scene as a point changes it."""
+        return load_scene(self.scene_file(name), point.overrides(self.scene_settings(name)))
+
+    def scene_file(self, name: str) -> str:
+        return f"config/scenes/{self.scenes[name].file}.yaml"
+
+    def scene_settings(self, name: str) -> dict[str, str]:
+        """What is changed in a scene at all its points, as YAML texts by key."""
+        return _texts(self.scenes[name].changes)
+
+    def jobs(self) -> list[tuple[str, str]]:
+        """Every scene with each reference and each sweep that is run on it."""
+        return [
+            (name, sweep)
+            for name, scene in self.scenes.items()
+            for sweep in (*scene.references, *self.sweeps)
+            if sweep in scene.references or self._takes_part(name, self.sweeps[sweep])
+        ]
+
+    def _takes_part(self, scene: str, sweep: Sweep) -> bool:
+        references = self.scenes[scene].references
+        return scene in (sweep.only or self.scenes) and sweep.against in (*references, FIRST)
+
+    def points(self, name: str) -> list[SweepPoint]:
+        """The points of a sweep; of a reference, itself and what checks it."""
+        if name in self.references:
+            given = self.references[name]
+            found: tuple[tuple[str, Mapping], ...] = (("reference", {}), ("check", given.check))
+            return [self._point(label, name, given.changes, more) for label, more in found]
+        sweep = self.sweeps[name]
+        base = {} if sweep.base == _SCENE else self.references[sweep.base].changes
+        return [
+            self._point(
+                ", ".join(map(_shown, values)),
+                sweep.base if sweep.base != _SCENE else sweep.against,
+                {**base, **sweep.changes},
+                dict(zip(sweep.grid, values, strict=True)),
+            )
+            for values in itertools.product(*sweep.grid.values())
+        ]
+
+    def sweep_settings(self, scene: str, name: str) -> dict[str, Any]:
+        """What decides a sweep or a reference on a scene, besides the scene's file."""
+        sweep = self.sweeps.get(name)
+        return {
+            "scene_name": scene,
+            "scene_settings": self.scene_settings(scene),
+            "sweep_name": name,
+            "title": sweep.title if sweep else name,
+            "kind": sweep.kind if sweep else "reference",
+            "against": sweep.against if sweep else name,
+            "points": [asdict(point) for point in self.points(name)],
+            "repeats": self.repeats,
+            "seconds": self.seconds,
+        }
+
+    def _point(
+        self, label: str, reference: str, base: Mapping[str, Any], more: Mapping[str, Any]
+    ) -> SweepPoint:
+        merged = {**base, **more}
+        for key, allowed in _SPECIAL.items():
+            if key in merged:
+                _check_known(merged[key], allowed, key)
+        special = {key: str(merged.pop(key)) for key in _SPECIAL if key in merged}
+        numbers = [_number(value) for value in more.values()]
+        settings = tuple(f"{key}={value}" for key, value in _texts(merged).items())
+        text = " ".join([*settings, *(f"{key}={value}" for key, value in special.items())])
+        return SweepPoint(
+            label=label,
+            value=numbers[0] if len(numbers) == 1 else float("nan"),
+            fidelity=special.pop("fidelity", self.references[reference].fidelity),
+            settings=settings,
+            text=text,
+            **special,
+        )
+
+
+def _check_known(given: Any, allowed: Iterable[Any], where: str) -> None:
+    """Refuse what is not one of the allowed values."""
+    if given not in allowed:
+        raise SceneError(where, f"given {given}; allowed {', '.join(map(str, allowed))}")
+
+
+def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
+    """Keys of a scene, values as YAML texts; `rule` and `preset` stand for several keys."""
+    texts: dict[str, str] = {}
+    for key, value in settings.items():
+        if key == "rule":
+            quadrature, _, points = str(value).partition(" ")
+            texts |= {"model.quadrature": quadrature, "model.strips": points}
+        elif key == "preset":
+            _check_known(value, PRESET_KEYS, "preset")
+            texts |= _texts(PRESET_KEYS[value])
+        else:
+            texts[key] = _yaml(value)
+    return texts
+
+
+def _yaml(value: Any) -> str:
+    """A value as YAML on one line."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key}: {_yaml(part)}" for key, part in value.items()) + "}"
+    return yaml_number(value) if isinstance(value, float) else json.dumps(value)
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(str(value).rpartition(" ")[2])
+    except ValueError:
+        return float("nan")
+
+
+def _shown(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value).replace("_", " ")

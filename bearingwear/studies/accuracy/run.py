@@ -1,0 +1,266 @@
+"""Solves and times the points of one sweep of the study of accuracy on one scene."""
+
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.model.bearing_model import exact_factors, hertz_table
+from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.dynamic_outputs import window_values
+from bearingwear.model.fidelity import asymmetries
+from bearingwear.model.interrupt import Interrupt
+from bearingwear.model.life import life
+from bearingwear.model.race_control import race_control_motion
+from bearingwear.model.result import Result
+from bearingwear.model.solve import solve
+from bearingwear.model.start import start_of, thrust_alone
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.time_run import TimeRun
+from bearingwear.model.values import wear_values
+from bearingwear.results.netcdf import common_attributes, dataset
+from bearingwear.results.variables import HOURS_PER_SECOND
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.studies.accuracy.brewe_hamrock import fitted_displacement, fitted_factors
+from bearingwear.studies.accuracy.plan import SweepPoint
+from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
+from bearingwear.studies.accuracy.traction import solve_coupled
+
+FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
+
+
+def solved_sweep(
+    scene: Path,
+    scene_name: str,
+    scene_settings: Mapping[str, str],
+    sweep_name: str,
+    title: str,
+    kind: str,
+    against: str,
+    points: Sequence[Mapping[str, Any]],
+    repeats: int,
+    seconds: float,
+) -> xr.Dataset:
+    """Step: all points of a sweep, or of a reference, on one scene.
+
+    Parameters
+    ----------
+    scene : path
+    scene_name : str
+        In the study.
+    scene_settings : mapping
+        What is changed in the scene at all points: YAML texts by key.
+    sweep_name, title, kind, against : str
+        Of the sweep.
+    points : sequence of mapping
+        `SweepPoint` each.
+    repeats, seconds : int, float
+        How often a solve is timed, unless the repeats have taken so long [s].
+    """
+    solves = [SweepPoint(**given) for given in points]
+    rows = [
+        point_values(load_scene(scene, point.overrides(scene_settings)), point, repeats, seconds)
+        for point in solves
+    ]
+    texts = {
+        "label": ("setting of the point", [point.label for point in solves]),
+        "value": ("setting as a number", [point.value for point in solves]),
+        "settings": ("all settings of the point", [point.text for point in solves]),
+    }
+    variables: dict[str, Any] = {
+        name: (
+            "point",
+            np.array(column, dtype=float if name == "value" else object),
+            {"long_name": long_name},
+        )
+        for name, (long_name, column) in texts.items()
+    }
+    variables["status"] = (
+        "point",
+        np.array([row["status"] for row in rows], dtype=np.int8),
+        dataset(Result({"status": code.OK}))["status"].attrs,  # the flags of a case file
+    )
+    for name, attributes in {**QUANTITIES, **EXTRA}.items():
+        column = np.array([row.get(name, np.nan) for row in rows])
+        variables[name] = ("point", column, attributes)
+    return xr.Dataset(variables).assign_attrs(
+        common_attributes()
+        | {
+            "title": f"Accuracy against time: {scene_name}, {sweep_name}",
+            "scene_name": scene_name,
+            "sweep_name": sweep_name,
+            "sweep_title": title,
+            "sweep_kind": kind,
+            "against": against,
+            "comment": "Wall times differ from run to run, and with them the bytes of this file.",
+        }
+    )
+
+
+def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
+    """What a point gives and what it takes, by the names of the variables."""
+    run = runner(scene, point)
+    short = replace(scene, model=replace(scene.model, simulated_turns=0.25, evaluated_turns=None))
+    runner(short, point)()  # compiles
+    values, wall = timed(run, repeats, seconds)
+    row = {"status": float(values["status"])}
+    if values["status"] != code.OK:
+        return row
+    row |= quantities(scene, values) | {
+        "wall_time": statistics.median(wall),
+        "wall_time_least": min(wall),
+        "repeats": float(len(wall)),
+        "steps": float(values.get("steps_accepted", np.nan) + values.get("steps_rejected", np.nan)),
+    }
+    for name in ("simulated_turns", "coriolis_energy_share", "azimuth_energy_share"):
+        row[name] = float(values.get(name, np.nan))
+    counted = COUNTS.index(scene.wear.counts)
+    if "qv_error_estimate" in values:
+        row["estimate_total_qv"] = float(values["qv_error_estimate"])
+        row["estimate_residual_preload"] = float(values["residual_preload_error_estimate"])
+        row["estimate_wear_rate"] = float(values["wear_rate_error_estimate"][counted])
+    fidelity = point.fidelity
+    symmetric = not asymmetries(scene) or fidelity == "race_control"
+    if fidelity in ("steady", "race_control") and symmetric and scene.wear.end_of_life:
+        fresh = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=(0.0,)))
+        lived, wall = timed(lambda: life(fresh, fidelity).values, repeats, seconds)
+        if lived["status"] == code.OK:
+            row["life"] = float(lived["life"][counted]) * HOURS_PER_SECOND
+            if "life_error_estimate" in lived:
+                row["estimate_life"] = float(lived["life_error_estimate"][counted])
+            row["life_wall_time"] = statistics.median(wall)
+    return row
+
+
+def timed(run: Callable[[], dict], repeats: int, seconds: float) -> tuple[dict, list[float]]:
+    """Answer of a solve, and the durations of its repeats [s]."""
+    wall: list[float] = []
+    values: dict = {}
+    while len(wall) < repeats and sum(wall) < seconds:
+        started = time.perf_counter()
+        values = run()
+        wall.append(time.perf_counter() - started)
+    return values, wall
+
+
+def quantities(scene: Scene, values: dict) -> dict[str, float]:
+    """The numbers that errors are asked of."""
+    qv = values["qv"].mean(axis=0)
+    row = {
+        "total_qv": float(values["total_qv"]),
+        "qv_inner": float(qv[0]),
+        "qv_outer": float(qv[1]),
+        "residual_preload": float(values["residual_preload"]),
+        "wear_rate": float(values["ball_diameter_loss_rate"][COUNTS.index(scene.wear.counts)]),
+    }
+    if "cage_wear_rate" in values:
+        row["cage_wear_rate"] = float(values["cage_wear_rate"] + values["cage_land_wear_rate"])
+    return row
+
+
+# The ways of solving a point
+
+
+def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
+    """The solve of a point as something to call."""
+    fidelity = point.fidelity
+    if fidelity == "race_control":
+        return lambda: solve(scene, fidelity).values
+    if fidelity == "traction":
+        return lambda: solve_coupled(scene)
+    if fidelity == "steady":
+        thrust = thrust_alone(scene)
+        return lambda: solve(thrust, fidelity).values
+    if fidelity == "three_balls":
+        return lambda: three_balls(scene)
+    trial = scene.without_cage if fidelity == "no_cage" else scene
+    if not (point.start or point.hertz):
+        return lambda: solve(trial, "dynamic").values
+    return lambda: in_time(trial, point.start or "steady", point.hertz == "fit")
+
+
+def three_balls(scene: Scene) -> dict:
+    """Solved in time with three balls under their share of the preload, thrust alone, no cage.
+
+    A single ball would push the race aside. The numbers are those of the whole bearing again.
+    """
+    n = scene.bearing.ball_count
+    share = FEWEST_BALLS / n
+    whole = thrust_alone(scene)
+    few = replace(
+        whole,
+        bearing=replace(whole.bearing, ball_count=FEWEST_BALLS),
+        operation=replace(whole.operation, preload_N=share * whole.operation.preload_N),
+        cage=None,
+    )
+    values = dict(solve(few, "dynamic").values)
+    if values["status"] == code.OK:
+        for name in ("total_qv", "residual_preload", "race_wear_rate"):
+            values[name] = values[name] / share
+        balls, both = values["ball_diameter_loss_rate"]
+        values["ball_diameter_loss_rate"] = np.array([balls, balls + (both - balls) / share])
+    return values
+
+
+def in_time(scene: Scene, start: str, fit: bool) -> dict:
+    """Solved in time from a stated start, with exact or fitted Hertz factors."""
+    system = DynamicSystem.of(scene, first_motion(scene, start))
+    if fit:
+        fix_hertz(scene, system)
+    values: dict = {"status": system.update()}
+    if values["status"] != code.OK:
+        return values
+    with Interrupt() as interrupt:
+        run = TimeRun(scene, system, None)
+        for length in run.grid.windows:
+            values["status"] = run.window(length, interrupt)
+            if values["status"] != code.OK:
+                return values
+    values |= window_values(scene, run) | run.counts(run.grid.window / run.grid.points)
+    if fit:
+        D = system.bearing.D
+        axes = values["semi_major_axis"] * major_ratio(system, values["contact_angle"])
+        values |= wear_values(scene, D, values["qv"], axes, values["contact_track_radius"])
+    return values
+
+
+def first_motion(scene: Scene, start: str) -> np.ndarray:
+    """(w_x, w_y, w_z, Omega) of all balls, or of each, to start from."""
+    if start == "kinematic":
+        return ThrustProblem.of(scene).kinematic_start(OUTER_CONTROL)
+    if start == "race_control":
+        u = race_control_motion(scene)
+        if u is not None:
+            return u
+    return start_of(scene).u
+
+
+def fix_hertz(scene: Scene, system: DynamicSystem) -> None:
+    """Put the fitted Hertz factors in place of the exact ones; only without a cage."""
+    bearing = system.bearing
+    table = hertz_table(bearing.g, bearing.D, fitted_factors)
+    system.bearing = bearing._replace(hertz=table)
+    system.buffers.rest[0] = fitted_displacement(bearing.g, scene.operation.preload_N)
+    system.buffers.balls.delta[:] = system.buffers.rest
+
+
+def major_ratio(system: DynamicSystem, angle: np.ndarray) -> np.ndarray:
+    """Fitted semi-major axes over exact ones (n, 2), at the same load."""
+    g, D = system.bearing.g, system.bearing.D
+    return np.array(
+        [
+            [
+                fitted_factors(g, race, D[j], c)[1] / exact_factors(g, race, D[j], c)[1]
+                for race, c in zip((-1.0, 1.0), np.cos(angle[j]), strict=True)
+            ]
+            for j in range(len(D))
+        ]
+    )

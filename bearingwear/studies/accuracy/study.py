@@ -1,0 +1,100 @@
+"""The study of accuracy: what the settings of a solve cost in time, and what they err by.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from bearingwear.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
+from bearingwear.studies.protocol import Step, Study
+
+_RUN = "studies.accuracy"
+_FOLDER = "results/accuracy"
+_TRADE = f"{_FOLDER}/accuracy.nc"
+_TABLES = (f"{_FOLDER}/tables/accuracy.csv", f"{_FOLDER}/tables/accuracy.md")
+_CHECK = f"{_FOLDER}/check.txt"
+_DOCS = "docs/accuracy.md"
+
+PLOTS = {"accuracy against time": "bearingwear.studies.accuracy.figures:accuracy_plot"}
+"""Which function of a dataset draws a kind of file."""
+
+
+def study(config: Mapping[str, Any]) -> AccuracyStudy:
+    """The study of config/accuracy.yaml."""
+    return AccuracyStudy(AccuracyPlan.from_file(ACCURACY_FILE))
+
+
+class AccuracyStudy(Study):
+    """Sweeps on scenes, their errors, and what docs/accuracy.md says of them."""
+
+    name = "accuracy"
+
+    def __init__(self, plan: AccuracyPlan) -> None:
+        self.plan = plan
+        self.steps = (
+            Step(
+                name="sweep",
+                run=f"{_RUN}.run.solved_sweep",
+                inputs=lambda w: {"scene": plan.scene_file(w["of_scene"])},
+                settings=lambda w: plan.sweep_settings(w["of_scene"], w["sweep"]),
+                outputs=(f"{_FOLDER}/points/{{of_scene}}-{{sweep}}.nc",),
+                matches={"of_scene": r"[A-Za-z0-9_]+", "sweep": r"[A-Za-z0-9_]+"},
+                label="accuracy against time: {of_scene}, {sweep}",
+                seconds=14.0,  # on the average; 3 minutes at most
+                alone=True,
+            ),
+            Step(
+                name="gather",
+                run=f"{_RUN}.gather.gathered_sweeps",
+                inputs={"paths": self._points()},
+                outputs=(_TRADE,),
+                label="accuracy against time: gather the sweeps",
+            ),
+            Step(
+                name="figure",
+                run=f"{_RUN}.figures.figure",
+                inputs={"trade": _TRADE},
+                settings=lambda w: {"which": w["figure"]},
+                outputs=(f"{_FOLDER}/figures/{{figure}}.svg", f"{_FOLDER}/figures/{{figure}}.png"),
+                matches={"figure": "|".join(FIGURE_NAMES)},
+                label="accuracy against time: figure {figure}",
+                caption="accuracy",
+                category="accuracy against time",
+                result="{figure}",
+            ),
+            Step(
+                name="tables",
+                run=f"{_RUN}.tables.accuracy_tables",
+                inputs={"trade": _TRADE, "plan": ACCURACY_FILE},
+                outputs=_TABLES,
+                label="accuracy against time: tables",
+                caption="accuracy",
+                category="accuracy against time",
+                result="table",
+            ),
+            Step(
+                name="check",
+                run=f"{_RUN}.tables.check_docs",
+                inputs={"trade": _TRADE, "plan": ACCURACY_FILE, "docs": _DOCS},
+                outputs=(_CHECK,),
+                label=f"accuracy against time: compare with {_DOCS}",
+                after=[*_TABLES, *self._figures()],
+            ),
+        )
+
+    def _points(self) -> list[str]:
+        return [f"{_FOLDER}/points/{scene}-{sweep}.nc" for scene, sweep in self.plan.jobs()]
+
+    def _figures(self) -> list[str]:
+        return [
+            f"{_FOLDER}/figures/{name}.{end}" for name in FIGURE_NAMES for end in ("svg", "png")
+        ]
+
+    def targets(self) -> list[str]:
+        return [*self._points(), _TRADE, *self._figures(), *_TABLES, _CHECK]
+
+    def inputs(self) -> list[str]:
+        return list(dict.fromkeys(map(self.plan.scene_file, self.plan.scenes)))

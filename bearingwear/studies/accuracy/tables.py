@@ -1,0 +1,311 @@
+"""Tables of the study of accuracy, and the part of docs/accuracy.md that is made from it."""
+
+import csv
+import io
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.plotting.markdown import cell_text
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.studies.accuracy.figures import points_where
+from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
+from bearingwear.studies.dataset import loaded
+from bearingwear.studies.run_step import NotSolved
+
+_BEGIN, _END = "<!-- accuracy: begin -->", "<!-- accuracy: end -->"
+_HEADER = (
+    "| what | scenes | total QV, median | total QV, worst | a contact's QV, worst "
+    "| preload, worst | wear rate, worst | life, worst | times as fast |"
+)
+ERRORS = ("total_qv", "total_qv", "contact_qv", "residual_preload", "wear_rate", "life")
+SECTIONS = {
+    "steady": "Numbers, steady state",
+    "short": "Numbers, the same turns in time",
+    "long": "Numbers, turns and settledness in time",
+    "model": "Differences of model",
+}
+_NONE = "–"
+LOOSE, LOOSE_FLOOR = 10.0, 1e-3  # spread of single scenes: runs with a cage part after some turns
+
+
+def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
+    """Step: every point as CSV, and what each simplification costs and saves as Markdown."""
+    points = loaded(trade, point=())
+    return points_csv(points), markdown(points, AccuracyPlan.from_file(plan))
+
+
+def points_csv(trade: xr.Dataset) -> str:
+    """Every point, a row each."""
+    order = ("scene", "sweep", "kind", "against", "label", "settings")
+    rest = [str(name) for name in trade if name not in (*order, "sweep_title")]
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    units = {name: str(trade[name].attrs.get("units", "")) for name in rest}
+    table.writerow([*order, *(f"{n} ({u})" if u else n for n, u in units.items())])
+    for k in range(trade.sizes["point"]):
+        table.writerow(
+            [str(trade[name].values[k]) for name in order]
+            + [cell_text(float(trade[name].values[k]), None) for name in rest]
+        )
+    return text.getvalue()
+
+
+def cells(trade: xr.Dataset, row: TableRow) -> list[float]:
+    """Numbers of a row: scenes, errors, times as fast; NaN where there is none."""
+    points = points_where(trade, sweep=row.sweep, label=row.label)
+    solved = points.isel(point=points["status"].values == 0)
+    found: list[float] = [float(solved.sizes["point"])]
+    for k, name in enumerate(ERRORS):
+        values = np.abs(solved[f"error_{name}"].values)
+        values = values[np.isfinite(values)]
+        reduce = np.median if k == 0 else np.max
+        found.append(float(reduce(values)) if values.size else math.nan)
+    ratio = solved["reference_time"].values / solved["wall_time"].values
+    found.append(float(np.median(ratio)) if ratio.size else math.nan)
+    return found
+
+
+def section(plan: AccuracyPlan, row: TableRow) -> str:
+    """Which part of the table a row belongs to."""
+    sweep = plan.sweeps[row.sweep]
+    if sweep.kind == "model":
+        return "model"
+    return sweep.base if sweep.against == FIRST else sweep.against
+
+
+def markdown(trade: xr.Dataset, plan: AccuracyPlan) -> str:
+    """The table of what each simplification costs and saves."""
+    lines = []
+    for name, title in SECTIONS.items():
+        rows = [row for row in plan.table if section(plan, row) == name]
+        if not rows:
+            continue
+        lines += [f"**{title}**", "", _HEADER, "| --- |" + " ---: |" * 8]
+        for row in rows:
+            count, *errors, speed = cells(trade, row)
+            texts = [f"{count:.0f}", *(_error(e) for e in errors), _speed(speed)]
+            lines.append(f"| {row.text} | " + " | ".join(texts) + " |")
+        lines.append("")
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _error(value: float) -> str:
+    return f"{value:.1e}" if math.isfinite(value) else _NONE
+
+
+def _speed(value: float) -> str:
+    if not math.isfinite(value):
+        return _NONE
+    return f"{value:.0f}" if value >= 9.95 else f"{value:.1f}" if value >= 0.095 else f"{value:.2g}"
+
+
+def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
+    """The marked part of docs/accuracy.md."""
+    tolerance = plan.tolerance
+    scenes = ", ".join(f"`{name}`" for name in plan.scenes)
+    return f"""{_BEGIN}
+## Accuracy against time
+
+Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here.
+Errors are relative to the reference of each scene (`config/accuracy.yaml`), without sign; all other
+settings are those of the reference. "Times as fast" compares with that reference: warm solves,
+nothing else running, median over the scenes. Scenes: {scenes}.
+
+Errors of another run lie within a factor {tolerance.error:g} of these, times within a factor
+{tolerance.time:g}; errors below {tolerance.floor:g}, in time below {tolerance.floor_dynamic:g}, are
+noise. The study compares them.
+
+{markdown(trade, plan)}
+Traction is left out of the balance of normal forces in every model here, as in the paper, but for
+the row that says so (steady state, `bearingwear/studies/accuracy/traction.py`). A single ball in
+time would push the race aside, so three stand for all. With a cage, two runs that differ in their
+last digit part after some turns and agree in their means only. The Coriolis force and the
+circumferential part of the normal forces are left out of the motion; the energy account books their
+work, of the heat:
+{booked(trade)}.
+
+**The presets, scene by scene**: errors against the reference of the scene; life in the steady
+state, loss rate in time; a contact's QV is far more sensitive than the total
+
+{presets(trade)}
+
+**Estimated errors against true ones**, of all points that carry an estimate, sweeps to the extremes
+included; what the reference itself is not sure of (its own estimate, and its check) is taken off
+
+{estimates(trade)}
+{_END}
+"""
+
+
+def booked(trade: xr.Dataset) -> str:
+    """Work of the forces left out, over the heat: the most of all scenes."""
+    points = points_where(trade, sweep="long", label="reference")
+    texts = []
+    for name, text in (("coriolis", "Coriolis"), ("azimuth", "circumferential")):
+        values = np.abs(points[f"{name}_energy_share"].values)
+        values = values[np.isfinite(values)]
+        texts.append(f"{text} at most {_error(float(values.max()) if values.size else math.nan)}")
+    return ", ".join(texts)
+
+
+def presets(trade: xr.Dataset) -> str:
+    """What draft and standard err by in each scene, and what they save, as a table."""
+    lines = [
+        "| solve, scene | draft: QV | a contact's QV | life or loss rate "
+        "| standard: QV | a contact's QV | life or loss rate "
+        "| draft over standard, as fast | standard over reference, as fast |",
+        "| --- |" + " ---: |" * 8,
+    ]
+    for sweep, kind, last in (("steady", "steady", "life"), ("dynamic", "in time", "wear_rate")):
+        points = points_where(trade, sweep=f"preset_{sweep}")
+        for scene in dict.fromkeys(points["scene"].values):
+            one = {
+                label: points_where(points, scene=scene, label=label)
+                for label in ("draft", "standard", "reference")
+            }
+            cells = [f"{kind}, `{scene}`"]
+            for label in ("draft", "standard"):
+                for name in ("total_qv", "contact_qv", last):
+                    cells.append(_error(abs(float(one[label][f"error_{name}"].values[0]))))
+            times = [float(part["wall_time"].values[0]) for part in one.values()]
+            cells += [_speed(times[1] / times[0]), _speed(times[2] / times[1])]
+            lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def estimates(trade: xr.Dataset) -> str:
+    """How often the estimates that results carry are above the true error, as a table."""
+    lines = [
+        "| estimate of | steady: points | covered | estimate over error, median "
+        "| in time: points | covered | estimate over error, median |",
+        "| --- |" + " ---: |" * 6,
+    ]
+    names = {"total_qv": "QV", "residual_preload": "preload", "wear_rate": "wear rate"}
+    for name, text in (names | {"life": "life"}).items():
+        row = [text]
+        for against in ("steady", "long"):
+            points = points_where(trade, against=against, kind="numerical")
+            error = np.abs(points[f"error_{name}"].values)
+            doubt = {s: doubts(trade, s, against, name) for s in set(points["scene"].values)}
+            estimate = points[f"estimate_{name}"].values
+            least = error - [doubt[s] for s in points["scene"].values]
+            both = np.isfinite(error) & np.isfinite(estimate)
+            error, estimate, least = error[both], estimate[both], least[both]
+            row.append(str(both.sum()))
+            if both.any():
+                row.append(f"{100.0 * np.mean(estimate >= least):.0f} %")
+                row.append(f"{np.median(estimate / np.maximum(error, 1e-9)):.2g}")
+            else:
+                row += [_NONE, _NONE]
+        lines.append("| " + " | ".join(row) + " |")
+    return "\n".join(lines)
+
+
+def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
+    """What a reference itself is not sure of: its own estimate and what its check differs by."""
+    points = points_where(trade, scene=scene, sweep=reference)
+    own = points_where(points, label="reference")[f"estimate_{name}"].values
+    other = np.abs(points_where(points, label="check")[f"error_{name}"].values)
+    return float(np.nansum(own) + np.nansum(other))
+
+
+def docs_with_block(trade: Path, plan: Path, docs: Path) -> str:
+    """Step: the docs with the block of this run in the place of the old one, or at the end."""
+    text = block(loaded(trade, point=()), AccuracyPlan.from_file(plan))
+    old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
+    if _BEGIN in old and _END in old:
+        before, _, rest = old.partition(_BEGIN)
+        return before + text.rstrip("\n") + rest.partition(_END)[2]
+    return old.rstrip("\n") + "\n\n" + text
+
+
+def check_docs(trade: Path, plan: Path, docs: Path) -> str:
+    """Step: says that the docs agree with a run.
+
+    Raises
+    ------
+    NotSolved
+        A line for each number that differs beyond the tolerance.
+    """
+    lines = differences(loaded(trade, point=()), AccuracyPlan.from_file(plan), docs)
+    if lines:
+        raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
+    return f"{docs}: agrees\n"
+
+
+def differences(trade: xr.Dataset, plan: AccuracyPlan, docs: str | Path) -> list[str]:
+    """What docs/accuracy.md says otherwise than a run, beyond the tolerance; a line each.
+
+    Raises
+    ------
+    CaseFileError
+        Where the file has no such block.
+    """
+    docs = Path(docs)
+    text = docs.read_text(encoding="utf-8") if docs.exists() else ""
+    if _BEGIN not in text or _END not in text:
+        raise CaseFileError(f"{docs}: has no part between {_BEGIN} and {_END}")
+    said = table_rows(text.partition(_BEGIN)[2].partition(_END)[0])
+    found = []
+    for row in plan.table:
+        part = section(plan, row)
+        where = f"{SECTIONS[part]}: {row.text}"
+        if (SECTIONS[part], row.text) not in said:
+            found.append(f"{docs}: {where}: missing")
+            continue
+        columns = _HEADER.strip("| ").split(" | ")[1:]
+        for name, text_said, value in zip(
+            columns, said[SECTIONS[part], row.text], cells(trade, row), strict=True
+        ):
+            if not agree(text_said, value, name, part, plan.tolerance):
+                found.append(f"{docs}: {where}: {name}: says {text_said}, a run gives {value:.2g}")
+    planned = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
+    for key, texts in table_rows(block(trade, plan)).items():
+        if key in planned:
+            continue
+        old = said.get(key, [])
+        if len(old) != len(texts) or not all(map(alike, old, texts)):
+            found.append(f"{docs}: {key[1]}: says {' '.join(old)}, a run gives {' '.join(texts)}")
+    return found
+
+
+def alike(said: str, given: str) -> bool:
+    """Whether two cells of the tables of presets and estimates say the same, within a factor 10."""
+    try:
+        one, other = (float(text.removesuffix(" %")) for text in (said, given))
+    except ValueError:
+        return said == given
+    low, high = sorted((max(one, LOOSE_FLOOR), max(other, LOOSE_FLOOR)))
+    return high <= LOOSE * low
+
+
+def table_rows(text: str) -> dict[tuple[str, str], list[str]]:
+    """Cells of each row of the block, by section and first cell."""
+    rows, title = {}, ""
+    for line in text.splitlines():
+        if match := re.fullmatch(r"\*\*(.+)\*\*", line):
+            title = match[1]
+        elif line.startswith("| ") and not line.startswith(("| what", "| ---")):
+            first, *rest = (cell.strip() for cell in line.strip("| ").split(" | "))
+            rows[title, first] = rest
+    return rows
+
+
+def agree(said: str, value: float, column: str, part: str, tolerance: Tolerance) -> bool:
+    """Whether a cell and a number are the same within the tolerance."""
+    if said == _NONE or not math.isfinite(value):
+        return said == _NONE and not math.isfinite(value)
+    number = float(said)
+    if column == "scenes":
+        return number == value
+    if column == "times as fast":
+        factor, floor = tolerance.time, 0.0
+    else:
+        factor = tolerance.error
+        floor = tolerance.floor if part == "steady" else tolerance.floor_dynamic
+    low, high = sorted((max(number, floor), max(value, floor)))
+    return high <= factor * 1.05 * low  # and what the two digits round off

@@ -1,0 +1,83 @@
+"""Axes of studies in their YAML files: a list of numbers, or first, last and step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from bearingwear.scene.checking import built, checked_data
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import Key
+
+MOST_POINTS = 1000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """Evenly spaced values."""
+
+    first: Annotated[float, Key("First value", above=0)]
+    last: Annotated[float, Key("Last value", above=0)]
+    step: Annotated[float, Key("Distance between two values", above=0)]
+
+    def __post_init__(self) -> None:
+        beyond = abs(self.first + (self.count - 1) * self.step - self.last)
+        if not 1 <= self.count <= MOST_POINTS or beyond > 1e-6 * self.step:
+            raise ValueError(
+                f"given {self.first:g} to {self.last:g} by {self.step:g}; allowed at most "
+                f"{MOST_POINTS} steps that end at the last value"
+            )
+
+    @property
+    def count(self) -> int:
+        return round((self.last - self.first) / self.step) + 1
+
+    @property
+    def values(self) -> list[float]:
+        return [round(self.first + k * self.step, 9) for k in range(self.count)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Values:
+    """A list of values."""
+
+    values: Annotated[tuple[float, ...], Key("Values", least=1, above=0)]
+
+    def __post_init__(self) -> None:
+        check_rising(self.values)
+
+
+class RisingAxis(tuple[float, ...]):
+    """Rising numbers > 0."""
+
+    ALLOWED = "rising numbers > 0 in a list, or as first, last and step"
+
+    @classmethod
+    def from_plain(cls, given: Any) -> RisingAxis:
+        """The axis of a list or of `Steps`.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        try:
+            if isinstance(given, list):
+                return cls(built(Values, checked_data(Values, {"values": given})).values)
+            return cls(built(Steps, checked_data(Steps, given)).values)
+        except SceneError as error:
+            key = error.key.removeprefix("values")
+            raise ValueError(": ".join(part for part in (key, error.problem) if part)) from None
+
+
+def check_rising(values: Sequence[float]) -> None:
+    """Refuse values that do not rise.
+
+    Raises
+    ------
+    ValueError
+    """
+    if list(values) != sorted(set(values)):
+        given = ", ".join(f"{value:g}" for value in values)
+        raise ValueError(f"given {given}; allowed rising numbers > 0")

@@ -1,0 +1,150 @@
+"""Datasets of studies: many solves side by side along new dimensions, and in one file."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.atomic import whole_file
+from bearingwear.results.netcdf import CaseFileError, data_array, load
+from bearingwear.results.variables import Variable
+from bearingwear.scene.scene import COUNTS
+
+LOSS_BASIS = Variable(
+    "loss_basis", ("loss_basis",), "", "what wear counts as loss", "i1", flags=COUNTS
+)
+
+
+def stacked(
+    datasets: Sequence[xr.Dataset], lengths: Mapping[str, int], leave_out: Sequence[str] = ()
+) -> xr.Dataset:
+    """Datasets as one, along new leading dimensions.
+
+    Parameters
+    ----------
+    datasets : sequence of Dataset
+        In C order over the new dimensions. What one of them lacks is NaN there, and a dimension
+        that is shorter in one of them is filled up with NaN.
+    lengths : mapping
+        Names and lengths of the new dimensions.
+    leave_out : sequence of str
+        Variables to leave out, and dimensions whose variables to leave out.
+
+    Returns
+    -------
+    Dataset
+        With the coordinates of the inner dimensions, which the longest decides.
+    """
+    templates: dict[str, xr.DataArray] = {}
+    coords: dict[str, xr.DataArray] = {}
+    sizes: dict[str, int] = {}
+    for dataset in datasets:
+        for name, variable in dataset.variables.items():
+            if not {name, *variable.dims} & set(leave_out):
+                target = coords if name in dataset.coords else templates
+                if name not in target or variable.size > target[str(name)].size:
+                    target[str(name)] = dataset[name].reset_coords(drop=True)
+                for dim, size in zip(variable.dims, variable.shape, strict=True):
+                    sizes[str(dim)] = max(size, sizes.get(str(dim), 0))
+    variables = {}
+    for name, template in templates.items():
+        inner = tuple(sizes[str(dim)] for dim in template.dims)
+        values = np.full((len(datasets), *inner), np.nan)
+        for k, dataset in enumerate(datasets):
+            if name in dataset:
+                filled: tuple = tuple(slice(size) for size in dataset[name].shape)
+                values[(k, *filled)] = dataset[name].values
+        if np.issubdtype(template.dtype, np.integer) and np.isfinite(values).all():
+            values = values.astype(template.dtype)
+        values = values.reshape((*lengths.values(), *inner))
+        variables[name] = ((*lengths, *template.dims), values, template.attrs)
+    used = {dim for template in templates.values() for dim in template.dims}
+    return xr.Dataset(variables, {n: c for n, c in coords.items() if set(c.dims) <= used})
+
+
+def attrs(long_name: str, units: str) -> dict[str, Any]:
+    """Attributes of a variable with numbers."""
+    return {"long_name": long_name, "units": units}
+
+
+def flags(long_name: str, meanings: Sequence[str]) -> dict[str, Any]:
+    """Attributes of a variable with flags 0, 1, ..."""
+    return {
+        "long_name": long_name,
+        "flag_values": np.arange(len(meanings), dtype=np.int8),
+        "flag_meanings": " ".join(meanings),
+    }
+
+
+def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]:
+    """A coordinate by its name; without values it has all of its flags."""
+    if values is None:
+        values = np.arange(len(variable.flags or ()))
+    return {variable.name: data_array(variable, values).variable}
+
+
+def dataset_with(
+    variables: Mapping[str, xr.DataArray],
+    coords: Mapping[str, xr.Variable],
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """A dataset whose variables, then coordinates, are in the order given."""
+    plain = {name: array.variable for name, array in variables.items()}
+    return xr.Dataset(plain, dict(coords), dict(attributes))
+
+
+def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
+    """A file that has the given dimensions and, along them, the given values.
+
+    Raises
+    ------
+    CaseFileError
+        One line.
+    """
+    dataset = load(path)
+    for axis, values in axes.items():
+        if axis not in dataset.dims:
+            raise CaseFileError(f"{path}: not a file for this step; it has no {axis}")
+        for value in values:
+            if value not in dataset[axis]:
+                allowed = ", ".join(f"{known:g}" for known in dataset[axis].values)
+                raise CaseFileError(f"{path}: {axis}: given {value:g}; allowed {allowed}")
+    return dataset
+
+
+def both_ways(study: Path, dynamic: Path) -> tuple[xr.Dataset, xr.Dataset]:
+    """A study, and cases solved in time, all of which are also in the study."""
+    in_time = loaded(dynamic, preload_method=(), friction=(), ball_diameter_loss=())
+    if in_time.attrs.get("fidelity") != "dynamic":
+        raise CaseFileError(f"{dynamic}: not cases solved in time")
+    axes = ("preload_method", "friction", "ball_diameter_loss")
+    steady = loaded(study, **{axis: in_time[axis].values.tolist() for axis in axes})
+    if json.loads(steady.attrs["scene"])["name"] != json.loads(in_time.attrs["scene"])["name"]:
+        raise CaseFileError(f"{dynamic}: not of the scene of {study}")
+    return steady, in_time
+
+
+def counted(dataset: xr.Dataset) -> int:
+    """Index, along the loss basis, of what the scene of a file counts as loss."""
+    return COUNTS.index(json.loads(dataset.attrs["scene"])["wear"]["counts"])
+
+
+def write_dataset(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset whole or not at all; the same dataset gives the same bytes."""
+    encoding: dict[str, dict[str, Any]] = {}
+    for name, variable in dataset.variables.items():
+        variable.encoding.clear()
+        encoding[str(name)] = {"_FillValue": None}
+        if name in dataset.coords:
+            continue
+        if "flag_values" in variable.attrs and variable.dtype.kind == "f":
+            # flags of a case that was not solved: missing, yet still whole numbers in the file
+            kind = np.asarray(variable.attrs["flag_values"]).dtype
+            encoding[str(name)] = {"dtype": kind, "_FillValue": kind.type(np.iinfo(kind).min + 1)}
+        elif variable.dtype.kind == "f":
+            encoding[str(name)] = {"_FillValue": np.nan}
+    with whole_file(path) as part:
+        dataset.to_netcdf(part, engine="netcdf4", encoding=encoding)

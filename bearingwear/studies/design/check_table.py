@@ -1,0 +1,284 @@
+"""The table that sets a recommended preload, solved in time, beside the steady values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import in_words, scene_of
+from bearingwear.plotting.markdown import markdown_table, plain_text
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.design.choice import limits_of
+from bearingwear.studies.design.plan import CHECKED_FIDELITIES
+from bearingwear.studies.design.recommend import RECOMMENDATION
+
+MICRONS_PER_HOUR = 3.6e9  # from m/s
+SHARE_LABEL = "largest gyroscopic slip share"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compared:
+    """One number by both tiers.
+
+    Attributes
+    ----------
+    preload : float
+        [N]
+    errors : float
+        Both estimates of the numerical error together, relative; NaN where there is none.
+    """
+
+    preload: float
+    name: str
+    steady: float
+    dynamic: float
+    errors: float = np.nan
+
+    @property
+    def difference(self) -> float:
+        """Of the dynamic number from the steady one, relative."""
+        return self.dynamic / self.steady - 1.0
+
+    @property
+    def beyond(self) -> bool:
+        """Whether they differ by more than both estimates together."""
+        return abs(self.difference) > self.errors
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedPreload:
+    """One preload by both tiers.
+
+    Attributes
+    ----------
+    preload : float
+        [N]
+    numbers : list of Compared
+        None where a tier has no answer.
+    settled : str
+        How far the means in time are settled.
+    status : dict
+        By tier.
+    """
+
+    preload: float
+    numbers: list[Compared]
+    settled: str
+    status: dict[str, str]
+
+
+def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
+    """Step: steady and dynamic numbers of some preloads, and whether they agree, as Markdown.
+
+    Parameters
+    ----------
+    recommendation : path
+    cases : sequence of path
+        Case files: each preload steady and dynamic.
+
+    Raises
+    ------
+    CaseFileError
+        Files that are no such cases, of another scene, or without their other tier.
+    """
+    chosen = load(recommendation)
+    of_preload = _cases(chosen, cases)
+    points = [_point(preload, tiers) for preload, tiers in sorted(of_preload.items())]
+    scene = scene_of(chosen)
+    first = scene_of(next(iter(of_preload.values()))["steady"])
+    limit = limits_of(chosen).gyroscopic_slip_share
+    method = in_words(first["operation"]["preload_method"])
+    known = np.isfinite(chosen["preload"].values).any()
+    middle = "its recommended preload" if known else "its own preload (none is recommended)"
+    text = [
+        f"# The dynamic tier at the recommended preload of {scene['name']}",
+        agreement(points),
+        f"New bearing, {method}, {scene['operation']['shaft_speed_rpm']:g} r/min, friction "
+        f"{scene['friction']['ball_race']:g}, at and beside {middle}. "
+        + f"Life counts {in_words(scene['wear']['counts'])}. "
+        + _about_cage("cage" in first)
+        + " The run in time starts from the steady state: agreement says that the motion stays "
+        "there, not that every start leads there.",
+        markdown_table(
+            "preload (N) | number | steady, as in the map | dynamic | difference "
+            "| numerical error estimates of both | beyond them",
+            [row for point in points for row in _rows(point, limit)],
+        ),
+        "The gyroscopic slip share has no error estimate. How far the means in time are settled:",
+        "\n".join(f"- {point.preload:.4g} N: {plain_text(point.settled)}" for point in points),
+    ]
+    return "\n\n".join(text) + "\n"
+
+
+def _cases(
+    recommendation: xr.Dataset, paths: Sequence[str | Path]
+) -> dict[float, dict[str, xr.Dataset]]:
+    """Both tiers of each preload."""
+    if recommendation.attrs.get("kind") != RECOMMENDATION:
+        raise CaseFileError("given no recommendation; allowed recommendation.nc of a design study")
+    name = scene_of(recommendation)["name"]
+    cases: dict[float, dict[str, xr.Dataset]] = {}
+    for path in paths:
+        case = load(path)
+        tier = case.attrs.get("fidelity")
+        if tier not in CHECKED_FIDELITIES or "total_qv" not in case or case["status"].ndim:
+            raise CaseFileError(f"{path}: not a steady or dynamic case")
+        scene = scene_of(case)
+        if scene["name"] != name:
+            raise CaseFileError(f"{path}: of the scene {scene['name']}; allowed {name}")
+        cases.setdefault(scene["operation"]["preload_N"], {})[str(tier)] = case
+    for preload, tiers in cases.items():
+        for tier in CHECKED_FIDELITIES:
+            if tier not in tiers:
+                raise CaseFileError(f"preload {preload:g} N: given no {tier} case")
+    return cases
+
+
+def _point(preload: float, tiers: dict[str, xr.Dataset]) -> CheckedPreload:
+    status = {tier: STATUS_NAMES[int(case["status"])] for tier, case in tiers.items()}
+    solved = set(status.values()) == {STATUS_NAMES[OK]}
+    return CheckedPreload(
+        preload=preload,
+        numbers=_numbers(preload, tiers["steady"], tiers["dynamic"]) if solved else [],
+        settled=str(tiers["dynamic"].attrs.get("settled", "–")),
+        status=status,
+    )
+
+
+def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
+    def compared(name: str, variable: str, error: str, k: int = 0, scale: float = 1.0) -> Compared:
+        """The k-th value, along the loss basis if there is one."""
+        values = [scale * float(case[variable].values.ravel()[k]) for case in (steady, dynamic)]
+        errors = [
+            float(case[error].values.ravel()[k]) if error in case else np.nan
+            for case in (steady, dynamic)
+        ]
+        return Compared(
+            preload=preload, name=name, steady=values[0], dynamic=values[1], errors=sum(errors)
+        )
+
+    share = "gyroscopic_slip_share"
+    return [
+        compared("QV of the bearing (W)", "total_qv", "qv_error_estimate"),
+        *(
+            compared(
+                f"loss of ball diameter counting {in_words(way)} (µm/h)",
+                "ball_diameter_loss_rate",
+                "wear_rate_error_estimate",
+                k,
+                MICRONS_PER_HOUR,
+            )
+            for k, way in enumerate(COUNTS)
+        ),
+        Compared(
+            preload=preload,
+            name=SHARE_LABEL,
+            steady=float(steady[share].max()),
+            dynamic=float(dynamic[share].max()),
+        ),
+    ]
+
+
+def agreement(points: Sequence[CheckedPreload]) -> str:
+    """Whether the tiers agree, in a sentence or two."""
+    unsolved = [
+        f"{tier} at {point.preload:.4g} N: {in_words(state)}"
+        for point in points
+        for tier, state in point.status.items()
+        if state != STATUS_NAMES[OK]
+    ]
+    numbers = [one for point in points for one in point.numbers]
+    said = []
+    if not numbers:
+        said.append("The dynamic tier cannot be compared with the steady values.")
+    else:
+        # of each name the last: beyond the estimates if any is, and there the largest
+        order = sorted(numbers, key=lambda one: (one.beyond, abs(one.difference)))
+        worst = {one.name: one for one in order}
+        rated = [one.name for one in numbers if np.isfinite(one.errors)]
+        beyond = {one.name for one in numbers if one.beyond}
+        told = {
+            name: f"{_short(name)} by {_percent(one.difference)} at {one.preload:.4g} N"
+            + (f" (estimates {100.0 * one.errors:.2g} %)" if np.isfinite(one.errors) else "")
+            for name, one in worst.items()
+        }
+        within = "; ".join(told[name] for name in dict.fromkeys(rated) if name not in beyond)
+        outside = "; ".join(told[name] for name in dict.fromkeys(rated) if name in beyond)
+        largest = "The largest differences"
+        if not outside:
+            said.append(
+                "The dynamic tier agrees with the steady values of the map within the numerical "
+                f"error estimates of both. {largest}: {within}."
+            )
+        elif not within:
+            said.append(
+                "The dynamic tier does not agree with the steady values of the map within the "
+                f"numerical error estimates of both. {largest}: {outside}."
+            )
+        else:
+            said.append(
+                f"The dynamic tier agrees with the steady values of the map in part. {largest} "
+                f"within the numerical error estimates of both: {within}. Beyond them: {outside}."
+            )
+        said.append(f"The {told[SHARE_LABEL].replace(' by ', ' differs by ')} at most.")
+    if unsolved:
+        said.append(f"Not solved: {'; '.join(unsolved)}.")
+    return " ".join(said)
+
+
+def _short(name: str) -> str:
+    return name.partition(" (")[0]
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:+.2g} %"
+
+
+def _about_cage(there: bool) -> str:
+    if not there:
+        return "The scene has no cage."
+    return (
+        "The dynamic cases have the cage, which the steady tier has not: its pockets slow the "
+        "balls and wear them, which counts in the loss of ball diameter (counting ball above all)."
+    )
+
+
+def _rows(point: CheckedPreload, limit: float | None) -> list[list[str]]:
+    preload = f"{point.preload:.4g}"
+    if not point.numbers:
+        return [
+            [
+                preload,
+                "not solved",
+                *(in_words(point.status[t]) for t in CHECKED_FIDELITIES),
+                "",
+                "",
+                "",
+            ]
+        ]
+    rows = []
+    for one in point.numbers:
+        rated = np.isfinite(one.errors)
+        beyond = ("yes" if one.beyond else "no") if rated else "–"
+        if one.name == SHARE_LABEL and limit is not None:
+            within = (one.steady <= limit) + (one.dynamic <= limit)
+            words = ("both beyond", "one within, one beyond", "both within")
+            beyond = f"{words[within]} the limit {limit:g}"
+        rows.append(
+            [
+                preload,
+                one.name,
+                f"{one.steady:.5g}",
+                f"{one.dynamic:.5g}",
+                f"{100.0 * one.difference:+.3g} %",
+                f"{100.0 * one.errors:.2g} %" if rated else "–",
+                beyond,
+            ]
+        )
+    return rows

@@ -1,0 +1,195 @@
+"""Which preload of a design map to take: the longest life within the limits, and what holds it.
+
+Theory: docs/theory.md, section 14.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK
+from bearingwear.plotting.pareto import pareto
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.variables import Variable
+from bearingwear.studies.dataset import attrs, counted, flags
+from bearingwear.studies.design.map import SLIP_SHARE
+from bearingwear.studies.design.plan import DesignLimits
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limited:
+    """What a limit is for.
+
+    Attributes
+    ----------
+    variable : str
+        Of the map.
+    sign : float
+        1 for a limit from above, -1 for one from below.
+    unit : float
+        Its unit in SI.
+    """
+
+    variable: str
+    sign: float = 1.0
+    unit: float = 1.0
+
+
+LIMITED = {
+    SLIP_SHARE: Limited(variable=SLIP_SHARE),
+    "axial_stiffness_N_um": Limited(variable="axial_stiffness", sign=-1.0, unit=1e6),
+    "maximum_pressure_GPa": Limited(variable="maximum_pressure", unit=1e9),
+    "friction_power_W": Limited(variable="friction_power"),
+}
+
+ACTIVE = (*LIMITED, "none", "end_of_range", "not_solved", "no_preload_within_limits")
+"""What keeps the recommended preload from another one with a longer life."""
+UNLIMITED, END_OF_RANGE, NEXT_NOT_SOLVED, NO_PRELOAD = range(len(LIMITED), len(ACTIVE))
+
+ACTIVE_LIMIT = Variable(
+    "active_limit", (), "", "what keeps the preload from a longer life", dtype="i1", flags=ACTIVE
+)
+
+
+def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset:
+    """Step: all parts of a map as one dataset, with the best preload of every line of it.
+
+    Parameters
+    ----------
+    parts : sequence of path
+    limits : mapping
+        `DesignLimits` by their names.
+
+    Raises
+    ------
+    CaseFileError
+        One line: no part of a map, parts that do not belong together, or parts missing.
+    """
+    found = [(path, load(path)) for path in parts]
+    first, attributes = found[0][0], found[0][1].attrs
+    for path, one in found:
+        if one.attrs.get("kind") != "design map":
+            raise CaseFileError(f"{path}: not a part of a design map")
+        if one.attrs != attributes:
+            raise CaseFileError(f"{path}: not of the scene, limits or sources of {first}")
+    if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
+        raise CaseFileError(f"{first}: made with another limit of the gyroscopic slip share")
+    try:
+        whole = xr.combine_by_coords(
+            [one for _, one in found],
+            combine_attrs="drop_conflicts",
+            join="exact",
+            compat="equals",
+            data_vars="all",
+        )
+    except ValueError as error:
+        raise CaseFileError(f"parts of a design map: {' '.join(str(error).split())}") from None
+    assert isinstance(whole, xr.Dataset)
+    if whole["status"].dtype.kind == "f":  # combining fills holes with NaN
+        raise CaseFileError("parts of a design map: some are missing")
+    return with_choices(whole.assign_attrs(limits=json.dumps(dict(limits))))
+
+
+def with_choices(design: xr.Dataset) -> xr.Dataset:
+    """A map with the best preload of every line of it."""
+    index, active = best_within(design, limits_of(design), counted(design))
+    none = index < 0
+    best = design.isel(preload=xr.where(none, 0, index))
+    preload, life = best["preload"].where(~none), best["life"].where(~none)
+    return design.assign(
+        recommended_preload=preload.assign_attrs(attrs("preload with the longest life", "N")),
+        recommended_life=life.assign_attrs(attrs("life at the recommended preload", "h")),
+        active_limit=active,
+    )
+
+
+def limits_of(design: xr.Dataset) -> DesignLimits:
+    """The limits a map was made with."""
+    return DesignLimits(**json.loads(design.attrs["limits"]))
+
+
+def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
+    """How far each limit is from being passed, relative to it; below zero where it is.
+
+    In the order of `limits.given`; `values` is a Dataset or a dict of what `life_point` finds.
+    """
+    return [
+        LIMITED[name].sign * (1.0 - values[LIMITED[name].variable] / (limit * LIMITED[name].unit))
+        for name, limit in limits.given.items()
+    ]
+
+
+def best_within(
+    design: xr.Dataset, limits: DesignLimits, basis: int
+) -> tuple[xr.DataArray, xr.DataArray]:
+    """Index of the preload with the longest life within the limits, and the limit that holds it.
+
+    Lives that were not solved are never chosen. The active limit is what keeps the choice from the
+    neighbouring preload whose life is longer: the limit passed there by most, the end of the range,
+    a neighbour that was not solved, or nothing (the life itself is longest there).
+
+    Parameters
+    ----------
+    design : Dataset
+    limits : DesignLimits
+    basis : int
+        Index along the loss basis.
+
+    Returns
+    -------
+    index, active : DataArray
+        Over the dimensions of the map but `preload`; index -1 where no preload is within the
+        limits.
+    """
+    others = [str(dim) for dim in design["status"].dims if dim != "preload"]
+    order = (*others, "preload")
+    solved = (design["status"] == OK).transpose(*order).values
+    lives = design["life"].isel(loss_basis=basis).transpose(*order).values
+    each = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
+    names = list(limits.given)
+    index = np.full(solved.shape[:-1], -1)
+    active = np.full(solved.shape[:-1], NO_PRELOAD, dtype=np.int8)
+    for line in np.ndindex(index.shape):
+        margin = np.array([values[line] for values in each])
+        margin = margin.reshape(len(names), solved.shape[-1])
+        allowed = solved[line] & (lives[line] > 0.0) & np.all(margin >= 0.0, axis=0)
+        if allowed.any():
+            best = int(np.argmax(np.where(allowed, lives[line], -np.inf)))
+            index[line] = best
+            active[line] = _held_by(best, solved[line], lives[line], margin, names)
+    coords = {dim: design[dim] for dim in others}
+    meaning = flags(ACTIVE_LIMIT.long_name, ACTIVE)
+    return (
+        xr.DataArray(index, coords, others),
+        xr.DataArray(active, coords, others, attrs=meaning),
+    )
+
+
+def _held_by(
+    best: int, solved: np.ndarray, lives: np.ndarray, margin: np.ndarray, names: list[str]
+) -> int:
+    """What keeps a line's best preload from its neighbour with the longer life."""
+    neighbours = [k for k in (best - 1, best + 1) if 0 <= k < len(lives)]
+    longer = [k for k in neighbours if solved[k] and lives[k] > lives[best]]
+    if longer:  # passes a limit, or it would have been chosen
+        beyond = max(longer, key=lambda k: lives[k])
+        return ACTIVE.index(names[int(np.argmin(margin[:, beyond]))])
+    if any(not solved[k] for k in neighbours):
+        return NEXT_NOT_SOLVED
+    return END_OF_RANGE if len(neighbours) < 2 else UNLIMITED
+
+
+def front(design: xr.Dataset, basis: int) -> xr.DataArray:
+    """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
+    solved = design["status"] == OK
+    lives = design["life"].isel(loss_basis=basis).where(solved)
+    stiffness = design["axial_stiffness"].where(solved).transpose(*lives.dims)
+    best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
+    return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)

@@ -1,0 +1,60 @@
+"""The scene at a recommended preload and beside it, to be solved in time as well.
+
+Theory: docs/theory.md, section 14.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import xarray as xr
+import yaml
+
+from bearingwear.results.netcdf import load
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.design.recommend import best_method, recommended_for
+from bearingwear.studies.life_scene import life_scene
+
+TURNS = 200.0
+"""Most shaft turns: impacts of a cage take longer to average out than contacts to settle.
+A run that is settled ends before."""
+
+
+def check_scene(scene: Scene, recommendation: xr.Dataset, times: float) -> Scene:
+    """The scene with the recommended method, and its preload times a factor.
+
+    Where no preload is recommended, with the scene's own method and preload times the factor.
+
+    Raises
+    ------
+    CaseFileError
+        Where the recommendation is not of this scene.
+    SceneError
+        A preload that cannot be.
+    """
+    recommended_for(scene, recommendation)
+    method, preload = scene.operation.preload_method, scene.operation.preload_N
+    k = best_method(recommendation)
+    if k is not None:
+        method = PRELOAD_METHODS[int(recommendation["preload_method"][k])]
+        preload = float(recommendation["preload"][k])
+    operation = replace(scene.operation, preload_method=method, preload_N=times * preload)
+    model = replace(scene.model, simulated_turns=max(TURNS, scene.model.simulated_turns))
+    # its spread is that of another preload
+    return replace(scene, operation=operation, uncertainty=None, model=model)
+
+
+def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
+    """Step: `check_scene` as a scene file.
+
+    Parameters
+    ----------
+    scene, recommendation : path
+    times : float
+        Factor of the recommended preload.
+    """
+    base = life_scene(scene)
+    plain = check_scene(base, load(recommendation), times).to_dict()
+    head = f"# {base.name} at {times:g} times its recommended preload.\n"
+    return head + yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)

@@ -1,0 +1,333 @@
+"""Figures of the design study: which preload to take, and what lies around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import LogNorm
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from bearingwear.kernels.status import OK
+from bearingwear.plotting.drawing import (
+    COLOURS,
+    FAILED,
+    Figure,
+    failed_keys,
+    frame,
+    in_words,
+    key,
+    mark_failed,
+    method_keys,
+    methods,
+    new_figure,
+    scene_of,
+)
+from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.choice import ACTIVE, front, limit_margins, limits_of
+from bearingwear.studies.design.recommend import best_method
+
+LIMIT_WORDS = {
+    "gyroscopic_slip_share": "gyroscopic slip share",
+    "axial_stiffness_N_um": "axial stiffness",
+    "maximum_pressure_GPa": "contact pressure",
+    "friction_power_W": "friction power",
+    "none": "nothing: life is longest there",
+    "end_of_range": "end of the map",
+    "not_solved": "an unsolved neighbour",
+    "no_preload_within_limits": "no preload keeps to all limits",
+}
+LETTERS = dict(zip(ACTIVE, "GSPFLEU×", strict=True))
+LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
+STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
+IN_N_UM, IN_GPA = 1e-6, 1e-9
+
+
+def at_scene(design: xr.Dataset) -> xr.Dataset:
+    """The line of a map at the scene's own friction and speed."""
+    scene = scene_of(design)
+    return design.sel(
+        friction=scene["friction"]["ball_race"], shaft_speed=scene["operation"]["shaft_speed_rpm"]
+    )
+
+
+def recommended_quantiles(uncertainty: xr.Dataset, flag: int) -> xr.DataArray:
+    """Quantiles of the life at the recommended preload of a method, with all that is uncertain."""
+    one = uncertainty.sel(
+        preload_method=flag, preload_choice=RECOMMENDED, uncertain_inputs=ALL_INPUTS
+    )
+    return one["life_quantile"]
+
+
+def design_figure(
+    design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset
+) -> Figure:
+    """Life over preload and over stiffness, and the recommended preload over friction and speed."""
+    figure, panels = new_figure(2, 2, 7.2, 7.4)
+    basis, limits = counted(design), limits_of(design)
+    line = at_scene(design)
+    over_preload, over_stiffness = panels[0]
+    failed = False
+    best = front(line, basis)
+    for k, (name, one) in enumerate(methods(line)):
+        within = np.logical_and.reduce([m >= 0.0 for m in limit_margins(one, limits)])
+        _over_preload(over_preload, name, one, within)
+        on_front = best.isel(preload_method=k).values
+        _over_stiffness(over_stiffness, name, one.isel(loss_basis=basis), within, on_front)
+        failed |= mark_failed(over_preload, one["preload"], one["status"], COLOURS[name], k)
+        chosen = recommendation.isel(preload_method=k, loss_basis=basis)
+        if np.isfinite(chosen["preload"]):
+            lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
+            _recommended(panels[0], name, chosen, lives.isel(loss_basis=basis))
+    limit = limits.axial_stiffness_N_um
+    if limit is not None:
+        over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
+    for panel in panels[0]:
+        panel.set_yscale("log")
+        panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        panel.yaxis.set_major_formatter("{x:g}")
+        panel.yaxis.set_minor_formatter(NullFormatter())
+        panel.set_ylabel("wear life (h)")
+    over_preload.set_xlabel("initial preload (N)")
+    over_stiffness.set_xlabel("least axial stiffness over the life (N/µm)")
+    over_preload.set_title("life over preload")
+    over_stiffness.set_title("life against stiffness")
+    _choices(figure, panels[1], design)
+    handles = [
+        *method_keys([name for name, _ in methods(line)]),
+        *_keys(limit is not None),
+        *_letter_keys(design),
+        key("the scene", color="C1", linestyle="none", marker="o", markerfacecolor="none"),
+        *failed_keys(failed),
+    ]
+    frame(figure, design_message(recommendation, uncertainty), handles, columns=3)
+    return figure
+
+
+def _over_preload(panel: Any, name: str, one: xr.Dataset, within: xr.DataArray) -> None:
+    """Lives of a method by both ways of counting, pale where a limit is passed."""
+    for way, dash in LOSS_DASHES.items():
+        lives = one["life"].isel(loss_basis=COUNTS.index(way)).where(lambda h: h > 0.0)
+        look = {"color": COLOURS[name], "linestyle": dash}
+        panel.plot(one["preload"], lives, alpha=0.35, linewidth=0.8, **look)
+        panel.plot(one["preload"], lives.where(within), **look)
+
+
+def _over_stiffness(
+    panel: Any, name: str, one: xr.Dataset, within: xr.DataArray, on_front: np.ndarray
+) -> None:
+    """Lives of a method, pale where a limit is passed, with dots on the Pareto front."""
+    lives = one["life"].where(lambda h: h > 0.0)
+    stiffness = IN_N_UM * one["axial_stiffness"]
+    look = {"color": COLOURS[name]}
+    dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
+    panel.plot(stiffness, lives, alpha=0.35, linewidth=0.8, **look)
+    panel.plot(stiffness, lives.where(within), **look)
+    panel.plot(stiffness[on_front], lives[on_front], **dot)
+
+
+def _recommended(panels: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataArray) -> None:
+    """Stars at the recommended preload, and a bar from the least to the largest quantile."""
+    look = {"color": COLOURS[name], "zorder": 6}
+    life = float(chosen["life"])
+    over_preload, over_stiffness = panels
+    preload, stiffness = float(chosen["preload"]), IN_N_UM * float(chosen["axial_stiffness"])
+    low, high = float(quantiles.min("probability")), float(quantiles.max("probability"))
+    over_preload.vlines(preload, low, high, linewidth=1.2, color=COLOURS[name], zorder=5)
+    for panel, x in ((over_preload, preload), (over_stiffness, stiffness)):
+        panel.plot(x, life, linestyle="none", **STAR, **look)
+
+
+def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
+    """Recommended preload of every friction and speed, with a letter for what holds it."""
+    scene = scene_of(design)
+    preload = design["recommended_preload"]
+    low, high = float(preload.min()), float(preload.max())
+    image = None
+    for panel, (name, one) in zip(panels, methods(design), strict=False):
+        values = one["recommended_preload"].transpose("friction", "shaft_speed")
+        speeds, frictions = design["shaft_speed"].values / 1e3, design["friction"].values
+        image = panel.pcolormesh(
+            speeds,
+            frictions,
+            values,
+            shading="nearest",
+            cmap="YlGnBu",
+            vmin=low,
+            vmax=high,
+            rasterized=True,
+        )
+        active = one["active_limit"].transpose("friction", "shaft_speed").values
+        for i, j in np.ndindex(active.shape):
+            dark = values.values[i, j] > 0.5 * (low + high)
+            panel.text(
+                speeds[j],
+                frictions[i],
+                LETTERS[ACTIVE[int(active[i, j])]],
+                ha="center",
+                va="center",
+                fontsize=5.5,
+                color="white" if dark else "0.2",
+            )
+        panel.plot(
+            scene["operation"]["shaft_speed_rpm"] / 1e3,
+            scene["friction"]["ball_race"],
+            marker="o",
+            markersize=9,
+            markerfacecolor="none",
+            color="C1",
+            markeredgewidth=1.4,
+        )
+        panel.grid(False)
+        panel.set_title(f"recommended preload, {in_words(name)}")
+        panel.set_xlabel("shaft speed (1000 r/min)")
+        panel.set_ylabel("friction coefficient")
+    if image is not None:
+        bar = figure.colorbar(image, ax=list(panels), shrink=0.9, pad=0.01)
+        bar.set_label("preload (N)")
+
+
+def basis_keys() -> list[Any]:
+    """Legend of the ways to count wear."""
+    return [
+        key(f"counting {in_words(way)}", color="0.3", linestyle=dash)
+        for way, dash in LOSS_DASHES.items()
+    ]
+
+
+def _keys(has_limit: bool) -> list[Any]:
+    """Legend of the lives."""
+    limit = key("limit of stiffness", color="0.3", linewidth=0.8, linestyle=":")
+    return [
+        *(
+            key(f"counting {in_words(way)}", color="0.3", linestyle=d)
+            for way, d in LOSS_DASHES.items()
+        ),
+        key("some limit passed", color="0.3", alpha=0.35, linewidth=0.8),
+        key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
+        key("recommended, bar: L10 to L90", color="0.6", linestyle="none", **STAR),
+        *([limit] if has_limit else []),
+    ]
+
+
+def _letter_keys(design: xr.Dataset) -> list[Any]:
+    """Legend of the letters on the map."""
+    shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
+    return [
+        key(
+            f"{LETTERS[name]}: {'' if name == ACTIVE[-1] else 'held by '}{LIMIT_WORDS[name]}",
+            linestyle="none",
+        )
+        for name in shown
+    ]
+
+
+def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+    """What the design study answers, in a sentence."""
+    name = scene_of(recommendation)["name"]
+    k = best_method(recommendation)
+    if k is None:
+        return f"{name}: no preload keeps to all limits"
+    basis = counted(recommendation)
+    method, chosen = methods(recommendation)[k]
+    chosen = chosen.isel(loss_basis=basis)
+    lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
+    l10, l50 = (float(lives.isel(loss_basis=basis).sel(probability=p)) for p in (0.1, 0.5))
+    held = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
+    return (
+        f"{name}: {in_words(method)} at {float(chosen['preload']):.3g} N lives longest within the "
+        f"limits, {float(chosen['life']):.3g} h (L10 {l10:.2g} h, L50 {l50:.2g} h), "
+        f"counting {in_words(COUNTS[basis])}; held by {held}"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mapped:
+    """How a quantity is drawn over preload and friction."""
+
+    label: str
+    cmap: str
+    scale: float = 1.0
+
+
+MAPPED = {
+    "life": Mapped(label="wear life (h)", cmap="viridis"),
+    "time_to_slip_limit": Mapped(label="time to the limit\nof gyroscopic slip (h)", cmap="viridis"),
+    "residual_preload_at_end": Mapped(label="residual preload\nat the end (N)", cmap="cividis"),
+    "friction_power": Mapped(label="largest friction\npower (W)", cmap="magma"),
+    "axial_stiffness": Mapped(label="least axial\nstiffness (N/µm)", cmap="cividis", scale=IN_N_UM),
+}
+
+
+def map_overview(design: xr.Dataset) -> Figure:
+    """The map over preload and friction at the scene's speed."""
+    scene = scene_of(design)
+    speed = scene["operation"]["shaft_speed_rpm"]
+    plane = design.sel(shaft_speed=speed)
+    quantities = {name: look for name, look in MAPPED.items() if name in design}
+    columns = methods(plane)
+    figure, panels = new_figure(
+        len(quantities), len(columns), 7.2, 1.75 * len(quantities) + 0.9, sharex=True, sharey=True
+    )
+    basis = counted(design)
+    for row, (quantity, look) in zip(panels, quantities.items(), strict=True):
+        values = look.scale * plane[quantity]
+        if "loss_basis" in values.dims:
+            values = values.isel(loss_basis=basis)
+        _mapped(figure, row, plane, values, look)
+    for panel, (name, _) in zip(panels[0], columns, strict=True):
+        panel.set_title(in_words(name))
+    for panel in panels[-1]:
+        panel.set_xlabel("initial preload (N)")
+    frame(
+        figure,
+        f"{scene['name']} at {speed:g} r/min: where life, stiffness and slip lie; counting "
+        f"{in_words(COUNTS[basis])}",
+        [
+            key("white: zero, from the start on", linestyle="none"),
+            key("limit of slip not reached in the life", color="0.87", linewidth=8),
+            *failed_keys(bool((plane["status"] != OK).any())),
+        ],
+        columns=3,
+    )
+    return figure
+
+
+def _mapped(
+    figure: Figure, row: np.ndarray, plane: xr.Dataset, values: xr.DataArray, look: Mapped
+) -> None:
+    """A quantity of every method, a panel each."""
+    drawn = values.where(np.isfinite(values) & (values > 0.0))
+    norm = LogNorm(float(drawn.min()), float(drawn.max()))
+    axes = plane["preload"], plane["friction"]
+    image = None
+    for k, (panel, (_, one)) in enumerate(zip(row, methods(plane), strict=True)):
+        shown = drawn.isel(preload_method=k).transpose("friction", "preload")
+        image = panel.pcolormesh(
+            *axes, shown, shading="nearest", cmap=look.cmap, norm=norm, rasterized=True
+        )
+        bad = np.argwhere((one["status"] != OK).transpose("friction", "preload").values)
+        if bad.size:
+            x, y = plane["preload"].values[bad[:, 1]], plane["friction"].values[bad[:, 0]]
+            panel.plot(x, y, color="crimson", **{**FAILED, "markersize": 3})
+        never = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
+        panel.pcolormesh(
+            *axes,
+            never.where(never),
+            shading="nearest",
+            cmap="Greys",
+            vmin=0.0,
+            vmax=4.0,
+            rasterized=True,
+        )
+        panel.grid(False)
+    row[0].set_ylabel("friction coefficient")
+    if image is not None:
+        bar = figure.colorbar(image, ax=list(row), pad=0.01, format="{x:g}")
+        bar.set_label(look.label)
+        bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        bar.ax.yaxis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,220 @@
+"""The design map: lives over preload, method, friction and speed.
+
+Theory: docs/theory.md, section 14.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK
+from bearingwear.model.life import life_history, steady_states
+from bearingwear.model.life_integrator import WearState
+from bearingwear.results.netcdf import common_attributes, data_array
+from bearingwear.results.variables import (
+    CRITERIA,
+    HOURS_PER_SECOND,
+    STATUS,
+    STUDY_COORDINATES,
+    Variable,
+    table,
+)
+from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
+from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.life_scene import life_scene
+
+SLIP_SHARE = "gyroscopic_slip_share"
+
+MAP_AXES = table(
+    STUDY_COORDINATES["preload_method"],
+    STUDY_COORDINATES["friction"],
+    Variable("shaft_speed", ("shaft_speed",), "rpm", "shaft speed"),
+    Variable("preload", ("preload",), "N", "initial axial preload"),
+)
+
+POINT = table(
+    STATUS,
+    Variable("end_criterion", (), "", "criterion that ends the life", dtype="i1", flags=CRITERIA),
+    Variable("solves", (), "1", "steady states solved on the way", dtype="i4"),
+    Variable("failed_solves", (), "1", "steady states on the way that were not found", dtype="i4"),
+    Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
+    Variable(
+        "time_to_slip_limit",
+        LOSS_BASIS.dims,
+        "h",
+        "time until the gyroscopic slip share reaches its limit",
+        scale=HOURS_PER_SECOND,
+        comment="infinite where the life ends before",
+    ),
+    Variable("residual_preload_at_start", (), "N", "running preload when new"),
+    Variable("residual_preload_at_end", (), "N", "residual preload at the end of life"),
+    Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life"),
+    Variable(
+        SLIP_SHARE,
+        (),
+        "1",
+        "largest gyroscopic slip share of a contact from new to the end of life",
+    ),
+    Variable("axial_stiffness", (), "N m-1", "least axial stiffness from new to the end of life"),
+    Variable("maximum_pressure", (), "Pa", "largest contact pressure from new to the end of life"),
+    Variable(
+        "friction_power",
+        (),
+        "W",
+        "largest power of friction and drag of the whole bearing from new to the end of life",
+    ),
+    Variable(
+        "friction_power_at_start",
+        (),
+        "W",
+        "power of friction and drag of the whole bearing when new",
+    ),
+    Variable("axial_stiffness_at_start", (), "N m-1", "axial stiffness when new"),
+)
+"""What a point of the map has: a life, and what the bearing goes through on its way.
+
+Numbers are NaN where the life was not solved.
+"""
+
+
+def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
+    """One life by the steady model, and what the bearing goes through on its way.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a steady state and an end of life.
+    slip_limit : float, optional
+        Gyroscopic slip share whose passing is timed.
+
+    Returns
+    -------
+    dict
+        Values of `POINT` by their names, SI. Where the status is not ok: `status`, `end_criterion`,
+        `solves` and `failed_solves` alone. `life` and `time_to_slip_limit` are (2,) [s], by both
+        ways of counting wear; the latter is infinite where the share stays below its limit.
+    """
+    known: dict[float, WearState] = {}
+    solve = steady_states(scene)
+
+    def state(loss: float) -> WearState:
+        if loss not in known:
+            known[loss] = solve(loss)
+        return known[loss]
+
+    course = life_history(scene, state)
+    found: dict[str, Any] = {"status": course.status, "end_criterion": course.criterion}
+    if course.status == OK:
+        new, worn = course.states[0], course.states[-1]
+        found |= {
+            "life": course.times[-1],
+            "residual_preload_at_start": new.preload,
+            "residual_preload_at_end": worn.preload,
+            "loss_at_end": worn.loss,
+            SLIP_SHARE: max(s.share.max() for s in course.states),
+            "axial_stiffness": min(s.stiffness for s in course.states),
+            "maximum_pressure": max(s.pressure for s in course.states),
+            "friction_power": max(s.friction_power for s in course.states),
+            "friction_power_at_start": new.friction_power,
+            "axial_stiffness_at_start": new.stiffness,
+        }
+        if slip_limit is not None:
+            found["time_to_slip_limit"] = np.full(2, np.inf)
+            if found[SLIP_SHARE] >= slip_limit:
+                # the same march, ended by the share: it meets the states solved already
+                share = EndOfLife(gyroscopic_slip_share=slip_limit)
+                until = replace(scene, wear=replace(scene.wear, end_of_life=share))
+                found["time_to_slip_limit"] = life_history(until, state).times[-1]
+    found["solves"] = len(known)
+    found["failed_solves"] = sum(s.status != OK for s in known.values())
+    return found
+
+
+def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
+    """The scene at a point of the map."""
+    operation = replace(
+        scene.operation, preload_method=method, shaft_speed_rpm=speed_rpm, preload_N=preload_N
+    )
+    return replace(scene, operation=operation, friction=replace(scene.friction, ball_race=mu))
+
+
+def map_part(
+    scene: Path,
+    method: str,
+    friction: float,
+    shaft_speed_rpm: Sequence[float],
+    preload_N: Sequence[float],
+    slip_limit: float | None = None,
+) -> xr.Dataset:
+    """Step: lives over preload and speed, for one method and one friction coefficient.
+
+    Parameters
+    ----------
+    scene : path
+    method : str
+        How the preload is applied.
+    friction : float
+        Coefficient of ball and race [1].
+    shaft_speed_rpm, preload_N : sequence of float
+        Axes of the map.
+    slip_limit : float, optional
+        Gyroscopic slip share whose passing is timed [1]; no other limit decides anything here.
+    """
+    base = life_scene(scene)
+    points = [
+        life_point(scene_at(base, method, friction, speed, preload), slip_limit)
+        for speed in shaft_speed_rpm
+        for preload in preload_N
+    ]
+    coords = {
+        **coordinate(MAP_AXES["preload_method"], [PRELOAD_METHODS.index(method)]),
+        **coordinate(MAP_AXES["friction"], [friction]),
+        **coordinate(MAP_AXES["shaft_speed"], shaft_speed_rpm),
+        **coordinate(MAP_AXES["preload"], preload_N),
+        **coordinate(LOSS_BASIS),
+    }
+    sizes = {"preload_method": 1, "friction": 1}
+    sizes |= {"shaft_speed": len(shaft_speed_rpm), "preload": len(preload_N)}
+    return dataset_with(
+        point_variables(points, sizes),
+        coords,
+        common_attributes()
+        | {
+            "title": f"Design map of {base.name}",
+            "kind": "design map",
+            "scene": json.dumps(base.to_dict()),
+            "limits": json.dumps({} if slip_limit is None else {SLIP_SHARE: slip_limit}),
+        },
+    )
+
+
+def point_variables(
+    points: Sequence[Mapping[str, Any]], sizes: Mapping[str, int]
+) -> dict[str, xr.DataArray]:
+    """Variables of a file from what `life_point` gives.
+
+    Parameters
+    ----------
+    points : sequence of mapping
+        In C order.
+    sizes : mapping
+        Lengths of the dimensions along which they lie.
+    """
+    variables = {}
+    timed = any("time_to_slip_limit" in point for point in points)
+    for name, variable in POINT.items():
+        if name == "time_to_slip_limit" and not timed:
+            continue
+        inner = (2,) * len(variable.dims)
+        missing = np.full(inner, np.nan if variable.dtype == "f8" else 0)
+        values = np.array([point.get(name, missing) for point in points])
+        shape = (*sizes.values(), *inner)
+        variables[name] = data_array(variable, values.reshape(shape), tuple(sizes))
+    return variables

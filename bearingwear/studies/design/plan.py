@@ -1,0 +1,116 @@
+"""What the design study calculates: config/design.yaml, checked.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+from bearingwear.scene.checking import read_record
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import Key
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.axis import RisingAxis
+from bearingwear.studies.life_scene import life_scene
+
+CHECKED = ("0.80", "1.00", "1.25")
+"""Preloads that the dynamic model solves, over the recommended one; as in file names."""
+
+CHECKED_FIDELITIES = ("steady", "dynamic")
+"""By which they are solved."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignLimits:
+    """What a design must keep to from new to the end of its life; None where there is no limit."""
+
+    gyroscopic_slip_share: Annotated[
+        float | None, Key("Largest gyroscopic slip share in any contact", "1", above=0)
+    ] = None
+    axial_stiffness_N_um: Annotated[float | None, Key("Least axial stiffness", "N/um", above=0)] = (
+        None
+    )
+    maximum_pressure_GPa: Annotated[
+        float | None, Key("Largest contact pressure", "GPa", above=0)
+    ] = None
+    friction_power_W: Annotated[
+        float | None, Key("Largest power of friction and drag", "W", above=0)
+    ] = None
+
+    @property
+    def given(self) -> dict[str, float]:
+        """The limits that there are."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapAxes:
+    """Axes of a map of lives."""
+
+    preload_method: Annotated[
+        tuple[str, ...], Key("How the preload is applied", choices=PRELOAD_METHODS, least=1)
+    ]
+    friction: Annotated[RisingAxis, Key("Friction coefficients of ball and race", "1")]
+    shaft_speed_rpm: Annotated[RisingAxis, Key("Shaft speeds", "rpm")]
+    preload_N: Annotated[RisingAxis, Key("Initial axial preloads", "N")]
+
+    def __post_init__(self) -> None:
+        if any(mu != round(mu, 3) for mu in self.friction):  # as the files are named
+            raise SceneError("friction", "allowed numbers of at most three decimals")
+        if len(set(self.preload_method)) < len(self.preload_method):
+            raise SceneError("preload_method", "given a method twice; allowed each once")
+
+    @property
+    def lives(self) -> int:
+        """How many lives the map holds."""
+        axes = (self.preload_method, self.friction, self.shaft_speed_rpm, self.preload_N)
+        return math.prod(map(len, axes))
+
+    @property
+    def jobs(self) -> list[str]:
+        """Names of the parts of the map: one method and one friction coefficient each."""
+        return [f"{method}-mu{mu:.3f}" for method in self.preload_method for mu in self.friction]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """The map of a scene, and the limits to choose by."""
+
+    map: Annotated[MapAxes, Key("Axes of the map of lives")]
+    limits: Annotated[DesignLimits, Key("Hold from new to the end of life")] = field(
+        default_factory=DesignLimits
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignPlan:
+    """Everything in config/design.yaml."""
+
+    scenes: Annotated[Mapping[str, Design], Key("Scenes to choose a preload for", least=1)]
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> DesignPlan:
+        """Read and check the file.
+
+        Raises
+        ------
+        SceneError
+            One line: file, key, what was given, what is allowed.
+        """
+        return read_record(cls, path)
+
+    def check_scenes(self, folder: str | Path = "config/scenes") -> None:
+        """Read every scene and look whether its map can be solved.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        for name in self.scenes:
+            life_scene(Path(folder) / f"{name}.yaml")

@@ -1,0 +1,215 @@
+"""The preload to take, between those of a design map.
+
+Theory: docs/theory.md, section 14.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq, minimize_scalar
+
+from bearingwear.kernels.status import OK
+from bearingwear.model.life import life
+from bearingwear.results.netcdf import CaseFileError, data_array, load
+from bearingwear.results.variables import HOURS_PER_SECOND, Variable
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.dataset import LOSS_BASIS, counted, dataset_with
+from bearingwear.studies.design.choice import (
+    ACTIVE,
+    ACTIVE_LIMIT,
+    UNLIMITED,
+    best_within,
+    limit_margins,
+    limits_of,
+)
+from bearingwear.studies.design.map import life_point, point_variables, scene_at
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.life_scene import life_scene
+
+RECOMMENDATION = "recommendation"
+RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload")
+LIFE_ERROR = Variable(
+    "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
+)
+PRELOAD_TOLERANCE = 1e-6  # relative, of the recommended preload
+AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
+
+
+def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
+    """Step: the preload to take, from a scene and its design map."""
+    return recommendation(life_scene(scene), load(design))
+
+
+def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
+    """The preload to take for each method at the scene's own friction and speed, between the
+    map's preloads.
+
+    The limit that holds the best preload of the map is followed to where it is met exactly; where
+    none does, the longest life between the neighbours is looked for.
+
+    Raises
+    ------
+    CaseFileError
+        Where the map is of another scene or does not hold its friction and speed.
+    """
+    if json.loads(design.attrs["scene"]) != scene.to_dict():
+        raise CaseFileError("the design map is not of this scene")
+    point = {"friction": scene.friction.ball_race, "shaft_speed": scene.operation.shaft_speed_rpm}
+    for axis, value in point.items():
+        if value not in design[axis]:
+            raise CaseFileError(f"the design map has no {axis} {value:g}, which is the scene's")
+    limits, basis = limits_of(design), counted(design)
+    at_scene = design.sel(point, drop=True)
+    rows = []
+    for k, flag in enumerate(at_scene["preload_method"].values):
+        one = at_scene.isel(preload_method=k)
+        index, active = (int(found) for found in best_within(one, limits, basis))
+        row: dict[str, Any] = {"active_limit": active, "preload": np.nan, "status": -1}
+        if index >= 0:
+            line = PreloadLine(
+                scene=scene,
+                method=PRELOAD_METHODS[int(flag)],
+                limits=limits,
+                basis=basis,
+                preloads=one["preload"].values,
+                lives=one["life"].isel(loss_basis=basis).values,
+            )
+            row |= _refined(line, index, active)
+        rows.append(row)
+    return _dataset(rows, at_scene, design)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreloadLine:
+    """Lives of one method over preload, and those between the points.
+
+    Attributes
+    ----------
+    basis : int
+        Index along the loss basis.
+    preloads : (n,) ndarray
+        [N]
+    lives : (n,) ndarray
+        [h]
+    """
+
+    scene: Scene
+    method: str
+    limits: DesignLimits
+    basis: int
+    preloads: np.ndarray
+    lives: np.ndarray
+
+    def scene_at(self, preload: float) -> Scene:
+        scene = self.scene
+        speed = scene.operation.shaft_speed_rpm
+        return scene_at(scene, self.method, scene.friction.ball_race, speed, preload)
+
+    def point(self, preload: float) -> dict[str, Any]:
+        """What `life_point` finds at a preload [N]."""
+        return life_point(self.scene_at(preload), self.limits.gyroscopic_slip_share)
+
+    def margin(self, preload: float) -> float:
+        """How far the nearest limit is; -1 where the life was not solved."""
+        found = self.point(preload)
+        return min(limit_margins(found, self.limits)) if found["status"] == OK else -1.0
+
+    def life_within(self, preload: float) -> float:
+        """The life [s]; zero where it was not solved or passes a limit."""
+        found = self.point(preload)
+        within = found["status"] == OK and all(m >= 0.0 for m in limit_margins(found, self.limits))
+        return float(found["life"][self.basis]) if within else 0.0
+
+
+def _refined(line: PreloadLine, index: int, active: int) -> dict[str, Any]:
+    """The best preload near a point of a line, and its life."""
+    best = float(line.preloads[index])
+    if active < UNLIMITED:
+        best = _on_limit(line, index)
+    elif active == UNLIMITED:
+        best = _longest(line, index)
+    values = line.point(best)
+    if active == UNLIMITED:  # the life may fall off so fast beyond a limit that the map misses it
+        left = limit_margins(values, line.limits)
+        if left and min(left) < AT_LIMIT:
+            active = ACTIVE.index(list(line.limits.given)[int(np.argmin(left))])
+    answer = life(line.scene_at(best))
+    error = answer.values.get("life_error_estimate", np.full(2, np.nan))
+    return values | {"preload": best, "active_limit": active, "life_error_estimate": error}
+
+
+def _on_limit(line: PreloadLine, index: int) -> float:
+    """Where the limit is met that lies between a point and its neighbour with the longer life."""
+    lives = line.lives
+    ends = [k for k in (index - 1, index + 1) if 0 <= k < len(lives)]
+    beyond = max((k for k in ends if lives[k] > lives[index]), key=lambda k: lives[k])
+    a, b = float(line.preloads[index]), float(line.preloads[beyond])
+    if line.margin(a) <= 0.0:  # it stands on the limit already
+        return a
+    root = brentq(line.margin, a, b, rtol=PRELOAD_TOLERANCE)
+    # the side of the root that keeps to the limits
+    near = (root, root + PRELOAD_TOLERANCE * (a - b), root + 1e-3 * (a - b), a)
+    return next(p for p in near if line.margin(p) >= 0.0)
+
+
+def _longest(line: PreloadLine, index: int) -> float:
+    """The preload with the longest life between the neighbours of a point."""
+    best = float(line.preloads[index])
+    found = minimize_scalar(
+        lambda p: -line.life_within(p),
+        bounds=(float(line.preloads[index - 1]), float(line.preloads[index + 1])),
+        method="bounded",
+        options={"xatol": 1e-3 * best},
+    )
+    return float(found.x) if -found.fun > line.lives[index] / HOURS_PER_SECOND else best
+
+
+def _dataset(
+    rows: Sequence[dict[str, Any]], at_scene: xr.Dataset, design: xr.Dataset
+) -> xr.Dataset:
+    along = ("preload_method",)
+    unknown = {"end_criterion": len(CRITERIA) - 1, "life_error_estimate": np.full(2, np.nan)}
+    rows = [unknown | row for row in rows]
+    variables = point_variables(rows, {"preload_method": len(rows)})
+    variables["status"].attrs["missing"] = "-1: there was none to solve"
+    for variable in (
+        RECOMMENDED_PRELOAD,
+        replace(ACTIVE_LIMIT, long_name="what keeps it from a longer life"),
+        LIFE_ERROR,
+    ):
+        column = np.array([row[variable.name] for row in rows])
+        variables[variable.name] = data_array(variable, column, along)
+    return dataset_with(
+        variables,
+        {name: at_scene[name].variable for name in ("preload_method", "loss_basis")},
+        design.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"},
+    )
+
+
+def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:
+    """The same, if it is the recommendation of this scene.
+
+    Raises
+    ------
+    CaseFileError
+        Where it is not.
+    """
+    if recommendation is None or recommendation.attrs.get("kind") != RECOMMENDATION:
+        raise CaseFileError("the recommended preload needs the file of a recommendation")
+    if json.loads(recommendation.attrs["scene"]) != scene.to_dict():
+        raise CaseFileError("the recommendation is not of this scene")
+    return recommendation
+
+
+def best_method(recommendation: xr.Dataset) -> int | None:
+    """Number of the method with the longest recommended life; None if no preload is allowed."""
+    lives = recommendation["life"].isel(loss_basis=counted(recommendation)).values
+    return int(np.nanargmax(lives)) if np.isfinite(lives).any() else None

@@ -1,0 +1,240 @@
+"""Tables of the design study: what to choose as Markdown, the whole map as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import in_words, methods, scene_of
+from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table
+from bearingwear.results.quantiles import (
+    ALL_BUT_WEAR,
+    ALL_INPUTS,
+    QUANTILES_TEXT,
+    RECOMMENDED,
+    quantiles_of,
+    quantiles_text,
+)
+from bearingwear.scene.scene import COUNTS, PARAMETERS
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.choice import ACTIVE, limits_of
+from bearingwear.studies.design.draw import design_files
+from bearingwear.studies.design.figures import IN_GPA, IN_N_UM, LIMIT_WORDS, design_message
+from bearingwear.studies.design.map import MAP_AXES
+from bearingwear.studies.design.recommend import best_method
+from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
+
+LIMIT_TEXT = {
+    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} in any contact",
+    "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
+    "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
+    "friction_power_W": "power of friction and drag at most {:g} W",
+}
+
+
+def tables(design: Path, recommendation: Path, uncertainty: Path) -> tuple[str, str]:
+    """Step: the whole map as CSV, and what to choose as Markdown."""
+    files = design_files(design, recommendation, uncertainty)
+    summary = design_summary(files.design, files.recommendation, files.uncertainty)
+    return map_csv(files.design), summary
+
+
+def map_csv(design: xr.Dataset) -> str:
+    """A row for each life and a column for each number, with its unit in the header."""
+    lives = design[[name for name in design.data_vars if "preload" in design[name].dims]]
+    columns: dict[str, Any] = {}
+    for name, variable in lives.data_vars.items():
+        values = variable.transpose(*MAP_AXES, ...)
+        unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
+        flags = variable.attrs.get("flag_meanings", "").split() or None
+        parts = {str(name): values.values}
+        if "loss_basis" in values.dims:
+            parts = {f"{name}.{way}": values.values[..., k] for k, way in enumerate(COUNTS)}
+        for header, part in parts.items():
+            columns[header + unit] = [cell_text(x, flags) for x in part.ravel()]
+    numeric = ("friction", "shaft_speed", "preload")
+    axes: list[list[str]] = [
+        flag_names(design["preload_method"]),
+        *([f"{x:g}" for x in design[axis].values] for axis in numeric),
+    ]
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    axis_names = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
+    table.writerow([*axis_names, *columns])
+    for point, row in zip(
+        itertools.product(*axes), zip(*columns.values(), strict=True), strict=True
+    ):
+        table.writerow([*point, *row])
+    return text.getvalue()
+
+
+def design_summary(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+    """The recommended preloads, how sure their lives are, and what could not be solved."""
+    scene = scene_of(design)
+    given = limits_of(design).given
+    limits = "; ".join(LIMIT_TEXT[name].format(value) for name, value in given.items())
+    text = [
+        f"# Which preload for {scene['name']}",
+        f"{design_message(recommendation, uncertainty)}.{_both_ways(recommendation, uncertainty)}",
+        f"At {scene['operation']['shaft_speed_rpm']:g} r/min and friction "
+        f"{scene['friction']['ball_race']:g}. Limits, from new to the end of life: "
+        f"{limits or 'none'}.",
+        *_choice(recommendation),
+        "## How sure the life is",
+        f"{int(uncertainty.attrs['samples'])} base samples, seed {int(uncertainty.attrs['seed'])}. "
+        "In brackets: confidence intervals.",
+        *_quantiles(uncertainty),
+        "## What decides",
+        "Total Sobol index of log life: the share of its variance that goes with the value, its "
+        "interactions counted. "
+        + ("Preload as recommended; the distributions are stated in the scene."),
+        *_indices(uncertainty, scene),
+        "## The map",
+        *_statuses(design),
+    ]
+    return "\n\n".join(part for part in text if part) + "\n"
+
+
+def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+    """The recommended life with its L10 and L50, by each way of counting wear."""
+    k = best_method(recommendation)
+    if k is None:
+        return ""
+    scene = scene_of(recommendation)
+    method, one = methods(recommendation)[k]
+    known = quantiles_of([uncertainty], scene, method, scene["friction"]["ball_race"], RECOMMENDED)
+    said = [
+        f"{float(one['life'].isel(loss_basis=c)):.4g} h counting {in_words(way)} "
+        f"({quantiles_text((known or {}).get(way, ()))})"
+        for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
+    ]
+    return f" Life: {'; '.join(said)}. {QUANTILES_TEXT}"
+
+
+def _choice(recommendation: xr.Dataset) -> list[str]:
+    basis = counted(recommendation)
+    rows: dict[str, list[str]] = {}
+    for _, one in methods(recommendation):
+        error = float(one["life_error_estimate"].isel(loss_basis=basis))
+        cells = {
+            "preload (N)": f"{float(one['preload']):.3f}",
+            "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
+            **{
+                f"life counting {in_words(COUNTS[k])} (h)": (
+                    f"{float(one['life'].isel(loss_basis=k)):.4g}"
+                )
+                for k in (basis, 1 - basis)
+            },
+            "estimated numerical error of the life": f"{100 * error:.2g} %",
+            "largest gyroscopic slip share": f"{float(one['gyroscopic_slip_share']):.3f}",
+            "least stiffness (N/µm)": f"{IN_N_UM * float(one['axial_stiffness']):.3f}",
+            "largest pressure (GPa)": f"{IN_GPA * float(one['maximum_pressure']):.3f}",
+            "largest friction power (W)": f"{float(one['friction_power']):.4f}",
+            "preload left at the end (N)": f"{float(one['residual_preload_at_end']):.3f}",
+        }
+        for label, cell in cells.items():
+            rows.setdefault(label, []).append(cell)
+    names = " | ".join(in_words(name) for name, _ in methods(recommendation))
+    return [
+        markdown_table(f"recommended | {names}", [[label, *cells] for label, cells in rows.items()])
+    ]
+
+
+def _quantiles(uncertainty: xr.Dataset) -> list[str]:
+    rows = []
+    for name, of_method in methods(uncertainty):
+        for choice, where in enumerate(flag_names(uncertainty["preload_choice"])):
+            at_preload = of_method.isel(preload_choice=choice)
+            for c, way in enumerate(COUNTS):
+                one = at_preload.isel(loss_basis=c)
+                rows.append([in_words(name), *_quantile_cells(one, where, way)])
+    return [
+        markdown_table(
+            "method | preload | counting | nominal life (h) | L10 (h) | L50 (h) | L90 (h) | "
+            "L10 to L90, wear coefficient and hardness as stated (h) | lives solved",
+            rows,
+        )
+    ]
+
+
+def _quantile_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
+    everything = one.sel(uncertain_inputs=ALL_INPUTS)
+    columns = ("life_quantile", "life_quantile_low", "life_quantile_high")
+    quantiles = [
+        f"{value:.3g} [{low:.3g}, {high:.3g}]"
+        for value, low, high in zip(*(everything[name].values for name in columns), strict=True)
+    ]
+    known = one["life_quantile"].sel(uncertain_inputs=ALL_BUT_WEAR)
+    low, high = float(known.sel(probability=0.1)), float(known.sel(probability=0.9))
+    return [
+        f"{where}, {float(one['preload']):.3g} N",
+        in_words(way),
+        f"{float(one['nominal_life']):.4g}",
+        *quantiles,
+        f"{low:.3g} to {high:.3g}",
+        f"{100 * float(one['solved_share']):.4g} % of {int(one['evaluations'])}",
+    ]
+
+
+def _indices(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
+    basis = counted(uncertainty)
+    columns = [
+        one.sel(preload_choice=preload_drawn(one)).isel(loss_basis=basis)
+        for _, one in methods(uncertainty)
+    ]
+    rows = []
+    for q, name in enumerate(quantities_of(uncertainty)):
+        indices = [
+            one.isel(quantity=q).sel(uncertain_inputs=inputs)
+            for inputs in (ALL_INPUTS, ALL_BUT_WEAR)
+            for one in columns
+        ]
+        cells = [
+            f"{float(one['total_index']):.3f} ± {float(one['total_index_error']):.3f}"
+            for one in indices
+        ]
+        rows.append([f"`{name}`", distribution_text(scene["uncertainty"][name]), *cells])
+    names = [in_words(name) for name, _ in methods(uncertainty)]
+    return [
+        markdown_table(
+            "value | distribution | "
+            + " | ".join(names)
+            + " | "
+            + " | ".join(f"{name}, wear coefficient and hardness as stated" for name in names),
+            rows,
+        ),
+        "Distributions without a middle have the scene's own value for it. Of the base samples, "
+        + ", ".join(
+            f"{100 * float(one['index_share']):.4g} % ({name})"
+            for one, name in zip(columns, names, strict=True)
+        )
+        + " could be used for the indices: all their lives solved, and longer than zero.",
+    ]
+
+
+def distribution_text(given: dict[str, Any]) -> str:
+    """A distribution in words: `normal, standard deviation 0.35`."""
+    needs, takes = PARAMETERS[given["distribution"]]
+    parts = [f"{in_words(part)} {given[part]:g}" for part in (*takes, *needs) if part in given]
+    return ", ".join([given["distribution"], *parts])
+
+
+def _statuses(design: xr.Dataset) -> list[str]:
+    status = design["status"].values
+    solves = int(design["solves"].sum())
+    failed = int(design["failed_solves"].sum())
+    count = np.bincount(status.ravel(), minlength=len(STATUS_NAMES))
+    rows = [[STATUS_NAMES[k], str(number)] for k, number in enumerate(count) if number or k == OK]
+    return [
+        f"{status.size} lives over preload, method, friction and speed (`map.csv`), made of "
+        f"{solves} steady states, of which {failed} were not found. A life that was not solved "
+        "keeps its status and is never chosen.",
+        markdown_table("status of the life | lives", rows),
+    ]

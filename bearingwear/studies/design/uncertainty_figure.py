@@ -1,0 +1,177 @@
+"""The figure of how sure lives are, and which uncertain value decides."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.plotting.drawing import (
+    COLOURS,
+    Figure,
+    frame,
+    in_words,
+    key,
+    method_keys,
+    methods,
+    new_figure,
+    scene_of,
+)
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, GIVEN, RECOMMENDED
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.figures import LOSS_DASHES
+
+QUANTITY_WORDS = {
+    "ball_diameter_mm": "ball diameter",
+    "contact_angle_deg": "contact angle",
+    "inner_groove_factor": "inner groove",
+    "outer_groove_factor": "outer groove",
+    "brinell_hardness_GPa": "hardness",
+    "wear_coefficient": "wear coefficient",
+    "preload_N": "preload",
+    "ball_race": "friction",
+    "drag_density_kg_m3": "drag",
+}
+
+
+def quantities_of(uncertainty: xr.Dataset) -> list[str]:
+    """Names of the uncertain values, in the order of the file."""
+    return uncertainty["quantity"].attrs["flag_meanings"].split()
+
+
+def preload_drawn(one: xr.Dataset) -> int:
+    """The recommended preload, or the scene's own where none is recommended."""
+    recommended = one["preload"].sel(preload_choice=RECOMMENDED)
+    return RECOMMENDED if np.isfinite(recommended) else GIVEN
+
+
+def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
+    """How lives spread, what each uncertain value does, and which one decides."""
+    if "total_index" not in uncertainty:
+        raise CaseFileError("a file without Sobol indices; allowed one of the study of uncertainty")
+    rows = methods(uncertainty)
+    figure, panels = new_figure(len(rows), 3, 7.2, 2.9 * len(rows) + 0.9)
+    basis = counted(uncertainty)
+    names = quantities_of(uncertainty)
+    failed = 0
+    for (cumulated, tornado, bars), (name, one) in zip(panels, rows, strict=True):
+        colour = COLOURS[name]
+        drawn = one.sel(preload_choice=preload_drawn(one))
+        _cumulated(cumulated, drawn.sel(uncertain_inputs=ALL_INPUTS), colour)
+        cumulated.set_title(f"{in_words(name)}, {float(drawn['preload']):.3g} N")
+        cumulated.set_xlabel("wear life (h)")
+        cumulated.set_ylabel("share worn out")
+        _tornado(tornado, drawn.isel(loss_basis=basis), names, colour)
+        _bars(bars, drawn.isel(loss_basis=basis), colour)
+        failed += int(round(float(((1 - one["solved_share"]) * one["evaluations"]).sum())))
+    for row in panels:
+        row[2].set_yticks(row[1].get_yticks(), [])
+        row[2].set_ylim(row[1].get_ylim())
+    handles = [
+        *method_keys([name for name, _ in rows]),
+        *(
+            key(f"counting {in_words(way)}", color="0.3", linestyle=d)
+            for way, d in LOSS_DASHES.items()
+        ),
+        key("L10, L50, L90 with their sampling error", color="0.3", linestyle="none", marker="o"),
+        key("all uncertain", color="0.3", linewidth=6),
+        key("wear coefficient and hardness as stated", color="0.7", linewidth=6),
+    ]
+    frame(figure, _message(uncertainty, names, basis, failed), handles, columns=3)
+    return figure
+
+
+def _cumulated(panel: Any, one: xr.Dataset, colour: str) -> None:
+    for way, dash in LOSS_DASHES.items():
+        counted_so = one.isel(loss_basis=COUNTS.index(way))
+        lives = counted_so["life_sample"].values
+        lives = np.sort(lives[np.isfinite(lives)])
+        if lives.size:
+            share = (np.arange(lives.size) + 0.5) / lives.size
+            panel.plot(lives, share, color=colour, linestyle=dash)
+        low, mid, high = (counted_so[f"life_quantile{end}"].values for end in ("_low", "", "_high"))
+        panel.errorbar(
+            mid,
+            one["probability"].values,
+            xerr=np.stack([mid - low, high - mid]),
+            fmt="o",
+            color=colour,
+            markersize=3,
+            capsize=2,
+            linewidth=1.0,
+        )
+    panel.set_xscale("log")
+    panel.set_ylim(0.0, 1.0)
+
+
+def _ratios(one: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Lives with one value changed over the nominal one (values, 2), and ranks by their width."""
+    ratio = (one["life_one_at_a_time"] / one["nominal_life"]).values
+    width = np.abs(np.log(np.maximum(ratio, 1e-6))).max(axis=1)
+    return ratio, np.argsort(np.argsort(np.nan_to_num(width)))
+
+
+def _tornado(panel: Any, one: xr.Dataset, names: list[str], colour: str) -> None:
+    ratio, places = _ratios(one)
+    shown = np.nan_to_num(np.log2(np.clip(ratio, 1e-3, 1e3)))
+    for q, y in enumerate(places):
+        for end in (0, 1):
+            panel.barh(y, shown[q, end], color=colour, alpha=0.9 if end else 0.45, height=0.7)
+        # rounded first: no minus before a zero
+        low, high = (round(100.0 * (r - 1.0), 1) + 0.0 for r in sorted(ratio[q]))
+        panel.annotate(
+            f"{low:+.1f} … {high:+.1f} %",
+            (max(shown[q].max(), 0.0), y),
+            xytext=(3, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=6,
+        )
+    ends = int(np.ceil(np.abs(shown).max())) if shown.size else 1
+    ticks = list(range(-ends, ends + 1, 1 + ends // 3))
+    panel.set_xticks(ticks, [f"{2.0**t:g}" for t in ticks])
+    panel.set_xlim(-ends - 0.2, ends + 0.55 * ends + 0.4)
+    panel.set_yticks(places, [QUANTITY_WORDS[name] for name in names])
+    panel.set_xlabel("life, times the nominal one")
+    panel.set_title("one value, 10 % to 90 %", fontsize=8)
+
+
+def _bars(panel: Any, one: xr.Dataset, colour: str) -> None:
+    _, places = _ratios(one)
+    for inputs, shade, shift in ((ALL_INPUTS, colour, 0.2), (ALL_BUT_WEAR, "0.7", -0.2)):
+        index = one.sel(uncertain_inputs=inputs)
+        panel.barh(
+            places + shift,
+            index["total_index"],
+            xerr=index["total_index_error"],
+            height=0.38,
+            error_kw={"linewidth": 0.8},
+            color=shade,
+        )
+    panel.set_xlim(0.0, 1.25)
+    panel.set_xlabel("share of the variance of log life")
+    panel.set_title("total Sobol index", fontsize=8)
+
+
+def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int) -> str:
+    method = uncertainty.isel(preload_method=0)
+    one = method.sel(preload_choice=preload_drawn(method)).isel(loss_basis=basis)
+    scene = scene_of(uncertainty)["name"]
+    if not np.isfinite(one["total_index"]).any():
+        return f"{scene}: too few lives could be solved to say how they spread"
+
+    def decides(inputs: int) -> str:
+        index = one["total_index"].sel(uncertain_inputs=inputs)
+        known = np.isfinite(index).any()
+        return QUANTITY_WORDS[names[int(np.nanargmax(index.values))]] if known else "nothing"
+
+    quantile = one["life_quantile"].sel(uncertain_inputs=ALL_INPUTS)
+    low, high = float(quantile.sel(probability=0.1)), float(quantile.sel(probability=0.9))
+    unsolved = f"; {failed} lives not solved" if failed else ""
+    return (
+        f"{scene}: life spreads by a factor of {high / low:.0f} between L10 and L90, and the "
+        f"{decides(ALL_INPUTS)} decides; with it known, the {decides(ALL_BUT_WEAR)}{unsolved}"
+    )

@@ -1,0 +1,58 @@
+"""Steps of the study that draw figures: the files are read, and must be the right ones."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from bearingwear.plotting.drawing import Figure
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.quantiles import load_quantiles
+from bearingwear.studies.dataset import both_ways, loaded
+from bearingwear.studies.grid import dynamic_figures, figures
+from bearingwear.studies.grid.overlay import spread
+
+
+def draw_friction(study: Path, loss_um: float) -> Figure:
+    """QV and contact load against friction at one state of wear."""
+    return figures.friction_figure(loaded(study, ball_diameter_loss=[loss_um]), loss_um)
+
+
+def draw_slip(cases: Sequence[Path]) -> Figure:
+    """Slip over the contact ellipse."""
+    return figures.slip_figure([loaded(path, strip=()) for path in cases])
+
+
+def draw_wear(studies: Sequence[Path], friction: Sequence[float]) -> Figure:
+    """QV, preload, angles and rate of wear; a column for each file, or several of one file."""
+    paths = [*studies] * len(friction) if len(studies) == 1 else studies
+    if len(paths) != len(friction):
+        raise CaseFileError(f"friction: given {len(friction)} values; allowed {len(paths)}")
+    columns = [
+        loaded(path, friction=[mu], ball_diameter_loss=())
+        for path, mu in zip(paths, friction, strict=True)
+    ]
+    return figures.wear_figure(columns, friction)
+
+
+def draw_life(lives: Path, friction: Sequence[float], uncertainty: Sequence[Path] = ()) -> Figure:
+    """Wear and preload over the life."""
+    found = loaded(lives, interpolated_step=(), friction=friction)
+    return figures.life_figure(found, friction, [load_quantiles(path) for path in uncertainty])
+
+
+def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
+    """Scenes over each other."""
+    found = [loaded(path, friction=[friction], ball_diameter_loss=()) for path in studies]
+    return spread(found, friction)
+
+
+def draw_dynamic(study: Path, dynamic: Path) -> Figure:
+    """Cases solved in time beside the steady ones."""
+    return dynamic_figures.beside_steady_figure(*both_ways(study, dynamic))
+
+
+def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
+    """Wear rates as they settle, beside values of others if there are any."""
+    found = loaded(case)
+    if found.attrs.get("fidelity") != "dynamic" or "status" not in found or found["status"].dims:
+        raise CaseFileError(f"{case}: not a case solved in time")
+    return dynamic_figures.running_average_figure(found, reference)

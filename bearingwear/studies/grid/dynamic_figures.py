@@ -1,0 +1,239 @@
+"""The figures of cases solved in time: beside the steady ones, and averages as they settle."""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import (
+    COLOURS,
+    Figure,
+    failed_keys,
+    frame,
+    from_zero,
+    key,
+    list_failed,
+    mark_failed,
+    method_keys,
+    methods,
+    mu_is,
+    new_figure,
+    power_of_ten,
+    scene_of,
+    ten_to_the,
+)
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.studies.grid.figures import LOSS_AXIS, MILLI, MM3_PER_HOUR
+
+IN_TIME = {
+    "linestyle": "none",
+    "markerfacecolor": "white",
+    "markersize": 6,
+    "zorder": 3,
+    "clip_on": False,
+}
+_CAGE = {
+    "cage_wear_rate": ("cage pockets", "D"),
+    "cage_land_wear_rate": ("cage land", "v"),
+}
+REFERENCE = {"color": "black", "linestyle": "none", "marker": "o"}
+REFERENCE_COLUMNS = ["part", "time_s", "wear_rate_m3_s"]
+PARTS = {"ball_1": "ball 1", "cage": "the cage"}
+_POCKET, _LAND = "history_cage_pocket_wear_rate", "history_cage_land_wear_rate"
+RUNNING: dict[str, tuple[str, tuple[str, ...], dict]] = {  # part, histories to add, look
+    "ball 1": ("ball_1", ("history_ball_wear_rate",), {"color": "C2"}),
+    "cage, pockets and land": ("cage", (_POCKET, _LAND), {"color": "C3"}),
+    "pockets": ("cage", (_POCKET,), {"color": "C3", "linestyle": "--"}),
+    "land": ("cage", (_LAND,), {"color": "C3", "linestyle": ":"}),
+}
+
+
+def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
+    """QV and wear rates against wear: steady as lines, solved in time as marks.
+
+    Parameters
+    ----------
+    study : Dataset
+        Steady cases of a scene; every case of `dynamic` is among them.
+    dynamic : Dataset
+        Cases of the same scene solved in time, gathered in the same way.
+    """
+    frictions = dynamic["friction"].values.tolist()
+    parts = {name: look for name, look in _CAGE.items() if name in dynamic}
+    rows, columns = 3 if parts else 2, len(frictions)
+    figure, panels = new_figure(
+        rows, columns, max(4.4, 3.6 * columns), 2.2 * rows + 0.6, sharex=True, sharey="row"
+    )
+    failed = False
+    for column, mu in zip(panels.T, frictions, strict=True):
+        here = dynamic.sel(friction=mu)
+        for name, state in methods(study.sel(friction=mu, preload_method=here["preload_method"])):
+            _draw(column, state, color=COLOURS[name])
+        for slot, (name, state) in enumerate(methods(here)):
+            colour = {"color": COLOURS[name], "markeredgecolor": COLOURS[name]}
+            _draw(column, state, **colour, **IN_TIME, marker="o")
+            loss = state["ball_diameter_loss"]
+            for part, (_, marker) in parts.items():
+                rate = MILLI * MM3_PER_HOUR * state[part]
+                column[2].plot(loss, rate, **colour, **IN_TIME, marker=marker)
+            for panel in column:
+                failed |= mark_failed(panel, loss, state["status"], COLOURS[name], slot)
+        column[0].set_title(mu_is(mu))
+        column[-1].set_xlabel(LOSS_AXIS)
+    labels = (
+        "QV of the bearing (mW)",
+        "wear rate of one ball\n(10⁻³ mm³/h)",
+        "wear rate of the cage\n(10⁻³ mm³/h)",
+    )
+    for row, label in zip(panels, labels, strict=False):
+        row[0].set_ylabel(label)
+        from_zero(row[0])
+    figure.align_ylabels()
+    grey = {"color": "0.3", **IN_TIME}
+    frame(
+        figure,
+        f"{scene_of(dynamic)['name']}: {_agreement(study, dynamic, bool(parts))}",
+        method_keys(name for name, _ in methods(dynamic))
+        + [key("steady", color="0.3"), key("in time", marker="o", **grey)]
+        + [key(f"{part}, in time", marker=marker, **grey) for part, marker in parts.values()]
+        + failed_keys(failed),
+        columns=2 if columns == 1 else 4,
+    )
+    return figure
+
+
+def _draw(column: np.ndarray, state: xr.Dataset, **look: Any) -> None:
+    """QV and wear rate of one preload method in the panels that both ways share."""
+    loss = state["ball_diameter_loss"]
+    column[0].plot(loss, MILLI * state["total_qv"], **look)
+    rate = state["ball_wear_rate"].mean("ball")
+    column[1].plot(loss, MILLI * MM3_PER_HOUR * rate, **look)
+
+
+def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
+    """The largest difference in QV of all cases solved both ways."""
+    steady = study["total_qv"].sel({axis: dynamic[axis] for axis in dynamic["status"].dims})
+    difference = abs(dynamic["total_qv"] / steady - 1.0).max()
+    if not np.isfinite(difference):
+        return "no case was solved both ways"
+    solved = "solved in time with the cage" if has_cage else "solved in time"
+    return f"QV {solved} differs from the steady one by {100.0 * float(difference):.2g} % at most"
+
+
+def running_average_figure(case: xr.Dataset, reference: str | Path | None = None) -> Figure:
+    """Wear rates of ball 1 and of the cage, averaged from the start (Fig. 6).
+
+    Parameters
+    ----------
+    case : Dataset
+        A case solved in time.
+    reference : path, optional
+        A table of `REFERENCE_COLUMNS` with values of others to draw over the averages.
+    """
+    solved = int(case["status"]) == OK
+    means = {
+        label: mean_so_far(_history(case, names))
+        for label, (_, names, _) in RUNNING.items()
+        if solved and set(names) <= set(case)
+    }
+    known = reference_values(reference) if reference else {}
+    parts = [
+        part
+        for part in PARTS
+        if len(known.get(part, ())) or any(RUNNING[label][0] == part for label in means)
+    ] or ["ball_1"]
+    figure, panels = new_figure(1, len(parts), 3.6 * max(len(parts), 1.5), 3.6)
+    messages = []
+    for panel, part in zip(panels[0], parts, strict=True):
+        here = {label: mean for label, mean in means.items() if RUNNING[label][0] == part}
+        points = known.get(part, np.empty((0, 2)))
+        unit = power_of_ten([*here.values(), xr.DataArray(points[:, 1])])
+        for label, mean in here.items():
+            panel.plot(MILLI * mean["time"], 10.0**-unit * mean, **RUNNING[label][2])
+        panel.plot(MILLI * points[:, 0], 10.0**-unit * points[:, 1], **REFERENCE)
+        if here:
+            messages.append(_end_of(part, next(iter(here.values())), _turn(case)))
+        elif not solved:
+            list_failed(panel, [STATUS_NAMES[int(case["status"])]])
+        panel.set_title(PARTS[part])
+        panel.set_xlabel("time (ms)")
+        panel.set_ylabel(f"mean wear rate since the start ({_unit(unit)})")
+        panel.set_xlim(left=0.0)
+        from_zero(panel)
+    keys = [key(label, **RUNNING[label][2]) for label in means]
+    if any(len(points) for points in known.values()):
+        keys.append(key(f"reference: {Path(str(reference)).stem}", **REFERENCE))
+    said = f"the last shaft turn changed the mean wear rate of {' and of '.join(messages)}"
+    frame(
+        figure,
+        f"{scene_of(case)['name']}: {said if messages else 'no wear rates'}",
+        keys,
+        columns=max(len(keys), 1),
+    )
+    return figure
+
+
+def _history(case: xr.Dataset, names: Sequence[str]) -> xr.DataArray:
+    """Sum of histories of a case, of ball 1 where there is one for each."""
+    rates = case[list(names)].astype(float)
+    rates = rates.isel(ball=0) if "ball" in rates.dims else rates
+    return rates.to_array("of").sum("of", skipna=False)
+
+
+def mean_so_far(rate: xr.DataArray) -> xr.DataArray:
+    """Mean of a history from the start to each instant.
+
+    A wear rate of a history is the mean over the interval that ends at its instant, and all
+    intervals are equally long.
+    """
+    return rate.copy(data=np.cumsum(rate.values) / np.arange(1, rate.size + 1))
+
+
+def _end_of(part: str, mean: xr.DataArray, turn: float) -> str:
+    """What the last shaft turn did to a mean."""
+    last = float(mean[-1])
+    before = float(np.interp(float(mean["time"][-1]) - turn, mean["time"], mean))
+    change = f"{100.0 * (last / before - 1.0):+.2g} %" if before > 0.0 else "– %"
+    return f"{PARTS[part]} by {change.replace('-', '−')}"
+
+
+def _turn(case: xr.Dataset) -> float:
+    """Duration of a shaft turn, or of a turn of the faster race [s]."""
+    operation = scene_of(case)["operation"]
+    speeds = operation["shaft_speed_rpm"], operation.get("outer_speed_rpm", 0.0)
+    return 60.0 / max(map(abs, speeds))
+
+
+def reference_values(path: str | Path) -> dict[str, np.ndarray]:
+    """Values of others by part, rows of time [s] and wear rate [m3/s]; lines with # are comments.
+
+    Raises
+    ------
+    CaseFileError
+        One line naming the file and what is wrong with it.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeError) as error:
+        raise CaseFileError(f"{path}: cannot be read ({error})") from None
+    rows = list(csv.reader(line for line in text.splitlines() if line and line[0] != "#"))
+    if not rows or rows[0] != REFERENCE_COLUMNS:
+        raise CaseFileError(f"{path}: allowed a table with header {','.join(REFERENCE_COLUMNS)}")
+    found: dict[str, list[tuple[float, float]]] = {part: [] for part in PARTS}
+    for row in rows[1:]:
+        try:
+            part, time, rate = row
+            found[part].append((float(time), float(rate)))
+        except (KeyError, ValueError):
+            raise CaseFileError(
+                f"{path}: given {','.join(row)}; allowed {' or '.join(PARTS)} and two numbers"
+            ) from None
+    return {part: np.array(values).reshape(-1, 2) for part, values in found.items()}
+
+
+def _unit(exponent: int) -> str:
+    return f"{ten_to_the(exponent)}\N{NO-BREAK SPACE}m³/s" if exponent else "m³/s"

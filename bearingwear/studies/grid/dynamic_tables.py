@@ -1,0 +1,185 @@
+"""The tables that set cases solved in time beside the steady ones."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import in_words, methods, scene_of
+from bearingwear.plotting.markdown import markdown_table
+from bearingwear.studies.dataset import both_ways
+from bearingwear.studies.grid.figures import MILLI, MM3_PER_HOUR
+from bearingwear.studies.grid.tables import AXES, cases_csv
+
+MILLI_MM3_PER_HOUR = MILLI * MM3_PER_HOUR  # from m3/s to 1e-3 mm3/h
+LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
+
+
+def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
+    """The cases of `dynamic` as solved both ways: `NAME.steady` and `NAME.dynamic`.
+
+    Over balls, the mean; what only one of them has keeps its name.
+    """
+    one = _mean_ball(study.sel({axis: dynamic[axis] for axis in AXES}))
+    other = _mean_ball(dynamic)
+    shared = [name for name in other.data_vars if name in one]
+    both = {
+        f"{name}.{way}": found[name]
+        for name in shared
+        for way, found in (("steady", one), ("dynamic", other))
+    }
+    alone = {name: v for name, v in other.data_vars.items() if name not in shared}
+    return xr.Dataset(both | alone, attrs=dynamic.attrs)
+
+
+def _mean_ball(dataset: xr.Dataset) -> xr.Dataset:
+    def of_all(variable: xr.DataArray) -> xr.DataArray:
+        if "ball" not in variable.dims:
+            return variable
+        return variable.isel(ball=0) if _is_flag(variable) else variable.mean("ball")
+
+    return dataset.map(of_all, keep_attrs=True).drop_vars("ball", errors="ignore")
+
+
+def _is_flag(variable: xr.DataArray) -> bool:
+    return "flag_meanings" in variable.attrs
+
+
+def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
+    """Step: every number of both as CSV, and the few that matter as Markdown."""
+    both = steady_and_dynamic(*both_ways(study, dynamic))
+    return cases_csv(both), _text(both)
+
+
+def _text(both: xr.Dataset) -> str:
+    ways = (("steady", ".steady"), ("in time", ".dynamic"))
+    balls = [(f"one ball, {words}", "ball_wear_rate", way, None) for words, way in ways]
+    races = [
+        (f"{race} race, {words}", "race_wear_rate", way, k)
+        for k, race in enumerate(("inner", "outer"))
+        for words, way in ways
+    ]
+    cage = [
+        (label, name, "", None)
+        for label, name in (
+            ("cage pockets", "cage_wear_rate"),
+            ("cage land", "cage_land_wear_rate"),
+        )
+    ]
+    parts = [
+        f"# {scene_of(both)['name']}: solved in time, beside the steady state",
+        "## QV and preload",
+        _table(
+            both,
+            [
+                ("QV (mW), steady", _number(both, "total_qv.steady", 1e3, ".1f")),
+                ("in time", _number(both, "total_qv.dynamic", 1e3, ".1f")),
+                ("in time over steady", _ratio(both, "total_qv")),
+                ("residual preload (N), steady", _number(both, "residual_preload.steady")),
+                ("in time", _number(both, "residual_preload.dynamic")),
+            ],
+        ),
+        "QV is that of the whole bearing.",
+        "## Wear rates (10⁻³ mm³/h)",
+        _table(
+            both,
+            [
+                (label, _number(both, name + way, MILLI_MM3_PER_HOUR, ".4g", race))
+                for label, name, way, race in balls + races + cage
+                if name + way in both
+            ],
+        ),
+        "The mean of all balls. Those solved in time also wear in the pockets of the cage. "
+        "Where the land does not wear, the cage did not reach it in the turns averaged."
+        if cage[0][1] in both
+        else "The mean of all balls.",
+        "## How settled the means are",
+        _table(
+            both,
+            [
+                ("turns simulated", _number(both, "simulated_turns", 1.0, "g")),
+                ("averaged over", _number(both, "evaluated_turns", 1.0, "g")),
+                (
+                    "drift of QV per turn",
+                    _number(both, "qv_drift_per_turn", 100.0, "+z.3f", unit=" %"),
+                ),
+                (
+                    "drift of the wear of all parts per turn",
+                    _number(both, "wear_rate_drift_per_turn", 100.0, "+z.3f", unit=" %"),
+                ),
+            ],
+        ),
+        "\n".join(_unsettled(both))
+        or f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged.",
+        "## Not solved",
+        "\n".join(_unsolved(both)) or "Nothing: every case was solved and verified both ways.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(both: xr.Dataset, columns: list[tuple[str, Callable]]) -> str:
+    """A row for each case; a column from a function of its place in the grid."""
+    header = " | ".join(["preload method", "friction", "loss (µm)", *(name for name, _ in columns)])
+    return markdown_table(
+        header,
+        [[*words, *(text(index) for _, text in columns)] for words, index in _points(both)],
+    )
+
+
+def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
+    """Each case in words and its place in the grid."""
+    for i, (name, _) in enumerate(methods(both)):
+        for j, mu in enumerate(both["friction"].values):
+            for k, loss in enumerate(both["ball_diameter_loss"].values):
+                yield [in_words(name), f"{mu:g}", f"{loss:g}"], (i, j, k)
+
+
+def _number(
+    both: xr.Dataset,
+    name: str,
+    scale: float = 1.0,
+    digits: str = ".3f",
+    race: int | None = None,
+    unit: str = "",
+) -> Callable[[tuple[int, ...]], str]:
+    """Text of a variable at a place in the grid; a dash where it is not known."""
+    if name not in both:
+        return lambda index: "–"
+    values = both[name] if race is None else both[name].isel(race=race)
+    numbers = scale * values.transpose(*AXES).values
+
+    def text(index: tuple[int, ...]) -> str:
+        return f"{numbers[index]:{digits}}{unit}" if np.isfinite(numbers[index]) else "–"
+
+    return text
+
+
+def _ratio(both: xr.Dataset, name: str) -> Callable[[tuple[int, ...]], str]:
+    ratio = both[f"{name}.dynamic"] / both[f"{name}.steady"]
+    return _number(xr.Dataset({name: ratio}), name, digits=".4f")
+
+
+def _unsettled(both: xr.Dataset) -> Iterator[str]:
+    drifts = {"QV": "qv_drift_per_turn", "the wear of all parts": "wear_rate_drift_per_turn"}
+    for what, name in drifts.items():
+        if name in both:
+            drift = (both[name] * both["evaluated_turns"]).transpose(*AXES).values
+            for words, index in _points(both):
+                if abs(drift[index]) > LARGEST_DRIFT:
+                    case, change = _case_in_words(words), f"{100 * drift[index]:+.2g} %"
+                    yield f"- {case}: {what} still drifts by {change} over the turns averaged"
+
+
+def _unsolved(both: xr.Dataset) -> Iterator[str]:
+    for words, index in _points(both):
+        for way, said in (("steady", "steady"), ("dynamic", "in time")):
+            status = int(both[f"status.{way}"].transpose(*AXES).values[index])
+            if status != OK:
+                yield f"- {_case_in_words(words)}, {said}: {STATUS_NAMES[status]}"
+
+
+def _case_in_words(words: list[str]) -> str:
+    method, mu, loss = words
+    return f"{method}, friction {mu}, loss {loss} µm"

@@ -1,0 +1,294 @@
+"""The figures of one scene: datasets in, a figure out.
+
+Those of friction, slip and wear correspond, panel by panel, to Figs. 7 to 10 of Zhang, Chen, Gu and
+Wang (2018). Every title states what its data show.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
+from bearingwear.plotting.drawing import (
+    BALL_STYLE,
+    COLOURS,
+    RACE_STYLES,
+    Figure,
+    dash_keys,
+    dashes,
+    failed_keys,
+    frame,
+    from_zero,
+    in_words,
+    key,
+    list_failed,
+    mark_failed,
+    method_keys,
+    methods,
+    mu_is,
+    new_figure,
+    percent,
+    race_keys,
+    scene_of,
+)
+from bearingwear.results.quantiles import NO_QUANTILES, hours_of, quantiles_of
+from bearingwear.results.variables import SECONDS_PER_HOUR
+
+MILLI = 1e3
+MM3_PER_HOUR = 1e9 * SECONDS_PER_HOUR  # from m3/s
+FRICTION_AXIS = "ball/race friction coefficient µ"
+LOSS_AXIS = "loss of ball diameter (µm)"
+
+
+def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
+    """QV and contact load of one ball against friction, at one state of wear (Figs. 7 and 8)."""
+    figure, panels = new_figure(1, 2, 7.2, 3.8)
+    qv_panel, load_panel = panels[0]
+    states = methods(study.sel(ball_diameter_loss=loss_um))
+    mu = study["friction"]
+    failed = False
+    for slot, (name, state) in enumerate(states):
+        colour = {"color": COLOURS[name]}
+        mean = state[["qv", "contact_load"]].mean("ball")
+        for k, style in enumerate(RACE_STYLES.values()):
+            qv_panel.plot(mu, MILLI * mean["qv"].isel(race=k), **colour, **style)
+            load_panel.plot(mu, mean["contact_load"].isel(race=k), **colour, **style)
+        qv_panel.plot(mu, MILLI * mean["qv"].sum("race", skipna=False), **colour, **BALL_STYLE)
+        for panel in panels[0]:
+            failed |= mark_failed(panel, mu, state["status"], COLOURS[name], slot)
+    qv_panel.set_ylabel("QV (mW)")
+    load_panel.set_ylabel("normal contact load (N)")
+    from_zero(qv_panel)
+    for panel in panels[0]:
+        panel.set_xlabel(FRICTION_AXIS)
+        panel.set_xticks(mu)
+    wear_state = "unworn" if loss_um == 0.0 else f"{loss_um:g} µm worn"
+    frame(
+        figure,
+        f"{scene_of(study)['name']}, {wear_state}: {_friction_message(mu, states)}",
+        method_keys(name for name, _ in states) + race_keys() + failed_keys(failed),
+        columns=5,
+    )
+    return figure
+
+
+def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]) -> str:
+    """QV at the largest coefficient against that at the least, of those that were solved."""
+    solved = np.all([state["status"].values == OK for _, state in states], axis=0)
+    if solved.sum() < 2:
+        return "too few cases were solved to compare"
+    first, last = np.flatnonzero(solved)[[0, -1]]
+    ratios = " and ".join(
+        f"{percent(float(state['total_qv'][last] / state['total_qv'][first]))} ({in_words(name)})"
+        for name, state in states
+    )
+    at, of = (mu_is(float(mu[k])) for k in (last, first))
+    return f"QV at {at} is {ratios} of that at {of}"
+
+
+def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
+    """Slip along both axes over the contact ellipses of single cases (Fig. 9)."""
+    figure, panels = new_figure(2, 2, 7.2, 5.2, sharex=True, sharey="row")
+    scenes = [scene_of(case) for case in cases]
+    styles = dashes(sorted({scene["friction"]["ball_race"] for scene in scenes}))
+    shares: dict[float, float] = {}
+    failed = []
+    for case, scene in zip(cases, scenes, strict=True):
+        name, mu = scene["operation"]["preload_method"], scene["friction"]["ball_race"]
+        if int(case["status"]) != OK:
+            failed.append(f"{in_words(name)}, {mu_is(mu)}")
+            continue
+        shares[mu] = max(shares.get(mu, 0.0), float(case["gyroscopic_slip_share"].max()))
+        for row, variable in zip(panels, ("rolling_slip", "gyroscopic_slip"), strict=True):
+            for k, panel in enumerate(row):
+                panel.plot(
+                    case["strip_position"],
+                    case[variable].isel(ball=0, race=k),
+                    color=COLOURS[name],
+                    linestyle=styles[mu],
+                )
+    for k, race in enumerate(RACE_STYLES):
+        panels[0, k].set_title(f"{race} contact")
+        panels[1, k].set_xlabel("position along the major axis, x/a")
+    panels[0, 0].set_ylabel("slip along the\nrolling direction (m/s)")
+    panels[1, 0].set_ylabel("gyroscopic slip, along\nthe major axis (m/s)")
+    for panel in panels.flat:
+        panel.axhline(0.0, color="0.5", linewidth=0.7)
+        panel.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
+    list_failed(panels[0, 0], failed)
+    reached = " and ".join(f"{percent(share)} at {mu_is(mu)}" for mu, share in shares.items())
+    frame(
+        figure,
+        f"{scenes[0]['name']}, {scenes[0]['wear']['ball_diameter_loss_um']:g} µm worn: the "
+        f"gyroscopic share of slip reaches {reached or '–'}",
+        method_keys(dict.fromkeys(scene["operation"]["preload_method"] for scene in scenes))
+        + dash_keys(styles),
+        columns=5,
+    )
+    return figure
+
+
+def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Figure:
+    """QV, residual preload, angles and wear rate against wear, a column each (Fig. 10)."""
+    columns = len(frictions)
+    figure, panels = new_figure(4, columns, max(4.4, 3.6 * columns), 8.6, sharex=True, sharey="row")
+    failed, ratios = False, []
+    for column, study, mu in zip(panels.T, studies, frictions, strict=True):
+        loss = study["ball_diameter_loss"]
+        states = methods(study.sel(friction=mu))
+        for slot, (name, state) in enumerate(states):
+            _wear_column(column, loss, name, state)
+            for panel in column:
+                failed |= mark_failed(panel, loss, state["status"], COLOURS[name], slot)
+        name, state = states[-1]
+        ratio = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
+        ratios.append(f"{ratio} of QV at {mu_is(mu)}")
+        drag = scene_of(study).get("lubricant", {}).get("drag_density_kg_m3", 0.0)
+        with_drag = f", drag {drag:g} kg/m³" if drag else ""
+        column[0].set_title(f"{scene_of(study)['name']}, {mu_is(mu)}{with_drag}")
+        column[-1].set_xlabel(LOSS_AXIS)
+    labels = (
+        "QV (mW)",
+        "residual preload (N)",
+        "contact angle (degree)",
+        "wear rate of race and ball\n(10⁻³ mm³/h)",
+    )
+    for row, label in zip(panels, labels, strict=True):
+        row[0].set_ylabel(label)
+    for panel in panels[[0, 1, 3]].flat:
+        from_zero(panel)
+    at = float(studies[0]["ball_diameter_loss"][-1])
+    frame(
+        figure,
+        f"{at:g} µm of wear leaves {' and '.join(ratios)} ({in_words(name)})",
+        method_keys(name for name, _ in states)
+        + race_keys()
+        + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
+        columns=2 if columns == 1 else 3,
+    )
+    return figure
+
+
+def _wear_column(column: np.ndarray, loss: xr.DataArray, name: str, state: xr.Dataset) -> None:
+    """The lines of one preload method in the four panels of a column."""
+    colour = {"color": COLOURS[name]}
+    mean = state[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
+    qv = MILLI * mean["qv"]
+    milli_mm3_per_hour = MILLI * MM3_PER_HOUR
+    for k, style in enumerate(RACE_STYLES.values()):
+        column[0].plot(loss, qv.isel(race=k), **colour, **style)
+        column[2].plot(loss, mean["contact_angle"].isel(race=k), **colour, **style)
+        rate = milli_mm3_per_hour * state["race_wear_rate"].isel(race=k)
+        column[3].plot(loss, rate, **colour, **style)
+    column[0].plot(loss, qv.sum("race", skipna=False), **colour, **BALL_STYLE)
+    column[1].plot(loss, state["residual_preload"], **colour, marker="d")
+    column[3].plot(loss, milli_mm3_per_hour * mean["ball_wear_rate"], **colour, **BALL_STYLE)
+
+
+END_MARKS = {
+    "preload_fraction": ("v", "end: preload"),
+    "gyroscopic_slip_share": ("s", "end: gyroscopic slip"),
+    "skid_ratio": ("P", "end: skidding"),
+    "ball_diameter_loss_um": ("o", "end: loss of diameter"),
+    "none": ("x", "no end reached"),
+}
+
+
+def life_figure(
+    lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset] = ()
+) -> Figure:
+    """Loss of diameter and residual preload in hours, counted both ways, up to the end of life.
+
+    `known` are files of the study of uncertainty; the title says what they know of these lives.
+    """
+    figure, panels = new_figure(2, 2, 7.2, 5.4, sharex="col", sharey="row")
+    styles = dashes(frictions)
+    ends = lives["end_criterion"].attrs["flag_meanings"].split()
+    met: list[str] = []
+    failed: list[str] = []
+    for name, of_method in methods(lives):
+        for mu in frictions:
+            one = of_method.sel(friction=mu)
+            end = ends[int(one["end_criterion"])]
+            if int(one["status"]) not in (OK, CRITERION_NOT_REACHED):
+                failed.append(f"{in_words(name)}, {mu_is(mu)}")
+            elif end not in met:
+                met.append(end)
+            for k, column in enumerate(panels.T):
+                line = {"color": COLOURS[name], "linestyle": styles[mu]}
+                _life_column(column, one.isel(counts=k), line, END_MARKS[end][0])
+    for column, counts in zip(panels.T, ("ball alone", "balls and races"), strict=True):
+        column[0].set_title(f"wear counted: {counts}")
+        column[1].set_xlabel("running time (h)")
+        for panel in column:
+            panel.set_xlim(left=0.0)
+            from_zero(panel)
+    list_failed(panels[0, 0], failed)
+    panels[0, 0].set_ylabel(LOSS_AXIS)
+    panels[1, 0].set_ylabel("residual preload (N)")
+    frame(
+        figure,
+        f"{scene_of(lives)['name']}: {_shortest_and_longest(lives, frictions)}; "
+        f"{_spread_said(lives, frictions, known)}",
+        method_keys(name for name, _ in methods(lives))
+        + dash_keys(styles)
+        + [
+            key("interpolated from the study", color="black", linestyle="none", marker=".")
+            for _ in range("interpolated_history_time" in lives)
+        ]
+        + [
+            key(END_MARKS[m][1], color="0.3", linestyle="none", marker=END_MARKS[m][0]) for m in met
+        ],
+        columns=4,
+    )
+    return figure
+
+
+def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str) -> None:
+    """One life in the two panels of a column, and dots where the other route leads."""
+    scales = {"ball_diameter_loss": 1e6, "residual_preload": 1.0}
+    for panel, (variable, scale) in zip(column, scales.items(), strict=True):
+        known = (
+            np.isfinite(one["history_time"].values) if "history_time" in one else np.array(False)
+        )
+        if known.any():
+            time = one["history_time"].values[known]
+            values = scale * one[f"history_{variable}"].values[known]
+            panel.plot(time, values, **line)
+            mark = {"marker": end_mark, "markersize": 6.5, "zorder": 4, "clip_on": False}
+            panel.plot(time[-1:], values[-1:], color=line["color"], **mark)
+        if "interpolated_history_time" in one:
+            panel.plot(
+                one["interpolated_history_time"][::50],
+                scale * one[f"interpolated_history_{variable}"][::50],
+                color="black",
+                linestyle="none",
+                marker=".",
+                markersize=3,
+                zorder=5,
+            )
+
+
+def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
+    found = [
+        (float(one["life"][-1]), f"{in_words(name)}, {mu_is(mu)}")
+        for name, of_method in methods(lives)
+        for mu in frictions
+        if int((one := of_method.sel(friction=mu))["status"]) == OK
+    ]
+    if not found:
+        return "no end of life was found"
+    (shortest, which), (longest, _) = min(found), max(found)
+    if len(found) == 1:
+        return f"balls and races last {shortest:.2f} h ({which})"
+    return f"balls and races last {shortest:.2f} h ({which}) to {longest:.2f} h"
+
+
+def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
+    """Ranges of L10 and L50 by the wear of balls and races, where they were computed."""
+    points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
+    spreads = (quantiles_of(known, scene_of(lives), *point) for point in points)
+    found = hours_of(spreads, "ball_and_races")
+    ranges = [f"{name}: {min(hours):.2g} to {max(hours):.2g} h" for name, hours in found.items()]
+    return ", ".join(ranges) or NO_QUANTILES

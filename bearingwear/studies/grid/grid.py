@@ -1,0 +1,131 @@
+"""The study's grid: which cases there are, what each is called and how it differs from its scene.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+import functools
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Any
+
+from bearingwear.scene.scene import PRELOAD_METHODS
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of the grid.
+
+    Attributes
+    ----------
+    preload_method : str
+        One of `scene.PRELOAD_METHODS`.
+    friction : float
+        Ball/race friction coefficient [1].
+    ball_diameter_loss_um : float
+        State of wear the case is solved at [um].
+    """
+
+    preload_method: str
+    friction: float
+    ball_diameter_loss_um: float
+
+    @property
+    def id(self) -> str:
+        """Name of the case and of its file; the same digits for every case."""
+        return f"{self.preload_method}-mu{self._friction}-loss{self._loss}"
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """What makes the scene this case."""
+        return {
+            "operation.preload_method": self.preload_method,
+            "friction.ball_race": self.friction,
+            "wear.ball_diameter_loss_um": self.ball_diameter_loss_um,
+        }
+
+    @property
+    def label(self) -> str:
+        """The case in words."""
+        method = self.preload_method.replace("_", " ")
+        return f"{method}, mu {self._friction}, loss {self._loss} um"
+
+    @property
+    def _friction(self) -> str:
+        return f"{self.friction:.3f}"
+
+    @property
+    def _loss(self) -> str:
+        return f"{self.ball_diameter_loss_um:.2f}"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The axes of a study of one scene, each sorted; a case is one point of their product."""
+
+    preload_method: tuple[str, ...]
+    friction: tuple[float, ...]
+    ball_diameter_loss_um: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for axis, values in vars(self).items():
+            if not values:
+                raise ValueError(f"{axis}: empty; at least one value is needed")
+            if len(set(values)) < len(values):
+                raise ValueError(f"{axis}: given {list(values)}; a value stands there twice")
+        for method in self.preload_method:
+            if method not in PRELOAD_METHODS:
+                raise ValueError(f"preload_method: given {method}; allowed {PRELOAD_METHODS}")
+        # A value with more digits than its case id shows would be solved as another value.
+        for axis, values, digits in (
+            ("friction", self.friction, 3),
+            ("ball_diameter_loss_um", self.ball_diameter_loss_um, 2),
+        ):
+            for value in values:
+                if not value >= 0.0 or value != round(value, digits):
+                    raise ValueError(
+                        f"{axis}: given {value}; allowed 0 or more, at most {digits} decimals"
+                    )
+
+    @classmethod
+    def from_lists(
+        cls,
+        preload_method: Iterable[str],
+        friction: Iterable[float],
+        ball_diameter_loss_um: Iterable[float],
+    ) -> "Grid":
+        """Make the grid from values in any order, whole numbers allowed."""
+        return cls(
+            tuple(sorted(preload_method)),
+            tuple(sorted(float(value) for value in friction)),
+            tuple(sorted(float(value) for value in ball_diameter_loss_um)),
+        )
+
+    def cases(self) -> Mapping[str, Case]:
+        """Every case of the grid by its id."""
+        return _cases(self)
+
+
+@functools.cache  # the rules look up each of their jobs
+def _cases(grid: Grid) -> Mapping[str, Case]:
+    points = itertools.product(grid.preload_method, grid.friction, grid.ball_diameter_loss_um)
+    return MappingProxyType({case.id: case for case in itertools.starmap(Case, points)})
+
+
+def grids(blocks: Sequence[Any], key: str = "studies") -> dict[str, Grid]:
+    """The grid of each scene, from the list `studies` or `dynamic` of config.yaml."""
+    found: dict[str, Grid] = {}
+    for number, block in enumerate(blocks):
+        axes = {field.name: getattr(block, field.name) for field in fields(Grid)}
+        try:
+            grid = Grid.from_lists(**axes)
+        except ValueError as error:
+            raise ValueError(f"config: {key}[{number}].{error}") from None
+        for scene in block.scenes:
+            if scene in found:
+                raise ValueError(
+                    f"config: {key}[{number}].scenes: given {scene}; it stands there twice"
+                )
+            found[scene] = grid
+    return found

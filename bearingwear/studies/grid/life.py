@@ -1,0 +1,222 @@
+"""Wear life over a study, by two routes: the solver in the loop, and interpolation of the study.
+
+Both integrate d(loss)/dt = rate(loss) to the first end-of-life criterion. The first solves the
+contact anew at every step and bounds its own error. The second reads rates and criteria off the
+study's grid: it needs no solve, and its error is that of the grid, which the first measures.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK
+from bearingwear.model.life import life
+from bearingwear.results.netcdf import dataset, load
+from bearingwear.results.variables import SECONDS_PER_HOUR
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
+from bearingwear.scene.variant import variant
+from bearingwear.studies.dataset import stacked
+from bearingwear.studies.grid.gather import axis_coordinates
+from bearingwear.studies.grid.grid import Case, Grid
+
+POINTS_PER_INTERVAL = 50
+"""Points of the interpolated history in each interval of the grid."""
+
+_NEEDED = ("residual_preload", "gyroscopic_slip_share", "skid_ratio", "ball_diameter_loss_rate")
+
+MICROMETRE = 1e-6
+
+
+def study_life(scene: Path, study: Path) -> xr.Dataset:
+    """Step: the wear life over the study in a file."""
+    return wear_life(scene, load(study))
+
+
+def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
+    """Wear life for each preload method and friction coefficient of a study.
+
+    Parameters
+    ----------
+    scene_path : path
+        The scene of the study.
+    study : Dataset
+        As `bearingwear.studies.grid.gather.study` gives it.
+
+    Returns
+    -------
+    Dataset
+        The variables of a life file over `preload_method` and `friction`, those of
+        `interpolated_life`, and `life_route_difference`, the second route against the first.
+
+    Raises
+    ------
+    SceneError
+        Where the scene has no end of life, or is not one that can be solved.
+    """
+    grid = Grid.from_lists(
+        [PRELOAD_METHODS[int(flag)] for flag in study["preload_method"]],
+        study["friction"].values.tolist(),
+        study["ball_diameter_loss"].values.tolist(),
+    )
+    solved, interpolated = [], []
+    for i, method in enumerate(grid.preload_method):
+        for j, friction in enumerate(grid.friction):
+            scene = variant(scene_path, Case(method, friction, 0.0).changes)
+            solved.append(dataset(life(scene)))
+            interpolated.append(
+                interpolated_life(
+                    study.isel(preload_method=i, friction=j, drop=True),
+                    scene.wear.end_of_life.criteria if scene.wear.end_of_life else {},
+                    scene.operation.preload_N,
+                )
+            )
+    coords = axis_coordinates(grid)
+    del coords["ball_diameter_loss"]
+    lengths = {name: len(values) for name, (_, values, _) in coords.items()}
+    whole = stacked(solved, lengths).assign_coords(coords)
+    whole = whole.merge(stacked(interpolated, lengths).assign_coords(coords))
+    whole["life_route_difference"] = (
+        whole["interpolated_life"] / whole["life"] - 1.0
+    ).assign_attrs(
+        long_name="life by interpolation of the study against the solver in the loop", units="1"
+    )
+    name = json.loads(study.attrs["scene"])["name"]
+    return whole.assign_attrs(
+        study.attrs
+        | {
+            "title": f"Wear life of {name}",
+            "history": "solved, and interpolated from the study, by bearingwear wear-life",
+            "comment": "life and history_*: solver in the loop. interpolated_*: from the study.",
+        }
+    )
+
+
+def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: float) -> xr.Dataset:
+    """Wear life from the cases along one line of the grid.
+
+    Parameters
+    ----------
+    line : Dataset
+        One preload method and friction coefficient of a study: status, residual_preload,
+        gyroscopic_slip_share, skid_ratio and ball_diameter_loss_rate over `ball_diameter_loss`.
+        What lies behind the first case that was not solved is not used.
+    criteria : dict
+        Limits by the names of `bearingwear.results.variables.CRITERIA`.
+    preload_N : float
+        Initial preload [N].
+
+    Returns
+    -------
+    Dataset
+        interpolated_life [h] over `counts`, NaN where no criterion is met on the line;
+        interpolated_end_criterion, interpolated_loss_at_end [m]; and the history over
+        `interpolated_step` up to the end.
+    """
+    losses = line["ball_diameter_loss"].values
+    usable = int(np.cumprod(line["status"].values == OK).sum())
+    steps = POINTS_PER_INTERVAL * (len(losses) - 1) + 1
+    loss = np.linspace(losses[0], losses[max(usable, 1) - 1], steps)
+    time = np.full((steps, len(COUNTS)), np.nan)
+    preload = np.full(steps, np.nan)
+    end, criterion = np.nan, "none"
+    if usable > 1 and losses[0] == 0.0:
+        fine = (
+            line[[name for name in _NEEDED if name in line]]
+            .isel(ball_diameter_loss=slice(usable))
+            .interp(ball_diameter_loss=loss, method="pchip")
+        )
+        end, criterion = _first_met(loss, _margins(fine, criteria, preload_N))
+        preload = fine["residual_preload"].values
+        slowness = 1.0 / fine["ball_diameter_loss_rate"].transpose("ball_diameter_loss", "counts")
+        mean = 0.5 * (slowness[1:].values + slowness[:-1].values)
+        time[0] = 0.0
+        time[1:] = np.cumsum(mean * np.diff(loss)[:, None], axis=0) * MICROMETRE / SECONDS_PER_HOUR
+    lives = [np.interp(end, loss, column) for column in time.T]
+    # The history ends where the life does.
+    if np.isfinite(end):
+        kept = np.linspace(0.0, end, steps)
+        preload = np.interp(kept, loss, preload)
+        time = np.stack([np.interp(kept, loss, column) for column in time.T], axis=1)
+        loss = kept
+    history: dict[str, Any] = {
+        "interpolated_history_ball_diameter_loss": (
+            "interpolated_step",
+            loss * MICROMETRE,
+            {"long_name": "loss of ball diameter, interpolated from the study", "units": "m"},
+        ),
+        "interpolated_history_time": (
+            ("interpolated_step", "counts"),
+            time,
+            {"long_name": "running time, interpolated from the study", "units": "h"},
+        ),
+        "interpolated_history_residual_preload": (
+            "interpolated_step",
+            preload,
+            {"long_name": "residual preload, interpolated from the study", "units": "N"},
+        ),
+    }
+    return xr.Dataset(
+        {
+            "interpolated_life": (
+                "counts",
+                lives,
+                {"long_name": "wear life, interpolated from the study", "units": "h"},
+            ),
+            "interpolated_loss_at_end": (
+                (),
+                end * MICROMETRE,
+                {
+                    "long_name": "loss of ball diameter at the end, interpolated from the study",
+                    "units": "m",
+                },
+            ),
+            "interpolated_end_criterion": (
+                (),
+                np.int8(CRITERIA.index(criterion)),
+                {
+                    "long_name": "criterion met first, interpolated from the study",
+                    "flag_values": np.arange(len(CRITERIA), dtype=np.int8),
+                    "flag_meanings": " ".join(CRITERIA),
+                },
+            ),
+        }
+        | history,
+        {"counts": np.arange(len(COUNTS), dtype=np.int8)},
+    )
+
+
+def _margins(fine: xr.Dataset, criteria: dict[str, float], preload_N: float) -> dict:
+    """Distance of each criterion from its limit along the line; met where it is not positive."""
+    values = {
+        "preload_fraction": fine["residual_preload"] / preload_N,
+        "gyroscopic_slip_share": fine["gyroscopic_slip_share"].max(("ball", "race")),
+        "ball_diameter_loss_um": fine["ball_diameter_loss"],
+    }
+    if "skid_ratio" in fine:  # race control knows no skidding
+        values["skid_ratio"] = abs(fine["skid_ratio"])
+    falls = {"preload_fraction": 1.0}
+    return {
+        name: falls.get(name, -1.0) * (values[name].values - limit)
+        for name, limit in criteria.items()
+        if name in values
+    }
+
+
+def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float, str]:
+    """Where the first of the criteria is met, and which; (nan, "none") if none is."""
+    end, first = np.nan, "none"
+    for name, margin in margins.items():
+        met = np.flatnonzero(margin <= 1e-12)  # the last grid point may be the limit itself
+        if met.size:
+            k = int(met[0])
+            at = loss[0]
+            if k > 0:
+                share = margin[k - 1] / (margin[k - 1] - margin[k])
+                at = loss[k - 1] + min(share, 1.0) * (loss[k] - loss[k - 1])
+            if not at >= end:
+                end, first = float(at), name
+    return end, first

@@ -1,0 +1,119 @@
+"""The figure that lays several scenes over each other."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.plotting.drawing import (
+    Figure,
+    failed_keys,
+    frame,
+    from_zero,
+    in_words,
+    key,
+    mark_failed,
+    methods,
+    mu_is,
+    new_figure,
+    percent,
+    scene_of,
+)
+from bearingwear.results.variables import SECONDS_PER_HOUR
+from bearingwear.studies.grid.figures import LOSS_AXIS, MILLI
+
+MARKERS = "osd^vP"
+_UM_PER_HOUR = 1e6 * SECONDS_PER_HOUR  # from m/s
+UNITS = {"mm": "mm", "deg": "°", "rpm": "r/min", "N": "N", "GPa": "GPa", "um": "µm"}
+MOST_DIFFERENCES = 4
+
+
+def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
+    """Total QV, residual preload and loss rate against wear, a line for each scene."""
+    figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
+    looks = [
+        {"color": f"C{k % 6}", "marker": MARKERS[k % len(MARKERS)]} for k in range(len(studies))
+    ]
+    failed = False
+    ratios: list[float] = []
+    for number, (study, look) in enumerate(zip(studies, looks, strict=True)):
+        loss = study["ball_diameter_loss"]
+        states = methods(study.sel(friction=friction))
+        for column, (name, state) in zip(panels.T, states, strict=False):
+            column[0].set_title(in_words(name))
+            column[0].plot(loss, MILLI * state["total_qv"], **look)
+            column[1].plot(loss, state["residual_preload"], **look)
+            if "ball_diameter_loss_rate" in state:  # not if nothing at all was solved
+                rate = state["ball_diameter_loss_rate"].isel(counts=-1)
+                column[2].plot(loss, _UM_PER_HOUR * rate, **look)
+            column[2].set_xlabel(LOSS_AXIS)
+            for panel in column:
+                failed |= mark_failed(panel, loss, state["status"], look["color"], number)
+        ratio = float(state["total_qv"][-1] / state["total_qv"][0])
+        ratios += [ratio] if np.isfinite(ratio) else []
+    panels[0, 0].set_ylabel("QV of the bearing (mW)")
+    panels[1, 0].set_ylabel("residual preload (N)")
+    panels[2, 0].set_ylabel("loss rate, balls\nand races (µm/h)")
+    for panel in panels.flat:
+        from_zero(panel)
+    low, high = (percent(f(ratios, default=np.nan)) for f in (min, max))
+    frame(
+        figure,
+        f"{mu_is(friction)}: {float(loss[-1]):g} µm of wear leaves {low} to {high} of QV "
+        f"({in_words(name)})",
+        [
+            key(label, **look)
+            for label, look in zip(scene_labels([scene_of(s) for s in studies]), looks, strict=True)
+        ]
+        + failed_keys(failed),
+        columns=1,
+    )
+    return figure
+
+
+def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What tells scenes apart, in words: `gyro_s2: ball count 10, pitch diameter 9 mm`.
+
+    Names, descriptions and the cage, which no steady model knows, do not count.
+    """
+    flat = [_flat(scene) for scene in scenes]
+    differing = [
+        path
+        for path in dict.fromkeys(path for values in flat for path in values)
+        if len({str(values.get(path)) for values in flat}) > 1
+        and path[0] not in ("name", "description", "cage")
+    ]
+    return [
+        ": ".join(
+            part
+            for part in (
+                scene["name"],
+                ", ".join(_quantity(p[-1], values.get(p)) for p in differing[:MOST_DIFFERENCES]),
+            )
+            if part
+        )
+        for scene, values in zip(scenes, flat, strict=True)
+    ]
+
+
+def _quantity(name: str, value: Any) -> str:
+    """A key and its value in words: `pitch_diameter_mm`, 9.0 -> `pitch diameter 9 mm`."""
+    words, unit = name.removesuffix("_kg_m3").split("_"), ""
+    if name.endswith("_kg_m3"):
+        unit = "kg/m³"
+    elif words[-1] in UNITS:
+        unit = UNITS[words.pop()]
+    number = f"{value:g}" if isinstance(value, float) else str(value)
+    space = "" if unit == "°" else " "
+    return f"{' '.join(words)} {number}{space}{unit}".strip()
+
+
+def _flat(data: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:
+    found: dict[tuple[str, ...], Any] = {}
+    for name, value in data.items():
+        if isinstance(value, Mapping):
+            found |= _flat(value, (*path, name))
+        else:
+            found[(*path, name)] = value
+    return found

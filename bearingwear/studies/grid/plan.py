@@ -1,0 +1,259 @@
+"""What a run of the study makes: every file, from config.yaml.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from bearingwear.scene.checking import record
+from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
+from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
+from bearingwear.studies.grid.grid import Case, Grid, grids
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Every file of the study."""
+
+    config: Config
+
+    @classmethod
+    def from_config(cls, config: Mapping) -> "Plan":
+        """The plan of a config.yaml.
+
+        Raises
+        ------
+        ValueError
+            One line; also where a figure wants a scene or a coefficient that is not studied.
+        """
+        return cls(record(Config, config, "config"))
+
+    @functools.cached_property
+    def grids(self) -> dict[str, Grid]:
+        """Grid of each scene."""
+        return grids(self.config.studies)
+
+    @functools.cached_property
+    def dynamic(self) -> dict[str, Grid]:
+        """Grid of each scene that is solved in time."""
+        return grids(self.config.dynamic, "dynamic")
+
+    @property
+    def spreads(self) -> Mapping[str, Overlay]:
+        """Figures that lay scenes over each other, by their name."""
+        return self.config.figures.spreads
+
+    @property
+    def uncertain_lives(self) -> UncertainLives:
+        """Scenes whose lives are quoted with their spread."""
+        return self.config.uncertain_lives
+
+    @property
+    def column_scenes(self) -> tuple[str, ...]:
+        """Scenes of the columns of the figure of wear across scenes; empty: no such figure."""
+        return tuple(column.scene for column in self.config.figures.wear_columns)
+
+    def __post_init__(self) -> None:
+        for column in self.config.figures.wear_columns:
+            self._check_studied("wear_columns", column.scene, column.friction)
+        for name, overlay in self.spreads.items():
+            for scene in overlay.scenes:
+                self._check_studied(f"spreads.{name}", scene, overlay.friction)
+        for scene in self.uncertain_lives.scenes:
+            if scene not in self.grids:
+                allowed = ", ".join(self.grids)
+                raise ValueError(
+                    f"config: uncertain_lives.scenes: given {scene}; allowed {allowed}"
+                )
+        for scene in self.config.figures.running_averages:
+            if scene not in self.dynamic:
+                allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
+                raise ValueError(
+                    f"config: figures.running_averages: given scene {scene}; allowed {allowed}"
+                )
+        for scene in self.compared:
+            # a case in time without its steady twin could not be set beside it
+            for case_id in self.dynamic[scene].cases():
+                if case_id not in self.grids[scene].cases():
+                    raise ValueError(
+                        f"config: dynamic: given {scene}, {case_id}; "
+                        "allowed cases of the same scene under studies"
+                    )
+
+    def _check_studied(self, key: str, scene: str, mu: float) -> None:
+        if scene not in self.grids:
+            allowed = ", ".join(self.grids)
+            raise ValueError(f"config: figures.{key}: given scene {scene}; allowed {allowed}")
+        if mu not in self.grids[scene].friction:
+            allowed = ", ".join(f"{value:g}" for value in self.grids[scene].friction)
+            raise ValueError(
+                f"config: figures.{key}: given {scene}, friction {mu:g}; allowed {allowed}"
+            )
+
+    @property
+    def losses(self) -> dict[str, float]:
+        """State of wear of the figures against friction [um]."""
+        return {"fig07_fresh": 0.0, "fig08_worn": self.config.figures.worn_loss_um}
+
+    @property
+    def compared(self) -> list[str]:
+        """Scenes that are solved both ways."""
+        return [scene for scene in self.dynamic if scene in self.grids]
+
+    def check_scenes(self) -> None:
+        """Read every scene as it stands and as each of its cases changes it.
+
+        Raises
+        ------
+        ValueError
+            One line: the first thing that is wrong with a scene or with a value of its grid.
+        """
+        for scene, grid in self.grids.items():
+            path = _scene_file(scene)
+            for_life(load_scene(path), path)
+            _check_cases(scene, {case: case.changes for case in grid.cases().values()})
+        for scene, grid in self.dynamic.items():
+            cases = grid.cases().values()
+            load_scene(_scene_file(scene))
+            _check_cases(scene, {case: self.dynamic_changes(scene, case) for case in cases})
+        for scene in self.uncertain_lives.scenes:
+            if not load_scene(_scene_file(scene)).uncertainty:
+                raise ValueError(
+                    f"config: uncertain_lives.scenes: given {scene}, whose file has no "
+                    "uncertainty; allowed scenes that have"
+                )
+
+    def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:
+        """What makes the scene a case that is solved in time."""
+        (block,) = [block for block in self.config.dynamic if scene in block.scenes]
+        return case.changes | {f"model.{key}": value for key, value in block.model.items()}
+
+    def reference(self, scene: str) -> list[str]:
+        """The file of values that a scene's running averages are drawn with, if any."""
+        block = self.config.figures.running_averages.get(scene)
+        return [f"config/reference/{block.reference}.csv"] if block and block.reference else []
+
+    def frictions(self, scene: str) -> list[float]:
+        """Coefficients that the figures of one scene compare."""
+        grid = self.grids[scene]
+        wanted = sorted(self.config.figures.friction)
+        return [mu for mu in wanted if mu in grid.friction] or [grid.friction[0]]
+
+    def cases(self, *scenes: str) -> list[str]:
+        """Case files of the given scenes, or of all."""
+        return [
+            _case_file(scene, case)
+            for scene in scenes or self.grids
+            for case in self.grids[scene].cases().values()
+        ]
+
+    def dynamic_cases(self, *scenes: str) -> list[str]:
+        """Files of the cases solved in time, of the given scenes or of all."""
+        return [
+            f"results/{scene}/dynamic/{case_id}.nc"
+            for scene in scenes or self.dynamic
+            for case_id in self.dynamic[scene].cases()
+        ]
+
+    def dynamics(self) -> list[str]:
+        """Files that hold all cases of a scene solved in time."""
+        return [f"results/{scene}/dynamic.nc" for scene in self.dynamic]
+
+    def slip_cases(self, scene: str) -> list[str]:
+        """Case files behind the figure of slip."""
+        return [
+            _case_file(scene, case)
+            for case in self.grids[scene].cases().values()
+            if case.friction in self.frictions(scene)
+            and case.ball_diameter_loss_um == self.config.figures.worn_loss_um
+        ]
+
+    def studies(self, *scenes: str) -> list[str]:
+        """Study files of the given scenes, or of all."""
+        return [f"results/{scene}/study.nc" for scene in scenes or self.grids]
+
+    def lives(self) -> list[str]:
+        """Files of wear life."""
+        return [f"results/{scene}/wear_life.nc" for scene in self.grids]
+
+    def spreads_of_lives(self, *scenes: str) -> list[str]:
+        """Files of how lives spread, of those of the given scenes that have one, or of all."""
+        return [
+            f"results/{scene}/spread/mu{mu:.3f}.nc"
+            for scene in self.uncertain_lives.scenes
+            if scene in (scenes or self.uncertain_lives.scenes)
+            for mu in self.grids[scene].friction
+        ]
+
+    def tables(self) -> list[str]:
+        """Tables and summaries of the scenes."""
+        names = [f"{scene}/tables/{n}" for scene in self.grids for n in ("cases.csv", "summary.md")]
+        names += [
+            f"{scene}/tables/{n}" for scene in self.compared for n in ("dynamic.csv", "dynamic.md")
+        ]
+        return [f"results/{name}" for name in names]
+
+    def figures(self) -> list[str]:
+        """Every figure, as SVG and PNG."""
+        names = [
+            f"{scene}/figures/{name}" for scene in self.grids for name in self._scene_figures(scene)
+        ]
+        names += [f"{scene}/figures/dynamic" for scene in self.compared]
+        names += [
+            f"{scene}/figures/fig06_running_average-{case_id}"
+            for scene in self.config.figures.running_averages
+            for case_id in self.dynamic[scene].cases()
+        ]
+        names += ["figures/fig10_wear"] if self.column_scenes else []
+        names += [f"figures/spread_{name}" for name in self.spreads]
+        return [f"results/{name}.{suffix}" for name in names for suffix in ("svg", "png")]
+
+    def inputs(self) -> list[str]:
+        """Files the cases and figures are made from, besides the program."""
+        scenes = map(_scene_file, [*self.grids, *self.dynamic])
+        files = dict.fromkeys(file for path in scenes for file in scene_files(path))
+        return [*files, *(path for scene in self.dynamic for path in self.reference(scene))]
+
+    def results(self) -> list[str]:
+        """Every file of the study."""
+        parts = (self.cases, self.dynamic_cases, self.studies, self.dynamics, self.lives)
+        named = [path for part in parts for path in part()]
+        return [
+            *named,
+            *self.spreads_of_lives(),
+            *self.tables(),
+            *self.figures(),
+        ]
+
+    def _scene_figures(self, scene: str) -> list[str]:
+        grid = self.grids[scene]
+        names = ["fig10_wear", "wear_life"]
+        if len(grid.friction) > 1:
+            names += [
+                name for name, loss in self.losses.items() if loss in grid.ball_diameter_loss_um
+            ]
+        if self.slip_cases(scene):
+            names += ["fig09_slip"]
+        return sorted(names)
+
+
+def _scene_file(scene: str) -> str:
+    return f"config/scenes/{scene}.yaml"
+
+
+def _check_cases(scene: str, cases: Mapping[Case, Mapping[str, Any]]) -> None:
+    """Check a scene, read once, as each of its cases changes it."""
+    data, source = as_data(_scene_file(scene))
+    for case, changes in cases.items():
+        try:
+            changed_scene(data, changes, source)
+        except ValueError as error:
+            what = str(error).removeprefix("--set ")
+            raise ValueError(f"config: {scene}, {case.id}: {what}") from None
+
+
+def _case_file(scene: str, case: Case) -> str:
+    return f"results/{scene}/cases/{case.id}.nc"

@@ -1,0 +1,154 @@
+"""The numbers of a study as a CSV table, and the few that matter as Markdown."""
+
+import csv
+import io
+import itertools
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import in_words, methods, scene_of
+from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table, plain_text
+from bearingwear.results.quantiles import (
+    QUANTILES_TEXT,
+    SEE,
+    load_quantiles,
+    quantiles_of,
+    quantiles_text,
+)
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import loaded
+
+AXES = ("preload_method", "friction", "ball_diameter_loss")
+
+
+def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
+    """Step: the numbers of a scene as CSV, and the few that matter as Markdown.
+
+    Parameters
+    ----------
+    study, lives : path
+        Of one scene.
+    uncertainty : sequence of path
+        How its lives spread, where that is known.
+    """
+    cases = loaded(study, ball_diameter_loss=())
+    known = [load_quantiles(path) for path in uncertainty]
+    return cases_csv(cases), study_summary(cases, loaded(lives, interpolated_step=()), known)
+
+
+def cases_csv(study: xr.Dataset) -> str:
+    """A row for each case and a column for each number, with its unit in the header, as CSV.
+
+    A variable over race, axis or counts has a column for each of them; over balls, the mean.
+    """
+    columns = dict(_columns(study))
+    axes = {
+        "preload_method": flag_names(study["preload_method"]),
+        "friction": [f"{mu:g}" for mu in study["friction"].values],
+        "ball_diameter_loss (um)": [f"{loss:g}" for loss in study["ball_diameter_loss"].values],
+    }
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*axes, *columns])
+    for point, index in zip(
+        itertools.product(*axes.values()),
+        np.ndindex(*(study.sizes[axis] for axis in AXES)),
+        strict=True,
+    ):
+        table.writerow([*point, *(values[index] for values in columns.values())])
+    return text.getvalue()
+
+
+def _columns(study: xr.Dataset) -> Iterator[tuple[str, np.ndarray]]:
+    """Header and texts, over the axes, of each column."""
+    for name, variable in study.data_vars.items():
+        values = variable.transpose(*AXES, ...)
+        is_flag = "flag_meanings" in variable.attrs
+        if "ball" in values.dims:
+            values = values.isel(ball=0) if is_flag else values.mean("ball")
+        inner = values.dims[len(AXES) :]
+        unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
+        labels = [flag_names(study[dim]) for dim in inner]
+        for index in np.ndindex(*values.shape[len(AXES) :]):
+            words = [label[k] for label, k in zip(labels, index, strict=True)]
+            header = ".".join([str(name), *words]) + unit
+            numbers = values.values[(..., *index)]
+            names = variable.attrs["flag_meanings"].split() if is_flag else None
+            yield header, np.vectorize(lambda x, n=names: cell_text(x, n), otypes=[object])(numbers)
+
+
+def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> str:
+    """What wear does to QV and preload, the wear life, and what could not be solved, as Markdown.
+
+    `known` are files of the study of uncertainty, if there are any.
+    """
+    scene = scene_of(study)
+    losses = study["ball_diameter_loss"].values
+    first, last = f"{losses[0]:g} µm", f"{losses[-1]:g} µm"
+    wear = [
+        [
+            in_words(name),
+            f"{mu:g}",
+            *(f"{1e3 * state['total_qv'].sel(friction=mu)[k]:.1f}" for k in (0, -1)),
+            *(f"{state['residual_preload'].sel(friction=mu)[k]:.3f}" for k in (0, -1)),
+        ]
+        for name, state in methods(study)
+        for mu in study["friction"].values
+    ]
+    ends = lives["end_criterion"].attrs["flag_meanings"].split()
+    life, spreads = [], []
+    for name, of_method in methods(lives):
+        for mu in lives["friction"].values:
+            one = of_method.sel(friction=mu)
+            spread = quantiles_of(known, scene, name, mu) or {}
+            spreads.append(spread)
+            life.append(
+                [
+                    in_words(name),
+                    f"{mu:g}",
+                    *(
+                        cell
+                        for hours, way in zip(one["life"].values, COUNTS, strict=True)
+                        for cell in (f"{hours:.4g}", quantiles_text(spread.get(way, ())))
+                    ),
+                    in_words(ends[int(one["end_criterion"])]),
+                    f"{1e6 * one['loss_at_end']:.4f}",
+                    f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
+                ]
+            )
+    parts = [
+        f"# {scene['name']}",
+        plain_text(scene.get("description", "")),
+        "## What wear does",
+        markdown_table(
+            "preload method | friction | QV (mW) at " + first + " | at " + last
+            + " | residual preload (N) at " + first + " | at " + last,
+            wear,
+        ),
+        "QV is that of the whole bearing.",
+        "## Wear life",
+        markdown_table(
+            "preload method | friction | life (h), ball alone | its spread | balls and races "
+            "| its spread | ended by | at loss (µm) | interpolated against solved",
+            life,
+        ),
+        QUANTILES_TEXT if any(spreads) else "",
+        f"Where no spread is computed: {SEE}." if not all(spreads) else "",
+        "## Not solved",
+        "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
+    ]  # fmt: skip
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _unsolved(study: xr.Dataset) -> Iterator[str]:
+    for name, state in methods(study):
+        for index in np.argwhere(state["status"].values != OK):
+            one = state["status"][tuple(index)]
+            yield (
+                f"- {in_words(name)}, friction {float(one['friction']):g}, "
+                f"loss {float(one['ball_diameter_loss']):g} µm: {STATUS_NAMES[int(one)]}"
+            )

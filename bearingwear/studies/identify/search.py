@@ -1,0 +1,233 @@
+"""The bearings that fit what a text states, found by the model itself, and how their lives spread.
+
+Theory: docs/theory.md, section 16.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+from bearingwear.kernels.status import OK
+from bearingwear.kernels.thrust import OUTER_SPIN
+from bearingwear.model import parameters
+from bearingwear.model.life import life_history, steady_states
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.results.netcdf import common_attributes, data_array
+from bearingwear.results.variables import HOURS_PER_SECOND, STUDY_COORDINATES, Variable, table
+from bearingwear.scene.checking import record
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls
+from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.identify.plan import IdentifyPlan, Statements
+
+CANDIDATES = "candidates"
+
+FIT_RESULTS = (
+    "fits",
+    "balls_do_not_fit",
+    "no_contact_angle_gives_the_loss",
+    "not_solved",
+    "spins_on_the_inner_race",
+    "no_more_gyroscopic_slip_at_low_friction",
+    "no_drag_gives_the_course_of_qv",
+)
+"""Whether a bearing fits, and else the first statement that it does not."""
+FITS, NO_ROOM, NO_ANGLE, STATE_NOT_SOLVED, SPINS_INSIDE, NO_SLIP, NO_DRAG = range(len(FIT_RESULTS))
+
+CANDIDATE = table(
+    Variable(
+        "fit_result",
+        (),
+        "",
+        "whether the bearing fits what is stated",
+        dtype="i1",
+        flags=FIT_RESULTS,
+    ),
+    Variable("pitch_diameter", (), "mm", "pitch diameter"),
+    Variable("ball_count", (), "1", "number of balls", dtype="i8"),
+    Variable("inner_groove_factor", (), "1", "inner groove radius over ball diameter"),
+    Variable("contact_angle", (), "degree", "free contact angle with the stated loss of preload"),
+    Variable("drag_low", (), "kg m-3", "least drag density with the stated course of QV"),
+    Variable("drag_high", (), "kg m-3", "largest drag density with the stated course of QV"),
+    Variable("skid_ratio", (), "1", "largest skid ratio at the drags that fit, low friction"),
+    Variable(
+        "life",
+        ("preload_method", *LOSS_BASIS.dims),
+        "h",
+        "wear life at the high friction",
+        scale=HOURS_PER_SECOND,
+    ),
+)
+"""What is found of a candidate; NaN where it does not come so far."""
+
+MARKED = table(
+    Variable("pitch_diameter_mm", (), "", "pitch_diameter_mm of a marked scene"),
+    Variable("contact_angle_deg", (), "", "contact_angle_deg of a marked scene"),
+    Variable("ball_count", (), "", "ball_count of a marked scene"),
+    Variable("inner_groove_factor", (), "", "inner_groove_factor of a marked scene"),
+)
+"""What is kept of the marked scenes."""
+
+QV_LOSSES_UM = tuple(round(0.1 * k, 1) for k in range(8))  # as the paper draws its QV
+
+
+def running(scene: Scene, method: str, mu: float, drag: float = 0.0) -> Scene:
+    """The scene with a method, a friction and a drag."""
+    return replace(
+        scene,
+        operation=replace(scene.operation, preload_method=method),
+        friction=replace(scene.friction, ball_race=mu),
+        lubricant=replace(scene.lubricant, drag_density_kg_m3=drag),
+    )
+
+
+def preload_loss(scene: Scene, stated: Statements) -> float:
+    """Share of the initial preload that the stated wear takes, fixed position; NaN if unsolved."""
+    given = running(scene, "fixed_position", stated.high_friction)
+    state = steady_states(given)(stated.preload_loss_at_um * parameters.UM)
+    return 1.0 - state.preload / scene.operation.preload_N if state.status == OK else np.nan
+
+
+def angles_of(scene: Scene, plan: IdentifyPlan) -> list[float]:
+    """Free contact angles [degree] with the stated loss of preload.
+
+    There may be several: a steep bearing loses little by geometry, a flat one is stiff enough. Two
+    closer to each other than the steps of the search are missed.
+    """
+
+    def miss(angle: float) -> float:
+        turned = replace(scene, bearing=replace(scene.bearing, contact_angle_deg=angle))
+        return preload_loss(turned, plan.statements) - plan.statements.preload_loss
+
+    angles = plan.contact_angle_deg
+    misses = [miss(angle) for angle in angles]
+    return [
+        float(brentq(miss, angles[k], angles[k + 1], xtol=1e-6))
+        for k in range(len(angles) - 1)
+        if misses[k] * misses[k + 1] < 0.0 or misses[k] == 0.0  # not where one of them is NaN
+    ]
+
+
+def spins_outside(scene: Scene, stated: Statements) -> int:
+    """Whether the new balls spin mainly on the outer race and slip more at low friction."""
+    share = []
+    for mu in (stated.high_friction, stated.low_friction):
+        problem = ThrustProblem.of(running(scene, "fixed_position", mu))
+        case = problem.solve(problem.g.D0)
+        if case.status != OK:
+            return STATE_NOT_SOLVED
+        if mu == stated.high_friction and case.branch != OUTER_SPIN:
+            return SPINS_INSIDE
+        share.append(steady_states(running(scene, "fixed_position", mu))(0.0).share.max())
+    return FITS if share[1] > share[0] else NO_SLIP
+
+
+def qv_fits(scene: Scene, drag: float, stated: Statements) -> tuple[bool, float]:
+    """Whether QV at low friction falls and rises with wear as stated; and the largest skid ratio.
+
+    Fixed position. Where a state was not solved, it does not.
+    """
+    solve = steady_states(running(scene, "fixed_position", stated.low_friction, drag))
+    states = [solve(loss * parameters.UM) for loss in QV_LOSSES_UM]
+    if any(state.status != OK for state in states):
+        return False, np.nan
+    qv = np.array([state.total_qv for state in states])
+    least = int(np.argmin(qv))
+    low, high = stated.qv_least_um
+    later = float(np.interp(stated.qv_rise_at_um, QV_LOSSES_UM, qv))
+    fits = low <= QV_LOSSES_UM[least] <= high and later >= (1.0 + stated.qv_rise) * qv[least]
+    return fits, max(abs(state.skid) for state in states)
+
+
+def member(scene: Scene, plan: IdentifyPlan) -> dict[str, Any]:
+    """What is found of one bearing that loses the stated preload."""
+    stated = plan.statements
+    row: dict[str, Any] = {"fit_result": spins_outside(scene, stated)}
+    if row["fit_result"] != FITS:
+        return row
+    fitting = []
+    for drag in plan.drag_density_kg_m3:
+        fits, skid = qv_fits(scene, drag, stated)
+        fitting += [(drag, skid)] if fits else []
+    if not fitting:
+        return row | {"fit_result": NO_DRAG}
+    row |= {"drag_low": fitting[0][0], "drag_high": fitting[-1][0]}
+    row["skid_ratio"] = max(skid for _, skid in fitting)
+    lives = []
+    for method in PRELOAD_METHODS:
+        given = running(scene, method, stated.high_friction, scene.lubricant.drag_density_kg_m3)
+        course = life_history(given, steady_states(given))
+        lives.append(course.times[-1] if course.status == OK else np.full(2, np.nan))
+    return row | {"life": lives}
+
+
+def candidates(base: Scene, plan: IdentifyPlan) -> list[dict[str, Any]]:
+    """Every bearing of the grid with every contact angle that gives the stated loss."""
+    rows = []
+    D0 = base.bearing.ball_diameter_mm
+    grid = itertools.product(plan.pitch_diameter_mm, plan.ball_count, plan.inner_groove_factor)
+    for dm, count, f_i in grid:
+        of = {"pitch_diameter": dm, "ball_count": count, "inner_groove_factor": f_i}
+        if count > most_balls(D0, dm):
+            rows.append(of | {"fit_result": NO_ROOM})
+            continue
+        bearing = replace(
+            base.bearing, pitch_diameter_mm=dm, ball_count=count, inner_groove_factor=f_i
+        )
+        # the cage would have to go with the pitch circle; no steady state knows it
+        scene = replace(base, bearing=bearing, cage=None)
+        angles = angles_of(scene, plan)
+        if not angles:
+            rows.append(of | {"fit_result": NO_ANGLE})
+        for angle in angles:
+            turned = replace(scene, bearing=replace(bearing, contact_angle_deg=angle))
+            rows.append(of | {"contact_angle": angle} | member(turned, plan))
+    return rows
+
+
+def identified(scene: Path, marks: Sequence[Path], plan: Mapping[str, Any]) -> xr.Dataset:
+    """Step: every candidate: whether it fits, the drags it fits with, its lives.
+
+    Parameters
+    ----------
+    scene : path
+        That has all that is not varied.
+    marks : sequence of path
+        Scenes that are drawn as well.
+    plan : mapping
+        `IdentifyPlan` as plain data.
+    """
+    checked = record(IdentifyPlan, plan, "config/identify.yaml")
+    base = load_scene(scene)
+    rows = candidates(base, checked)
+    variables: dict[str, xr.DataArray] = {}
+    for name, variable in CANDIDATE.items():
+        missing = np.full((2,) * len(variable.dims), np.nan)
+        column = [row.get(name, missing) for row in rows]
+        variables[name] = data_array(variable, column, ("candidate",))
+    bearings = [load_scene(path).bearing for path in marks]
+    for name, variable in MARKED.items():
+        values = [float(getattr(bearing, name)) for bearing in bearings]
+        variables[f"mark_{name}"] = data_array(variable, values, ("mark",))
+    return dataset_with(
+        variables,
+        {**coordinate(STUDY_COORDINATES["preload_method"]), **coordinate(LOSS_BASIS)},
+        common_attributes()
+        | {
+            "title": "Bearings that fit what is stated",
+            "kind": CANDIDATES,
+            "scene": json.dumps(base.to_dict()),
+            "marks": " ".join(checked.marks),
+            "statements": json.dumps(asdict(checked.statements)),
+            "comment": "A fit to a text, no validation.",
+        },
+    )

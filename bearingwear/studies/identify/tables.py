@@ -1,0 +1,65 @@
+"""The table of the bearings that fit what the paper states."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from bearingwear.plotting.drawing import in_words, methods
+from bearingwear.plotting.markdown import markdown_table
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import counted, loaded
+from bearingwear.studies.identify.figures import candidates_message, fitting
+from bearingwear.studies.identify.search import FIT_RESULTS
+
+
+def candidates_table(candidates: Path) -> str:
+    """Step: what was stated, how many bearings fit it, and each of those, as Markdown."""
+    found = loaded(candidates, candidate=())
+    stated = json.loads(found.attrs["statements"])
+    count = np.bincount(found["fit_result"].values, minlength=len(FIT_RESULTS))
+    fits, basis = fitting(found), counted(found)
+    names = [name for name, _ in methods(found)]
+    rows = [
+        [
+            f"{float(one['pitch_diameter']):g}",
+            f"{int(one['ball_count'])}",
+            f"{float(one['inner_groove_factor']):g}",
+            f"{float(one['contact_angle']):.2f}",
+            f"{float(one['drag_low']):g} to {float(one['drag_high']):g}",
+            f"{float(one['skid_ratio']):.3f}",
+            *(
+                f"{float(life.isel(loss_basis=c)):.4g}"
+                for c in (basis, 1 - basis)
+                for life in one["life"]
+            ),
+        ]
+        for one in (fits.isel(candidate=i) for i in range(fits.sizes["candidate"]))
+    ]
+    ways = " | ".join(
+        f"life, {in_words(name)}, counting {in_words(COUNTS[c])} (h)"
+        for c in (basis, 1 - basis)
+        for name in names
+    )
+    text = [
+        "# Bearings that fit what the paper states",
+        f"{candidates_message(found)}. A fit to a text, no validation.",
+        markdown_table("statement | value", [[in_words(k), str(v)] for k, v in stated.items()]),
+        markdown_table(
+            "what was found | candidates",
+            [
+                [in_words(name), str(number)]
+                for name, number in zip(FIT_RESULTS, count, strict=True)
+            ],
+        ),
+        "That a ball slips in the rolling direction above 0.6 µm is not asked for: at the drags "
+        "that fit, the largest skid ratio stands below.",
+        markdown_table(
+            "pitch diameter (mm) | balls | inner groove factor | contact angle (°) | "
+            f"drag density that fits (kg/m3) | largest skid ratio | {ways}",
+            rows,
+        ),
+    ]
+    return "\n\n".join(text) + "\n"

@@ -1,0 +1,31 @@
+"""Scenes whose lives a study finds by the steady model."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from bearingwear.scene.scene import Scene, SceneError
+
+
+def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
+    """A scene with an end of life and a steady state.
+
+    Raises
+    ------
+    SceneError
+        One line.
+    """
+    from bearingwear.model.fidelity import choice_for_life
+    from bearingwear.scene.read import for_life, load_scene
+
+    scene = for_life(load_scene(path, settings), os.fspath(path))
+    tier = choice_for_life(scene).tier
+    if tier != "steady":
+        raise SceneError(
+            "",
+            f"given a scene whose life is found by {tier}; allowed one with a steady state",
+            source=os.fspath(path),
+        )
+    return scene

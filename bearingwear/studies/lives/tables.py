@@ -1,0 +1,63 @@
+"""Table of lives that were solved with the dynamic model."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.plotting.markdown import markdown_table
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.lives.life_file import criterion, dynamic_life, ended_by
+
+MICRO = 1e6
+
+
+def lives_table(lives: Sequence[Path]) -> str:
+    """Step: lives by the names of their files, beside the steady ones, as Markdown."""
+    rows = [[path.stem, *_numbers(dynamic_life(path))] for path in lives]
+    parts = [
+        "# Wear life, followed in time",
+        markdown_table(
+            "life of | life (h) | ± (h) | ended by | steady life (h) | ended by "
+            "| steady time to the same loss (h) | loss (µm) | balls' wear, least and most of the "
+            "mean | pockets and land (10³ µm³)",
+            rows,
+        ),
+        "±: bound of what steps and scatter of the runs do. Balls' wear: worn off each since the "
+        "start. The steady life is that of what of the scene has one: thrust alone, no cage, mean "
+        "loss.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _numbers(life: xr.Dataset) -> list[str]:
+    """A row of the table."""
+    k = counted(life)
+
+    def one(name: str, scale: float = 1.0) -> str:
+        value = float(life[name]) if name in life else float("nan")
+        return f"{scale * value:.4g}"
+
+    # of a life that no run was solved for there is no history
+    if "history_ball_worn_volume" not in life:
+        return [*["–"] * 2, ended_by(life), one("steady_life"), *["–"] * 5]
+    balls = life["history_ball_worn_volume"].values[-1]
+    spread = balls / balls.mean() if balls.mean() > 0.0 else np.full(1, np.nan)
+    cage = "–"
+    if "history_pocket_worn_volume" in life:
+        pockets = life["history_pocket_worn_volume"].values[-1].sum()
+        land = life["history_land_worn_volume"].values[-1]
+        cage = f"{1e15 * pockets:.4g}, {1e15 * land:.4g}"
+    steady = criterion(life, "steady_end_criterion") if "steady_life" in life else "–"
+    return [
+        f"{float(life['life'][k]):.4g}",
+        f"{float(life['life_error_bound'][k]):.2g}",
+        ended_by(life),
+        one("steady_life"),
+        steady,
+        one("steady_time_to_loss"),
+        one("loss_at_end", MICRO),
+        f"{spread.min():.3f}, {spread.max():.3f}",
+        cage,
+    ]

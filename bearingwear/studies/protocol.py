@@ -1,0 +1,142 @@
+"""What a study is: steps, each of which makes files from files by one function.
+
+The rules of the workflow, the page and the cluster's groups ask a study for its steps and know none
+by name. A new study is a folder with these steps, a YAML file and a line in `studies.NAMES`.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+Wildcards = Mapping[str, str]
+Files = Mapping[str, str | Sequence[str]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """One kind of job of a study.
+
+    Attributes
+    ----------
+    name : str
+        What its rule is called, after the name of the study.
+    run : str
+        The function that does it, from the package on: `studies.grid.gather.study`. It takes
+        `inputs` and `settings` as keyword arguments and returns what is written: a Result, a
+        Dataset, a Figure, a text, or a tuple of these, one for each output.
+    outputs : tuple of str
+        Paths, with wildcards in braces. A figure is written to each of them.
+    inputs : mapping, or function of the wildcards
+        Files by the names of their arguments: a path, or a list of paths. Wildcards may stand in
+        those of a mapping.
+    settings : mapping, or function of the wildcards
+        All else that decides the result, as plain data.
+    label : str, or function of the wildcards
+        What a person reads while it runs; wildcards may stand in it.
+    matches : mapping
+        Regular expressions for wildcards.
+    seconds : float
+        What a job of it takes, about; 0 for one that is not worth a process on another node.
+    priority : int
+        Jobs of a higher one start first.
+    alone : bool
+        Whether it takes every core, so that nothing is timed beside it.
+    after : sequence of str
+        Files that must be there first although the function does not read them.
+    caption, category, result : str
+        Where the outputs for a reader (figures as SVG, tables as Markdown) stand in the report of
+        the jobs; no caption: they do not.
+    """
+
+    name: str
+    run: str
+    outputs: tuple[str, ...]
+    inputs: Files | Callable[[Wildcards], Files] = field(default_factory=dict)
+    settings: Mapping[str, Any] | Callable[[Wildcards], Mapping[str, Any]] = field(
+        default_factory=dict
+    )
+    label: str | Callable[[Wildcards], str]
+    matches: Mapping[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+    priority: int = 0
+    alone: bool = False
+    after: Sequence[str] = ()
+    caption: str = ""
+    category: str = "{scene}"
+    result: str = ""
+
+    @property
+    def module(self) -> str:
+        """Dotted name of the module that holds `run`; its imports decide the result."""
+        return f"bearingwear.{self.run.rpartition('.')[0]}"
+
+    def files(self, wildcards: Wildcards) -> dict[str, str | list[str]]:
+        """The inputs of one job."""
+        if callable(self.inputs):
+            return {
+                name: path if isinstance(path, str) else list(path)
+                for name, path in self.inputs(wildcards).items()
+            }
+        return {
+            name: path.format(**wildcards)
+            if isinstance(path, str)
+            else [one.format(**wildcards) for one in path]
+            for name, path in self.inputs.items()
+        }
+
+    def given(self, wildcards: Wildcards) -> dict[str, Any]:
+        """The settings of one job."""
+        return dict(self.settings(wildcards) if callable(self.settings) else self.settings)
+
+    def text(self, wildcards: Wildcards) -> str:
+        """The label of one job."""
+        return self.label(wildcards) if callable(self.label) else self.label.format(**wildcards)
+
+
+class Study:
+    """A study, as `studies.NAME.study.study(config)` makes it from its configuration.
+
+    Attributes
+    ----------
+    name : str
+    default : bool
+        Whether a plain `snakemake` runs it.
+    steps : sequence of Step
+    """
+
+    name: str
+    default = False
+    steps: Sequence[Step] = ()
+
+    def targets(self) -> list[str]:
+        """Every file that running the study makes."""
+        raise NotImplementedError
+
+    def inputs(self) -> list[str]:
+        """Files that it is made from and nobody makes: scenes, values of others."""
+        return []
+
+    def check(self) -> None:
+        """Read every scene as the study changes it.
+
+        Raises
+        ------
+        ValueError
+            One line: the first thing that is wrong.
+        """
+
+    def judged(self) -> list[str]:
+        """Files in which every status must be good, or the run fails at its end."""
+        return []
+
+    def page_sections(self) -> list[str]:
+        """What the page shows scene by scene: results, tables (.md) and figures (.svg, .png)."""
+        return []
+
+    def page_answers(self) -> list[str]:
+        """What the page's answer rests on; files that are there, of a study that is no default."""
+        return []

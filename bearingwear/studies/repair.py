@@ -1,0 +1,105 @@
+"""Looks over what earlier runs have left, before a run relies on it.
+
+Snakemake believes that a file is good if it is there, and up to date if it is not older than what
+it was made from. Neither holds after a full disk, a broken transfer or a clock that was set back.
+"""
+
+import contextlib
+import json
+import os
+import re
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from bearingwear.studies.grid.grid import Case
+
+SET_ASIDE = ".damaged"
+"""Suffix a file gets that cannot be used, so that nothing is deleted and its place is free."""
+
+ABANDONED = 60.0
+"""Age at which a file that is still being written was left so by a process that was killed [s]."""
+
+
+def survey(paths: Iterable[str]) -> Iterator[str]:
+    """Set aside results that cannot be used, and take back dates that lie in the future.
+
+    Parts of files that nobody writes any more are removed.
+
+    What is set aside is then missing, so that a run makes it anew. A result from the future would
+    pass for newer than whatever is made from now on, and nothing can be made from an input of the
+    future: Snakemake refuses what is older than its input. Both are dated now; whether a result
+    still fits its inputs is told by their contents (`made_from` in the rules).
+
+    Parameters
+    ----------
+    paths : iterable of str
+        Results and inputs of a study, of which any may be missing. Damage is looked for in those
+        that end in `.nc`.
+
+    Yields
+    ------
+    str
+        One line for each damaged file, and one for all dates.
+
+    Raises
+    ------
+    OSError
+        A file that cannot be renamed, dated or removed.
+    """
+    paths = list(paths)
+    _remove_abandoned(paths)
+    there = filter(os.path.lexists, paths)
+    redated = 0
+    for path in there:
+        fault = damage(path) if path.endswith(".nc") else None
+        if fault:
+            os.replace(path, path + SET_ASIDE)
+            yield f"{fault}; set aside as {path}{SET_ASIDE}, to be made anew"
+        elif os.path.getmtime(path) > time.time():
+            os.utime(path)
+            redated += 1
+    if redated:
+        yield f"{redated} files were dated in the future, and are now dated as of today"
+
+
+def _remove_abandoned(paths: Iterable[str]) -> None:
+    """Remove what writers of these files left when they were killed."""
+    ours = set(map(Path, paths))
+    for folder in {path.parent for path in ours}:
+        for part in folder.glob(".*.part"):
+            name = re.fullmatch(r"\.(.+)\.\d+\.part", part.name)
+            if name and folder / name[1] in ours:
+                with contextlib.suppress(FileNotFoundError):  # just now finished
+                    if time.time() - part.stat().st_mtime > ABANDONED:
+                        part.unlink()
+
+
+def damage(path: str) -> str | None:
+    """Why a result file of a study cannot be used, on one line; None if it can.
+
+    It is opened, not read to its end; whoever reads the values does that.
+    """
+    from bearingwear.results.netcdf import CaseFileError, header
+
+    try:
+        found = header(path)
+        is_case = Path(path).parent.name in ("cases", "dynamic")
+        if is_case and (held := _case_id(found)) != Path(path).stem:
+            return f"{path}: holds the case {held}" if held else f"{path}: not a case of a study"
+    except CaseFileError as error:
+        return str(error)
+    return None
+
+
+def _case_id(attributes: dict) -> str | None:
+    """Id of the case that a file holds; None if it holds none."""
+    try:
+        scene = json.loads(attributes["scene"])
+        return Case(
+            scene["operation"]["preload_method"],
+            float(scene["friction"]["ball_race"]),
+            float(scene["wear"]["ball_diameter_loss_um"]),
+        ).id
+    except (KeyError, TypeError, ValueError, RecursionError):
+        return None

@@ -1,0 +1,42 @@
+"""Boundaries of maps in closed form, from rolling at the free angle and loads at rest."""
+
+import math
+
+from bearingwear.model import parameters
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.robustness.draw import at_rest, elastic_approach
+
+
+def closed_form(limit: str, value: float | None, scene: Scene) -> float:
+    """A closed form in place of `maps.excess`, from rolling at the free angle and loads at rest.
+
+    contact: the outer race alone holds the ball at the centrifugal force of rolling, and it no
+    longer reaches the inner race, which stands where the preload put it at rest. gyroscopic_slip:
+    the share s of the friction mu (Q_i + Q_o) R carries the gyroscopic moment. skid: drag exceeds
+    2 mu Q_i, all that the inner race can hand on (half of it is lost to rolling on the outer).
+    """
+    g, m = parameters.geometry(scene), parameters.operating_point(scene)
+    D = float(parameters.ball_diameters(scene)[0])
+    _, rest = at_rest(scene)
+    # Both races meet at rest along one line; it shortens as the ball wears.
+    K = (rest.hertz_i.K ** (-2 / 3) + rest.hertz_o.K ** (-2 / 3)) ** -1.5
+    slack = elastic_approach(scene) - (g.D0 - D)
+    gamma = g.D0 / g.dm
+    Omega = 0.5 * m.omega_i * (1.0 - gamma * math.cos(g.alpha0))
+    mass = g.rho * math.pi / 6.0 * D**3
+    F_c = mass * 0.5 * g.dm * Omega**2
+    Q = K * slack**1.5 if slack > 0.0 else 0.0
+    if limit == "contact":
+        length = g.r_i + g.r_o - g.D0 + elastic_approach(scene)
+        A1, A2 = length * math.sin(rest.alpha_o), length * math.cos(rest.alpha_o)
+        X2 = g.r_o - 0.5 * D + (F_c / rest.hertz_o.K) ** (2 / 3)
+        reach = math.hypot(A1, A2 - X2) - (g.r_i - 0.5 * D)
+        return -min(reach, slack)
+    if Q == 0.0 or m.mu == 0.0:
+        return 1.0
+    if limit == "gyroscopic_slip" and value is not None:
+        w_R = m.omega_i * (1.0 - gamma**2 * math.cos(g.alpha0) ** 2) / (2.0 * gamma)
+        M_g = 0.1 * mass * D * D * w_R * Omega * math.sin(rest.alpha_o)
+        return M_g / (m.mu * (2.0 * Q + F_c) * 0.5 * D) - value
+    drag = math.pi / 8.0 * m.drag * D**2 * (0.5 * g.dm * Omega) ** 2
+    return drag / (2.0 * m.mu * Q) - 1.0

@@ -1,0 +1,122 @@
+"""The scene that a draw of values stands for."""
+
+import copy
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
+from bearingwear.kernels.kinematics import ORBIT
+from bearingwear.kernels.params import BallLoad
+from bearingwear.model import parameters
+from bearingwear.scene.changes import with_changes
+from bearingwear.scene.read import scene_from_dict
+from bearingwear.scene.scene import Scene, most_balls
+
+CERAMIC = {
+    "youngs_modulus_GPa": 310.0,
+    "poisson_ratio": 0.26,
+    "density_kg_m3": 3200.0,
+    "brinell_hardness_GPa": 15.0,
+    "wear_coefficient": 5.0e-6,
+}
+
+
+def with_values(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:
+    """A scene's data with keys like `operation.preload_N` replaced."""
+    keys = {
+        # a scene wants whole numbers where it says so
+        key: round(value) if key == "model.strips" else value
+        for key, value in drawn.items()
+        if "." in key
+    }
+    return copy.deepcopy(with_changes(base, keys))
+
+
+def bare(data: dict[str, Any]) -> dict[str, Any]:
+    """A scene's data without cage and end of life."""
+    data["cage"], data["wear"]["end_of_life"] = None, None
+    return data
+
+
+def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
+    """The scene that a draw stands for.
+
+    Besides keys of a scene, a draw may hold: `ball_diameter_mm` and `pitch_ratio` (pitch over ball
+    diameter), to which the cage is scaled; `fill` (ball count over the most that fit);
+    `stress_GPa` (a preload that presses the outer contact so, at rest and unworn); `speed_m_s` (of
+    the inner race at the pitch circle); `outer_ratio` (outer speed over shaft speed);
+    `radial_ratio`, `rotating_ratio` (loads over the preload); `loss_ratio` (loss of ball diameter
+    over the elastic approach of both races under the preload); `cage` (its guiding race, or none);
+    `pocket_clearance_ratio`, `guide_clearance_ratio` (over the room there is).
+
+    Raises
+    ------
+    SceneError
+        Where there is no such bearing.
+    """
+    data = with_values(base, drawn)
+    b, operation = data["bearing"], data["operation"]
+    data["materials"]["silicon_nitride"] = CERAMIC
+    data["wear"]["end_of_life"] = None
+    old = b["ball_diameter_mm"], b["pitch_diameter_mm"]
+    D = b["ball_diameter_mm"] = drawn.get("ball_diameter_mm", old[0])
+    dm = b["pitch_diameter_mm"] = D * drawn.get("pitch_ratio", old[1] / old[0])
+    if "fill" in drawn:
+        b["ball_count"] = max(3, math.floor(drawn["fill"] * most_balls(1.001 * D, dm)))
+    if "speed_m_s" in drawn:
+        operation["shaft_speed_rpm"] = drawn["speed_m_s"] / (0.5e-3 * dm) / parameters.RPM
+    operation["outer_speed_rpm"] = drawn.get("outer_ratio", 0.0) * operation["shaft_speed_rpm"]
+    _fit_cage(data, drawn, D, dm)
+    data["wear"]["ball_diameter_loss_um"] = 0.0
+    if "stress_GPa" in drawn or "loss_ratio" in drawn:
+        scene = scene_from_dict(data)
+        if "stress_GPa" in drawn:
+            data["operation"]["preload_N"] = preload_of(scene, 1e9 * drawn["stress_GPa"])
+            scene = scene_from_dict(data)
+        if drawn.get("loss_ratio", 0.0) > 0.0:
+            loss = 1e6 * drawn["loss_ratio"] * elastic_approach(scene)
+            data["wear"]["ball_diameter_loss_um"] = min(loss, 0.099e3 * D)
+    for name, key in (("radial_ratio", "radial_load_N"), ("rotating_ratio", "rotating_load_N")):
+        load = drawn.get(name, 0.0) * data["operation"]["preload_N"]
+        data["operation"][key] = [0.0, load] if key == "radial_load_N" else load
+    return scene_from_dict(data)
+
+
+def _fit_cage(data: dict[str, Any], drawn: Mapping[str, Any], D: float, dm: float) -> None:
+    """A cage of the pitch circle's size, or none."""
+    guide = drawn.get("cage", "none")
+    if guide == "none":
+        data["cage"] = None
+        return
+    cage = data["cage"]
+    cage["guiding_race"] = guide
+    cage["inner_diameter_mm"], cage["outer_diameter_mm"] = dm - 0.45 * D, dm + 0.45 * D
+    cage["width_mm"] = 1.5 * D
+    room = dm * math.sin(math.pi / data["bearing"]["ball_count"]) - D
+    cage["pocket_clearance_mm"] = drawn.get("pocket_clearance_ratio", 0.1) * 0.9 * max(room, 0.0)
+    cage["guide_clearance_mm"] = drawn.get("guide_clearance_ratio", 0.1) * 0.5 * D
+
+
+def at_rest(scene: Scene):
+    """One ball of the unworn bearing at rest under its preload alone."""
+    g = parameters.geometry(scene)
+    load = BallLoad(ORBIT, 0.0, 0.0, 0.0, 0.0, 0.0)
+    _, state = thrust_equilibrium(
+        g, g.D0, load, float(scene.operation.preload_N), 0.0, True, cold_start()
+    )
+    return g, state
+
+
+def elastic_approach(scene: Scene) -> float:
+    """Of both races to each other through a ball, at rest and unworn [m]."""
+    _, state = at_rest(scene)
+    return (state.Q_i / state.hertz_i.K) ** (2 / 3) + (state.Q_o / state.hertz_o.K) ** (2 / 3)
+
+
+def preload_of(scene: Scene, pressure: float) -> float:
+    """Preload that presses the outer contact with about this stress at the free angle [N]."""
+    g, state = at_rest(scene)
+    hertz = state.hertz_o
+    Q = (pressure * math.pi * hertz.c_a * hertz.c_b / 1.5) ** 3
+    return min(max(g.n_balls * Q * math.sin(max(g.alpha0, 0.1)), 1e-3), 1e5)

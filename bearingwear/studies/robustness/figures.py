@@ -1,0 +1,188 @@
+"""Figures of the study of robustness: maps with their boundaries, and branches."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib.colors
+import numpy as np
+import xarray as xr
+from matplotlib.patches import Patch
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.studies.robustness.ends import WITHOUT_REASON
+
+END_COLOURS = {
+    "contact_lost": "C5",
+    "preload_gone": "C3",
+    "outside_hertz_range": "C4",
+    "beyond_groove": "C2",
+    "no_steady_state": "0.5",
+    "below_rounding": "0.7",
+    "undetermined": "0.85",
+}
+"""Of what is not verified; the others are black."""
+
+AXIS_LABELS = {
+    "operation.shaft_speed_rpm": "shaft speed (r/min)",
+    "operation.preload_N": "preload (N)",
+    "friction.ball_race": "friction coefficient",
+    "friction.slip_regularisation_m_s": "regularisation v_r (m/s)",
+    "wear.ball_diameter_loss_um": "loss of ball diameter (µm)",
+}
+
+
+class LimitStyle(NamedTuple):
+    """How the boundary at a limit is drawn, in the map and in the legend, and what it is called."""
+
+    colour: str
+    text: str
+    legend_colour: str
+
+
+_LIMITS = {
+    "contact": LimitStyle(colour="white", text="loss of contact", legend_colour="0.6"),
+    "gyroscopic_slip": LimitStyle(
+        colour="C1", text="gyroscopic slip share {:g}", legend_colour="C1"
+    ),
+    "skid": LimitStyle(colour="C0", text="lag behind rolling {:g}", legend_colour="C0"),
+}
+SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
+
+
+def of_kind(path: Path, kind: str) -> xr.Dataset:
+    """A file of one kind of the study.
+
+    Raises
+    ------
+    CaseFileError
+        One line that names the file.
+    """
+    dataset = load(path)
+    if dataset.attrs.get("kind") != kind:
+        raise CaseFileError(f"{path}: not a file of the {kind} of the study of robustness")
+    return dataset
+
+
+def edges(values: np.ndarray, log: bool) -> np.ndarray:
+    """Edges of the cells around the points of an axis."""
+    points = np.log(values) if log else values
+    middle = 0.5 * (points[1:] + points[:-1])
+    ends = [1.5 * points[0] - 0.5 * points[1], 1.5 * points[-1] - 0.5 * points[-2]]
+    found = np.concatenate([ends[:1], middle, ends[1:]])
+    return np.exp(found) if log else found
+
+
+# Maps
+
+
+def map_figure(solved: Path) -> Figure:
+    """Step: a map with its boundaries."""
+    return figure_of_map(of_kind(solved, "maps"))
+
+
+def figure_of_map(solved: xr.Dataset) -> Figure:
+    """Where steady states are verified, their gyroscopic slip, and why there are none."""
+    figure, panels = new_figure(1, 1, 6.6, 4.6)
+    axes = panels[0, 0]
+    axes.grid(False)
+    x_edges = edges(solved["x"].values, bool(solved.attrs["x_log"]))
+    y_edges = edges(solved["y"].values, bool(solved.attrs["y_log"]))
+    status = solved["status"].values
+    share = np.where(status == OK, solved["gyroscopic_slip_share"].values, np.nan)
+    norm = matplotlib.colors.BoundaryNorm(SHARES, 256)
+    mesh = axes.pcolormesh(x_edges, y_edges, share, cmap="cividis", norm=norm, rasterized=True)
+    figure.colorbar(mesh, ax=axes, label="gyroscopic share of the slip, larger of both contacts")
+    handles: list[Any] = []
+    for code in np.unique(status[status != OK]):
+        name = STATUS_NAMES[int(code)]
+        colour = END_COLOURS.get(name, "black")
+        cells = np.where(status == code, 1.0, np.nan)
+        cmap = matplotlib.colors.ListedColormap([colour])
+        axes.pcolormesh(x_edges, y_edges, cells, cmap=cmap, rasterized=True)
+        handles.append(Patch(color=colour, label=in_words(name)))
+    handles += draw_boundaries(axes, solved)
+    for along in "xy":
+        getattr(axes, f"set_{along}label")(AXIS_LABELS[solved.attrs[f"{along}_key"]])
+        if solved.attrs[f"{along}_log"]:
+            getattr(axes, f"set_{along}scale")("log")
+    axes.set_xlim(x_edges[0], x_edges[-1])
+    axes.set_ylim(max(y_edges[0], 0.0), y_edges[-1])
+    frame(figure, map_title(solved), handles, columns=3)
+    return figure
+
+
+def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
+    """Draw boundaries and their closed forms; returns their keys."""
+    handles = []
+    for limit, style in _LIMITS.items():
+        boundary = solved.get(f"boundary_{limit}")
+        if boundary is None or not np.isfinite(boundary).any():
+            continue
+        line: dict[str, Any] = {"color": style.colour, "linewidth": 2.0}
+        axes.plot(solved["x"].values, boundary, **line)
+        axes.plot(solved["x"].values, solved[f"estimate_{limit}"], **line | {"linestyle": ":"})
+        text = style.text.format(boundary.attrs.get("limit"))
+        handles.append(key(text, **line | {"color": style.legend_colour}))
+    return [*handles, key("its closed form", color="0.3", linestyle=":", linewidth=2.0)]
+
+
+def map_title(solved: xr.Dataset) -> str:
+    """How many points of a map are verified, and whether the others have a reason."""
+    status = solved["status"].values
+    verified, total = int((status == OK).sum()), status.size
+    title = f"{solved.attrs['shown']}: {verified} of {total} points verified"
+    if np.isin(status, WITHOUT_REASON).any():
+        return f"{title}, not all others named"
+    return f"{title}, the others named" if verified < total else title
+
+
+# Branches
+
+_WAYS: dict[str, dict[str, Any]] = {
+    "up": {"color": "C0", "linestyle": "-", "linewidth": 3.5, "alpha": 0.45},
+    "down": {"color": "C1", "linestyle": "--"},
+    "anew": {"color": "black", "linestyle": "none", "marker": ".", "markersize": 3},
+}
+_SHOWN = {
+    "orbit_share": "orbit rate over shaft rate",
+    "total_qv": "QV of the bearing (W)",
+    "loss_rate": "rate of loss (m/s)",
+}
+
+
+def branches_figure(solved: Path) -> Figure:
+    """Step: steady states followed up, down, and found anew."""
+    return figure_of_branches(of_kind(solved, "branches"))
+
+
+def figure_of_branches(solved: xr.Dataset) -> Figure:
+    """Steady states followed up, down, and found anew."""
+    figure, panels = new_figure(1, 3, 7.6, 3.0)
+    along = solved["along"].values
+    ways = solved.attrs["ways"].split()
+    for axes, (name, text) in zip(panels.flat, _SHOWN.items(), strict=True):
+        for way, values in zip(ways, solved[name].values, strict=True):
+            axes.plot(along, values, **_WAYS[way])
+        axes.set_ylabel(text)
+        axes.set_xlabel(AXIS_LABELS[solved.attrs["key"]])
+        if solved.attrs["log"]:
+            axes.set_xscale("log")
+    handles = [
+        key({"anew": "found anew (life)"}.get(way, f"followed {way}"), **_WAYS[way]) for way in ways
+    ]
+    frame(figure, f"{solved.attrs['shown']}: {hysteresis(solved)}", handles, columns=3)
+    return figure
+
+
+def hysteresis(solved: xr.Dataset) -> str:
+    """Whether both ways lead over the same states."""
+    ways = solved.attrs["ways"].split()
+    up, down = (solved["total_qv"].values[ways.index(way)] for way in ("up", "down"))
+    one = np.isfinite(up) != np.isfinite(down)
+    apart = np.abs(up / down - 1.0) > 1e-4  # False where only one is finite
+    if (one | apart).any():
+        where = solved["along"].values[one | apart]
+        return f"two answers from {where.min():.3g} to {where.max():.3g}"
+    return "up and down lead over the same states"

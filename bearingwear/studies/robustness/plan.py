@@ -1,0 +1,257 @@
+"""What the study of robustness solves: config/robustness.yaml, and its random values.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from bearingwear.scene.checking import read_record, record
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import NAME, Key
+
+ROBUSTNESS_FILE = "config/robustness.yaml"
+
+RANDOM_FIDELITIES = ("race_control", "steady", "dynamic")
+LIMIT_NAMES = ("contact", "gyroscopic_slip", "skid")
+
+STAND_INS = (
+    "ball_diameter_mm",
+    "pitch_ratio",
+    "fill",
+    "loss_ratio",
+    "stress_GPa",
+    "speed_m_s",
+    "outer_ratio",
+    "radial_ratio",
+    "rotating_ratio",
+    "cage",
+    "pocket_clearance_ratio",
+    "guide_clearance_ratio",
+)
+"""Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
+
+Ends = Annotated[tuple[float, float] | None, Key("Two rising ends")]
+
+
+def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:
+    """Refuse ends that do not rise, or have no logarithm.
+
+    Raises
+    ------
+    SceneError
+    """
+    for name, ends in (("log", log), ("even", even)):
+        if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
+            positive = " > 0" if name == "log" else ""
+            raise SceneError(name, f"given {list(ends)}; allowed two rising ends{positive}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Draw:
+    """Where a value is drawn from: between two ends, or from a list."""
+
+    log: Ends = None
+    even: Ends = None
+    of: Annotated[tuple[Any, ...], Key("Values, one of which is drawn")] = ()
+    share: Annotated[
+        float | None, Key("How often one of `of` is drawn, if not always", minimum=0, maximum=1)
+    ] = None
+
+    def __post_init__(self) -> None:
+        check_ends(self.log, self.even)
+        if not (self.log or self.even or self.of):
+            raise ValueError("given nothing to draw from; allowed log, even or of")
+
+    def value(self, chance: random.Random) -> Any:
+        """One value."""
+        is_range = self.log is not None or self.even is not None
+        if self.of and (not is_range or chance.random() < (self.share or 0.0)):
+            return chance.choice(self.of)
+        if self.log is not None:
+            low, high = self.log
+            return math.exp(chance.uniform(math.log(low), math.log(high)))
+        assert self.even is not None
+        return chance.uniform(*self.even)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneClass:
+    """Random scenes of one kind."""
+
+    fidelity: Annotated[str, Key("Model that solves them", choices=RANDOM_FIDELITIES)]
+    scenes: Annotated[int, Key("How many", minimum=1)]
+    draw: Annotated[
+        Mapping[str, Any], Key("What is drawn: keys of a scene, and values that stand for some")
+    ]
+    like: Annotated[str, Key("Class before it, whose draws it takes over")] = ""
+
+    def __post_init__(self) -> None:
+        draws(self.draw)
+
+
+def draws(blocks: Mapping[str, Any]) -> dict[str, Draw]:
+    """Draws by the keys of their values.
+
+    Raises
+    ------
+    SceneError
+        For the first block that is wrong.
+    """
+    found = {}
+    for key, block in blocks.items():
+        if "." not in key and key not in STAND_INS:
+            raise SceneError(f"draw.{key}", f"given {key}; allowed {', '.join(STAND_INS)}")
+        try:
+            found[key] = record(Draw, block)
+        except SceneError as error:
+            where = ".".join(filter(None, ("draw", key, error.key)))
+            raise SceneError(where, error.problem) from None
+    return found
+
+
+def drawn(draw: Mapping[str, Draw], seed: int, count: int) -> Iterator[dict[str, Any]]:
+    """What sets so many scenes apart; the same for the same seed."""
+    for k in range(count):
+        chance = random.Random(f"{seed}-{k}")
+        yield {key: one.value(chance) for key, one in draw.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeyAxis:
+    """Points along a key of a scene."""
+
+    key: Annotated[str, Key("A key of the scene")]
+    log: Ends = None
+    even: Ends = None
+    points: Annotated[int, Key("How many", minimum=2)]
+
+    def __post_init__(self) -> None:
+        check_ends(self.log, self.even)
+        if (self.log is None) == (self.even is None):
+            raise ValueError("given no ends, or two pairs; allowed log or even")
+
+    @property
+    def is_log(self) -> bool:
+        return self.log is not None
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        shares = [k / (self.points - 1) for k in range(self.points)]
+        if self.log is not None:
+            low, high = self.log
+            return tuple(low * (high / low) ** share for share in shares)
+        assert self.even is not None
+        low, high = self.even
+        return tuple(low + (high - low) * share for share in shares)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateMap:
+    """Steady states over two axes."""
+
+    title: Annotated[str, Key("Title of the figure")]
+    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")] = field(
+        default_factory=dict
+    )
+    x: KeyAxis
+    y: KeyAxis
+    limits: Annotated[tuple[str, ...], Key("Limits sought along y", choices=LIMIT_NAMES)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch:
+    """Steady states followed along an axis, both ways."""
+
+    title: Annotated[str, Key("Title of the figure")]
+    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")] = field(
+        default_factory=dict
+    )
+    along: KeyAxis
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitValues:
+    """What counts as the limit."""
+
+    gyroscopic_slip: Annotated[float, Key("Gyroscopic share of the slip", above=0)]
+    skid: Annotated[float, Key("Lag behind pure rolling", above=0)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobustnessPlan:
+    """Everything in config/robustness.yaml."""
+
+    scene: Annotated[str, Key("Scene that all start from", pattern=NAME)]
+    scene_classes: Annotated[Mapping[str, SceneClass], Key("Random scenes, by class")]
+    maps: Annotated[Mapping[str, StateMap], Key("Maps of steady states")]
+    limits: Annotated[LimitValues, Key("What counts as a limit of a map")]
+    branches: Annotated[Mapping[str, Branch], Key("Branches of steady states")]
+
+    def __post_init__(self) -> None:
+        before: list[str] = []
+        for name, scene_class in self.scene_classes.items():
+            if scene_class.like and scene_class.like not in before:
+                allowed = ", ".join(before) or "none, since there is no class before it"
+                raise SceneError(
+                    f"scene_classes.{name}.like", f"given {scene_class.like}; allowed {allowed}"
+                )
+            before.append(name)
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> RobustnessPlan:
+        """Read and check the file.
+
+        Raises
+        ------
+        SceneError
+            One line.
+        """
+        return read_record(cls, path)
+
+    @property
+    def scene_file(self) -> str:
+        return f"config/scenes/{self.scene}.yaml"
+
+    def draw(self, name: str) -> dict[str, Any]:
+        """Blocks of all draws of a class, those it takes over among them."""
+        of = self.scene_classes[name]
+        return (self.draw(of.like) if of.like else {}) | dict(of.draw)
+
+    def class_settings(self, name: str) -> dict[str, Any]:
+        """What decides the random scenes of a class besides the scene."""
+        of = self.scene_classes[name]
+        return {
+            "name": name,
+            "fidelity": of.fidelity,
+            "count": of.scenes,
+            "draw": self.draw(name),
+        }
+
+    def map_settings(self, name: str) -> dict[str, Any]:
+        """What decides a map besides the scene."""
+        of, limits = self.maps[name], asdict(self.limits)
+        return {
+            "name": name,
+            "title": of.title,
+            "changes": of.changes,
+            "x": asdict(of.x),
+            "y": asdict(of.y),
+            "limits": {limit: limits.get(limit) for limit in of.limits},
+        }
+
+    def branch_settings(self, name: str) -> dict[str, Any]:
+        """What decides branches besides the scene."""
+        of = self.branches[name]
+        return {
+            "name": name,
+            "title": of.title,
+            "changes": of.changes,
+            "along": asdict(of.along),
+        }

@@ -1,0 +1,167 @@
+"""Solves random scenes and says how each one ends."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.model.solve import solved
+from bearingwear.results.netcdf import CaseFileError, common_attributes
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.studies.robustness.draw import drawn_scene
+from bearingwear.studies.robustness.ends import REFUSED, WITHOUT_REASON
+from bearingwear.studies.robustness.plan import RobustnessPlan, drawn, draws
+
+
+def random_scenes(
+    scene: Path,
+    name: str,
+    fidelity: str,
+    count: int,
+    draw: Mapping[str, Mapping[str, Any]],
+    seed: int = 1,
+) -> xr.Dataset:
+    """Step: how so many random scenes of a class end.
+
+    Parameters
+    ----------
+    scene : path
+        Where all start from.
+    name : str
+        Of the class.
+    draw : mapping
+        Blocks `draw` of the plan.
+
+    Returns
+    -------
+    Dataset
+        Over `trial`: status (-1: no such bearing, refused before any solve), the keys drawn,
+        `violations`: what is wrong, empty where nothing is; `states`: steady states found (0 where
+        none or not asked for), and `largest_qv_ratio`: by what share QV differs most among them.
+    """
+    base = load_scene(scene).to_dict()
+    trials = list(drawn(draws(draw), seed, count))
+    ends = [end_of(base, values, fidelity) for values in trials]
+    columns: dict[str, Any] = {
+        "status": np.array([end["status"] for end in ends], dtype=np.int8),
+        "violations": np.array([end["violations"] for end in ends], dtype=object),
+        "states": np.array([end["states"] for end in ends], dtype=np.int8),
+        "largest_qv_ratio": np.array([end["largest_qv_ratio"] for end in ends]),
+    }
+    for key in draw:
+        column = [values[key] for values in trials]
+        text = isinstance(column[0], str)
+        columns[key] = np.array(column, dtype=object if text else float)
+    return xr.Dataset(
+        {key: ("trial", column) for key, column in columns.items()},
+        attrs=attributes("scene_classes", name, {"fidelity": fidelity, "seed": seed}),
+    )
+
+
+def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
+    """Step: so many random scenes of a class of the plan, with a seed of their own.
+
+    The scene that all start from is beside the plan, in `scenes/`.
+
+    Raises
+    ------
+    CaseFileError
+        One line: the plan has no such class.
+    """
+    classes = RobustnessPlan.from_file(plan)
+    if name not in classes.scene_classes:
+        allowed = ", ".join(classes.scene_classes)
+        raise CaseFileError(f"{plan}: scene_classes: given {name}; allowed {allowed}")
+    settings = classes.class_settings(name) | {"count": count, "seed": seed}
+    return random_scenes(plan.parent / "scenes" / f"{classes.scene}.yaml", **settings)
+
+
+def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) -> dict[str, Any]:
+    """How a random scene ends: a value for each variable over `trial`."""
+    end: dict[str, Any] = {
+        "status": REFUSED,
+        "violations": "",
+        "states": 0,
+        "largest_qv_ratio": 0.0,
+    }
+    try:
+        scene = drawn_scene(base, values)
+    except SceneError:
+        return end
+    try:
+        solution = solved_values(scene, fidelity)
+    except Exception as error:  # noqa: BLE001 - a crash is a finding, the others go on
+        return end | {"violations": f"crashed: {type(error).__name__}: {error}"}
+    end["status"] = solution["status"]
+    end["violations"] = "; ".join(violations(scene, fidelity, solution))
+    if solution["status"] == code.OK and fidelity == "steady":
+        qv = solution["steady_state_total_qv"]
+        end["states"] = len(qv)
+        end["largest_qv_ratio"] = np.abs(qv / qv[0] - 1.0).max()
+    return end
+
+
+def solved_values(scene: Scene, fidelity: str) -> dict[str, Any]:
+    """Values of a solve, as `bearingwear.solve` finds them."""
+    return solved(scene, fidelity, None, None)[0]
+
+
+def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
+    """What is wrong with a solve: nothing, where it ended as it may."""
+    status = int(values["status"])
+    if status in WITHOUT_REASON:
+        return [STATUS_NAMES[status]]
+    if status != code.OK:
+        return []
+    found = [
+        f"{name} is not finite"
+        for name, value in values.items()
+        if not np.all(np.isfinite(np.asarray(value, dtype=float)))
+    ]
+    found += [
+        f"{name} {values[name]:.1e}"
+        for name, most in tolerances(fidelity, values).items()
+        if not abs(values[name]) <= most
+    ]
+    heat, qv = values["friction_heat"], values["qv"]
+    if fidelity != "dynamic" and not np.all(heat <= scene.friction.ball_race * qv * (1.0 + 1e-9)):
+        found.append("more heat than mu QV")
+    if scene.operation.preload_method == "constant_force":
+        preload = scene.operation.preload_N
+        if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
+            found.append(f"a spring of {preload:g} N holds {values['residual_preload']:g} N")
+    return found
+
+
+def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
+    """Largest residuals of an answer that is right, in view of how its numbers round."""
+    if fidelity == "dynamic":
+        return {"equilibrium_residual": 1e-6, "energy_account_error": 1e-3}
+    rounding = {"equilibrium_residual": "equilibrium_rounding"}
+    if fidelity == "steady":
+        rounding |= {
+            "friction_residual": "friction_rounding",
+            "power_balance_error": "power_rounding",
+        }
+    return {name: max(1e-9, min(1e-5, values[key])) for name, key in rounding.items()}
+
+
+def attributes(kind: str, name: str, more: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes of a file, with the versions that a case file has."""
+    common = common_attributes()
+    kept = (
+        "Conventions",
+        "source",
+        "source_hash",
+        "package_version",
+        "numpy_version",
+        "numba_version",
+    )
+    shared = {key: common[key] for key in kept}
+    title = f"Robustness: {kind}, {name}"
+    return shared | {"title": title, "kind": kind, "name": name} | dict(more)

@@ -1,0 +1,94 @@
+"""Runs one step of a study: calls its function and writes what that returns.
+
+The rules of the workflow call it as `bearingwear step STEP NAME=FILE ... -o FILE ...`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from bearingwear.console import UsageError
+
+_PACKAGE = "bearingwear"
+
+
+class NotSolved(Exception):
+    """Something in a study was not solved or is wrong; its text may have several lines."""
+
+
+class StepError(UsageError):
+    """A step that is not there, or not to be called so; one line."""
+
+
+def run_step(
+    step: str, inputs: Mapping[str, Any], settings: Mapping[str, Any], outputs: Sequence[Path]
+) -> None:
+    """Call the function of a step and write its outputs, each whole or not at all.
+
+    Parameters
+    ----------
+    step : str
+        `Step.run`.
+    inputs, settings : mapping
+        Keyword arguments: files, and all else.
+    outputs : sequence of path
+
+    Raises
+    ------
+    StepError, CaseFileError, SceneError, OutputError
+        One line.
+    NotSolved
+        Where the step itself fails; nothing is written.
+    """
+    function = _function(step)
+    try:
+        arguments = inspect.signature(function).bind(**inputs, **settings)
+    except TypeError as error:
+        raise StepError(f"step: given {step} with other arguments than it takes; {error}") from None
+    made = function(*arguments.args, **arguments.kwargs)
+    if isinstance(made, tuple):
+        for one, path in zip(made, outputs, strict=True):
+            write_outputs(one, [path])
+    else:
+        write_outputs(made, outputs)
+
+
+def _function(step: str) -> Any:
+    module, _, name = step.rpartition(".")
+    if not module.startswith(("studies.", "page.")):
+        raise StepError(f"step: given {step}; allowed studies.STUDY.MODULE.FUNCTION")
+    try:
+        return getattr(importlib.import_module(f"{_PACKAGE}.{module}"), name)
+    except (ModuleNotFoundError, AttributeError) as error:
+        if isinstance(error, ModuleNotFoundError) and not str(error.name).startswith(_PACKAGE):
+            raise  # a library that is not installed
+        raise StepError(f"step: given {step}, which is not there") from None
+
+
+def write_outputs(made: Any, outputs: Sequence[Path]) -> None:
+    """Write a Result, a Dataset or a text to its one output, a Figure to all of them."""
+    if isinstance(made, str):
+        from bearingwear.atomic import write_text
+
+        (path,) = outputs
+        write_text(path, made)
+        return
+    kind = type(made).__name__
+    if kind == "Figure":
+        from bearingwear.plotting.drawing import save
+
+        save(made, outputs)
+    elif kind == "Result":
+        from bearingwear.results.netcdf import write_result
+
+        (path,) = outputs
+        write_result(made, path)
+    else:
+        from bearingwear.studies.dataset import write_dataset
+
+        (path,) = outputs
+        write_dataset(made, path)

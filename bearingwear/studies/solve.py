@@ -1,0 +1,46 @@
+"""Solves a scene with some keys changed: a case, or its life. Steps of several studies do."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from bearingwear.kernels.status import STATUS_SENTENCES
+from bearingwear.model.result import Result
+from bearingwear.scene.read import for_life
+from bearingwear.scene.variant import variant
+
+NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+def solved_case(
+    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+) -> Result:
+    """One case. What could not be solved says so in its status, and on standard error."""
+    from bearingwear.model.solve import solve
+
+    solved = solve(variant(scene, changes), fidelity, progress=_report)
+    return _told(solved, scene)
+
+
+def solved_life(
+    scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
+) -> Result:
+    """The wear life of a scene. What could not be solved says so, as `case` has it."""
+    from bearingwear.model.life import life
+
+    return _told(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
+
+
+def _told(result: Result, scene: str | Path) -> Result:
+    if result.status != "ok":
+        _report(f"{scene}: {result.status}: {STATUS_SENTENCES[result.status]}")
+    return result
+
+
+def _report(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+    sys.stderr.flush()

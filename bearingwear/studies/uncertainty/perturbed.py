@@ -1,0 +1,69 @@
+"""A scene with some of its uncertain values replaced, and the races left as they are."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+from bearingwear.scene.scene import UNCERTAIN, WORN, Bearing, Scene
+
+DIAMETER = "ball_diameter_mm"
+
+
+def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
+    """The scene with other values under keys of `UNCERTAIN`.
+
+    Groove factors and contact angle are those of nominal balls. A ball diameter then changes the
+    balls alone, as a batch out of tolerance does: grooves and their centres keep their places
+    (theory.md Eq. 54).
+
+    Parameters
+    ----------
+    values : mapping
+        In the units of the keys. A wear coefficient or a hardness is that of the races; where the
+        balls are of another material, theirs changes in proportion.
+
+    Returns
+    -------
+    Scene or None
+        None where the balls have become too large to touch both grooves without load.
+    """
+    blocks: dict[str, dict[str, float]] = {}
+    for name, value in values.items():
+        if name not in WORN and name != DIAMETER:
+            blocks.setdefault(UNCERTAIN[name], {})[name] = value
+    changed = {key: replace(getattr(scene, key), **part) for key, part in blocks.items()}
+    factors = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
+    if factors:
+        pair = {scene.bearing.ball_material, scene.bearing.race_material}
+        changed["materials"] = {
+            name: replace(m, **{key: getattr(m, key) * factors[key] for key in factors})
+            if name in pair
+            else m
+            for name, m in scene.materials.items()
+        }
+    if DIAMETER in values:
+        bearing = with_balls(changed.get("bearing", scene.bearing), values[DIAMETER])
+        if bearing is None:
+            return None
+        changed["bearing"] = bearing
+    return replace(scene, **changed)
+
+
+def with_balls(b: Bearing, ball_diameter_mm: float) -> Bearing | None:
+    """The bearing with other balls between the same grooves; None where they leave no play."""
+    D, D0 = ball_diameter_mm, b.ball_diameter_mm
+    r_i, r_o = b.inner_groove_factor * D0, b.outer_groove_factor * D0
+    cos_a0 = math.cos(math.radians(b.contact_angle_deg))
+    cosine = (r_i + r_o - D0) * cos_a0 / (r_i + r_o - D)
+    if not 0.0 < cosine <= 1.0 or min(r_i, r_o) <= 0.5 * D:
+        return None
+    # the outer groove's centre stays at R_o = dm/2 - (r_o - D/2) cos a0
+    shift = 2.0 * ((r_o - 0.5 * D) * cosine - (r_o - 0.5 * D0) * cos_a0)
+    return replace(
+        b,
+        ball_diameter_mm=D,
+        pitch_diameter_mm=b.pitch_diameter_mm + shift,
+        contact_angle_deg=math.degrees(math.acos(cosine)),
+        inner_groove_factor=r_i / D,
+        outer_groove_factor=r_o / D,
+    )

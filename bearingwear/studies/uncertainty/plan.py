@@ -1,0 +1,86 @@
+"""What the study of uncertainty samples: config/uncertainty.yaml, checked.
+
+This file imports nothing heavy: the Snakefile reads it each time it is parsed.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from bearingwear.scene.checking import read_record
+from bearingwear.scene.records import Key
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
+from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.sampling import Sampling
+
+OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
+"""The preloads at which lives are sampled: the scene's own, and the design study's."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampledScene:
+    """A scene whose lives are sampled."""
+
+    preload_method: Annotated[
+        tuple[str, ...],
+        Key("Methods, of those in its design map", choices=PRELOAD_METHODS, least=1),
+    ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class UncertaintyPlan:
+    """Everything in config/uncertainty.yaml."""
+
+    scenes: Annotated[Mapping[str, SampledScene], Key("Scenes whose lives are sampled", least=1)]
+    sampling: Annotated[Sampling, Key("How their uncertain values are sampled")]
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> UncertaintyPlan:
+        """Read and check the file.
+
+        Raises
+        ------
+        SceneError
+            One line: file, key, what was given, what is allowed.
+        """
+        return read_record(cls, path)
+
+    def check_scenes(self, folder: str | Path = "config/scenes") -> None:
+        """Read every scene and look whether its lives can be sampled.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        for name in self.scenes:
+            uncertain_scene(Path(folder) / f"{name}.yaml")
+
+
+def uncertain_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
+    """A scene whose lives can be sampled: `life_scene`, with distributions.
+
+    Raises
+    ------
+    SceneError
+        One line.
+    """
+    scene, source = life_scene(path, settings), os.fspath(path)
+    if not scene.uncertainty:
+        raise SceneError(
+            "uncertainty", "given nothing; allowed at least one distribution", source=source
+        )
+    for name, given in scene.uncertainty.items():
+        # not an error of the scene: other values may be set in it, which no sample is asked of
+        if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
+            raise SceneError(
+                f"uncertainty.{name}.median",
+                f"given {scene.nominal(name):g}, the scene's own value; allowed, for a lognormal, "
+                "a number > 0",
+                source=source,
+            )
+    return scene

@@ -1,0 +1,319 @@
+"""How sure a life is: quantiles of sampled lives, and which uncertain value decides.
+
+Theory: docs/theory.md, section 15.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from SALib.analyze import sobol as sobol_analysis
+from scipy import stats
+
+from bearingwear.kernels.status import OK
+from bearingwear.results.netcdf import CaseFileError, common_attributes, data_array, load
+from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, UNCERTAIN_INPUTS
+from bearingwear.results.variables import HOURS_PER_SECOND, STUDY_COORDINATES, Variable, table
+from bearingwear.scene.checking import record
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.sampling import SAMPLES, Sampling
+from bearingwear.studies.uncertainty.plan import PRELOAD_CHOICES, uncertain_scene
+from bearingwear.studies.uncertainty.sample import (
+    PART_KIND,
+    lives,
+    problem,
+    sample,
+    value_at,
+    with_preload,
+)
+
+PROBABILITIES = (0.1, 0.5, 0.9)
+RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
+
+UNCERTAINTY_AXES = table(
+    STUDY_COORDINATES["preload_method"],
+    Variable(
+        PRELOAD_CHOICE, (PRELOAD_CHOICE,), "", "which preload", dtype="i1", flags=PRELOAD_CHOICES
+    ),
+    LOSS_BASIS,
+    Variable(
+        UNCERTAIN_INPUTS,
+        (UNCERTAIN_INPUTS,),
+        "",
+        "which uncertain inputs vary: all, or all but the wear coefficient and the hardness",
+        dtype="i1",
+        flags=("all", "all_but_wear"),
+    ),
+    Variable("probability", ("probability",), "1", "share of bearings that have failed"),
+)
+METHOD, CHOICE, BASIS, INPUTS, PROBABILITY = UNCERTAINTY_AXES
+ALONG = (METHOD, CHOICE)
+
+QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
+ANALYSED = table(
+    Variable("preload", (), "N", "initial axial preload, middle of its spread"),
+    Variable("evaluations", (), "1", "lives evaluated", dtype="i8"),
+    Variable("solved_share", (), "1", "share of the lives that were solved"),
+    Variable("index_share", (), "1", "share of the base samples that the indices are taken from"),
+    Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
+    Variable("life_quantile", QUANTILE, "h", "quantile of the life"),
+    Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
+    Variable(
+        "life_quantile_high", QUANTILE, "h", "upper end of the quantile's confidence interval"
+    ),
+    Variable(
+        "life_one_at_a_time",
+        ("quantity", "end", BASIS),
+        "h",
+        "life with one value at its 10 % and 90 % quantile, the others at their medians",
+    ),
+    Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
+    Variable("first_index_error", INDEX, "1", "half its confidence interval"),
+    Variable("total_index", INDEX, "1", "total Sobol index of log life"),
+    Variable("total_index_error", INDEX, "1", "half its confidence interval"),
+    Variable(
+        "life_sample", (INPUTS, "member", BASIS), "h", "sampled lives, independent ones, sorted"
+    ),
+)
+"""What is made of the sampled lives of a method at a preload; lives in hours."""
+
+
+def quantiles_and_indices(
+    scene: Path, parts: Sequence[Path], sampling: Mapping[str, int]
+) -> xr.Dataset:
+    """Step: quantiles of life and Sobol indices of its logarithm, from all parts of a sample.
+
+    Parameters
+    ----------
+    scene : path
+    parts : sequence of path
+        Sampled lives.
+    sampling : mapping
+        `Sampling` by its fields.
+
+    Raises
+    ------
+    CaseFileError
+        One line: a file that is no such part, of another scene or sampling, or parts missing.
+    """
+    of, plan = uncertain_scene(scene), Sampling(**sampling)
+    found = _parts(parts, of, plan)
+    methods = list(dict.fromkeys(method for method, _ in found))
+    table = [
+        [_analysed(of, method, found[method, choice], plan) for choice in PRELOAD_CHOICES]
+        for method in methods
+    ]
+    names = tuple(of.uncertainty or {})
+    quantity = Variable("quantity", ("quantity",), "", "uncertain value", dtype="i1", flags=names)
+    return _dataset(of, plan, methods, PRELOAD_CHOICES, table).assign_coords(coordinate(quantity))
+
+
+def _parts(
+    paths: Sequence[Path], scene: Scene, plan: Sampling
+) -> dict[tuple[str, str], list[xr.Dataset]]:
+    """Sampled lives by method and choice of preload, in the order of the chunks."""
+    parts: dict[tuple[str, str], list[xr.Dataset]] = {}
+    for path in paths:
+        part = load(path)
+        if part.attrs.get("kind") != PART_KIND:
+            raise CaseFileError(f"{path}: not a part of sampled lives")
+        sampled = {name: int(part.attrs[name]) for name in ("samples", "seed", "chunks")}
+        if json.loads(part.attrs["scene"]) != scene.to_dict() or Sampling(**sampled) != plan:
+            raise CaseFileError(f"{path}: not of this scene and sampling")
+        parts.setdefault((part.attrs["preload_method"], part.attrs[PRELOAD_CHOICE]), []).append(
+            part
+        )
+    ordered = {}
+    for method in (m for m in PRELOAD_METHODS if any(m == known for known, _ in parts)):
+        for choice in PRELOAD_CHOICES:
+            some = sorted(
+                parts.get((method, choice), []), key=lambda part: int(part.attrs["chunk"])
+            )
+            if [int(part.attrs["chunk"]) for part in some] != list(range(plan.chunks)):
+                raise CaseFileError(f"sampled lives of {method}, {choice} preload: parts missing")
+            ordered[method, choice] = some
+    return ordered
+
+
+def life_quantiles(
+    scene: str | Path,
+    friction: float | None = None,
+    methods: Sequence[str] = (),
+    samples: int = SAMPLES,
+    seed: int = 1,
+) -> xr.Dataset:
+    """Step: quantiles of the life at a scene's own preload.
+
+    Parameters
+    ----------
+    scene : path
+    friction : float, optional
+        Coefficient of ball and race, if not the scene's own [1].
+    methods : sequence of str, optional
+        Preload methods, if not the scene's own alone.
+    samples : int
+        Half of the number of lives, a power of two.
+    seed : int
+    """
+    try:
+        plan = record(Sampling, {"samples": samples, "seed": seed})
+    except SceneError as error:
+        raise CaseFileError(f"--{error.key}: {error.problem}") from None
+    settings = [] if friction is None else [f"friction.ball_race={friction!r}"]
+    base = uncertain_scene(scene, settings)
+    return own_quantiles(
+        base, list(dict.fromkeys(methods or [base.operation.preload_method])), plan
+    )
+
+
+def own_quantiles(scene: Scene, methods: Sequence[str], plan: Sampling) -> xr.Dataset:
+    """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
+    first_and_last = sample(scene, plan)[:, [0, -1]]  # A and B; the others repeat them
+    rows = first_and_last.reshape(-1, len(scene.uncertainty or {}))
+    table = []
+    for method in methods:
+        of = with_preload(scene, method, scene.operation.preload_N)
+        found = lives(of, np.vstack([_middle(of), rows]))
+        nominal, *hours = found.life * HOURS_PER_SECOND
+        solved = found.status[1:] == OK
+        analysed = {
+            "preload": scene.operation.preload_N,
+            "evaluations": solved.size,
+            "solved_share": solved.mean(),
+            "nominal_life": nominal,
+        }
+        table.append([analysed | _quantiles_of(np.array(hours), found.wear_factor[1:])])
+    return _dataset(scene, plan, methods, PRELOAD_CHOICES[:1], table)
+
+
+def _dataset(
+    scene: Scene,
+    plan: Sampling,
+    methods: Sequence[str],
+    choices: Sequence[str],
+    table: Sequence[Sequence[Mapping[str, Any]]],
+) -> xr.Dataset:
+    """What was found, by method and choice of preload, as a file."""
+    coords = {
+        **coordinate(
+            UNCERTAINTY_AXES[METHOD], [PRELOAD_METHODS.index(method) for method in methods]
+        ),
+        **coordinate(UNCERTAINTY_AXES[CHOICE], np.arange(len(choices))),
+        **coordinate(UNCERTAINTY_AXES[BASIS]),
+        **coordinate(UNCERTAINTY_AXES[INPUTS]),
+        **coordinate(UNCERTAINTY_AXES[PROBABILITY], PROBABILITIES),
+    }
+    variables = {
+        name: data_array(variable, [[one[name] for one in row] for row in table], ALONG)
+        for name, variable in ANALYSED.items()
+        if name in table[0][0]
+    }
+    return dataset_with(
+        variables,
+        coords,
+        common_attributes()
+        | {
+            "title": f"Uncertainty of the life of {scene.name}",
+            "kind": KIND,
+            "scene": json.dumps(scene.to_dict()),
+            "samples": np.int64(plan.samples),
+            "seed": np.int64(plan.seed),
+            "confidence": CONFIDENCE,
+        },
+    )
+
+
+def indices(scene: Scene, y: np.ndarray, seed: int) -> dict[str, np.ndarray]:
+    """Sobol indices (values,) of an answer y (samples, values + 2) in the order of `sample`."""
+    found = sobol_analysis.analyze(
+        problem(scene), y.ravel(), calc_second_order=False, num_resamples=RESAMPLES,
+        conf_level=CONFIDENCE, seed=seed,
+    )  # fmt: skip
+    names = {"first_index": "S1", "total_index": "ST"}
+    return {name: np.asarray(found[key]) for name, key in names.items()} | {
+        f"{name}_error": np.asarray(found[f"{key}_conf"]) for name, key in names.items()
+    }
+
+
+def _analysed(
+    scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Sampling
+) -> dict[str, Any]:
+    """`ANALYSED` of one method at one preload; NaN where there is no preload or nothing solved."""
+    count = len(scene.uncertainty or {})
+    sizes = {name: len(axis.flags) for name, axis in UNCERTAINTY_AXES.items() if axis.flags}
+    sizes |= {PROBABILITY: len(PROBABILITIES), "end": 2, "quantity": count}
+    sizes |= {"member": 2 * plan.samples}
+    found: dict[str, Any] = {
+        name: np.full([sizes[dim] for dim in variable.dims], np.nan)
+        for name, variable in ANALYSED.items()
+    }
+    found["preload"], found["evaluations"] = float(parts[0].attrs["preload_N"]), 0
+    if "life" not in parts[0]:
+        return found
+    whole = xr.concat(parts, "base")
+    solved = whole["status"].values == OK
+    life, factor = whole["life"].values, whole["wear_factor"].values
+    usable = (solved & (life > 0.0).all(axis=-1)).all(axis=1)
+    found["evaluations"] = solved.size
+    found["solved_share"] = solved.mean()
+    found["index_share"] = usable.mean()
+    # of A and B; the others repeat them
+    found |= _quantiles_of(*(np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)))
+    for k, one in enumerate((life, life / factor[..., None])):  # as `uncertain_inputs`
+        for c in range(2):
+            y = np.log(one[usable, :, c])
+            if y.size and np.ptp(y) > 0.0:
+                for name, values in indices(scene, y, plan.seed).items():
+                    found[name][k, :, c] = values
+    return found | _one_at_a_time(with_preload(scene, method, found["preload"]))
+
+
+def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:
+    """The nominal life, and lives with one value at its 10 % and 90 % quantile [h]."""
+    names, middle = list(scene.uncertainty or {}), _middle(scene)
+    rows = [middle]
+    for j, name in enumerate(names):
+        for p in (PROBABILITIES[0], PROBABILITIES[-1]):
+            value = float(value_at(scene, name, np.array(p)))
+            rows.append([value if i == j else v for i, v in enumerate(middle)])
+    nominal, *around = lives(scene, np.array(rows)).life * HOURS_PER_SECOND
+    return {
+        "nominal_life": nominal,
+        "life_one_at_a_time": np.array(around).reshape(len(names), 2, 2),
+    }
+
+
+def _middle(scene: Scene) -> list[float]:
+    """Every uncertain value at its median."""
+    return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
+
+
+def _quantiles_of(life: np.ndarray, factor: np.ndarray) -> dict[str, np.ndarray]:
+    """Those of independent lives (n, 2) [h], and of lives without what K_s and H do (n,)."""
+    both = np.stack([life, life / factor[:, None]])
+    found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in both])
+    names = ("life_quantile", "life_quantile_low", "life_quantile_high")
+    ends = {name: found[:, :, k].swapaxes(1, 2) for k, name in enumerate(names)}
+    return ends | {"life_sample": np.sort(both, axis=1)}
+
+
+def quantiles(life: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`PROBABILITIES` quantiles of lives (n,) and the ends of their confidence intervals.
+
+    The intervals are those of order statistics, whatever the distribution. They take the members of
+    the sample for independent; a Sobol sequence is spread more evenly, so they are rather wide.
+    """
+    known = life[np.isfinite(life)]
+    found = np.full((3, len(PROBABILITIES)), np.nan)
+    if known.size:
+        for k, p in enumerate(PROBABILITIES):
+            interval = stats.quantile_test(known, p=p).confidence_interval(CONFIDENCE)
+            found[:, k] = np.quantile(known, p), interval.low, interval.high
+    return found[0], found[1], found[2]

@@ -1,0 +1,236 @@
+"""Lives at sampled values of what is uncertain in a scene.
+
+Theory: docs/theory.md, section 15.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from SALib.sample import sobol as sobol_sample
+from scipy import stats
+
+from bearingwear.kernels.status import BEYOND_GROOVE, OK
+from bearingwear.model.life import life_history, steady_states
+from bearingwear.results.netcdf import CaseFileError, common_attributes, data_array, load
+from bearingwear.results.quantiles import PRELOAD_CHOICE
+from bearingwear.results.variables import HOURS_PER_SECOND, STATUS, Variable, table
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, key_of_scene
+from bearingwear.scene.uncertain import uncertain_key
+from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.design.recommend import recommended_for
+from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty.perturbed import perturbed
+from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
+
+PART_KIND = "sampled lives"
+BASE = Variable("base", ("base",), "1", "number of the base sample", dtype="i8")
+
+SAMPLED = table(
+    replace(STATUS, comment=None),
+    Variable("end_criterion", (), "", "criterion that ends the life", dtype="i1", flags=CRITERIA),
+    Variable("wear_factor", (), "1", "life over the one with the scene's own K_s and hardness"),
+    Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
+)
+"""What is found at sampled values."""
+
+
+def distribution(scene: Scene, name: str) -> Any:
+    """The distribution of an uncertain value, as `scipy.stats` has it."""
+    given: Distribution = (scene.uncertainty or {})[name]
+    if given.distribution == "uniform":
+        assert given.low is not None and given.high is not None
+        return stats.uniform(given.low, given.high - given.low)
+    if given.distribution == "normal":
+        mean = scene.nominal(name) if given.mean is None else given.mean
+        return stats.norm(mean, given.standard_deviation)
+    median = scene.nominal(name) if given.median is None else given.median
+    assert given.factor is not None
+    return stats.lognorm(np.log(given.factor), scale=median)
+
+
+def possible(scene: Scene, name: str) -> tuple[float, float]:
+    """Least and largest value that a scene may have there."""
+    part = key_of_scene(uncertain_key(name, scene.bearing.race_material))
+    assert part is not None
+    return part.key.ends
+
+
+def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
+    """Quantiles of an uncertain value, its distribution cut off where it would be impossible."""
+    found = distribution(scene, name)
+    below, upto = found.cdf(possible(scene, name))
+    return found.ppf(below + (upto - below) * np.asarray(probability))
+
+
+def problem(scene: Scene) -> dict[str, Any]:
+    """The uncertain values as SALib takes them, by their probabilities."""
+    names = list(scene.uncertainty or {})
+    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+
+def sample(scene: Scene, plan: Sampling) -> np.ndarray:
+    """Values (samples, values + 2, values): of each base sample A, A with one value of B each, B.
+
+    A scrambled Sobol sequence in Saltelli's arrangement; the same for the same seed.
+    """
+    of = problem(scene)
+    unit = sobol_sample.sample(of, plan.samples, calc_second_order=False, seed=plan.seed)
+    columns = [value_at(scene, name, unit[:, k]) for k, name in enumerate(of["names"])]
+    return np.stack(columns, axis=-1).reshape(plan.samples, -1, of["num_vars"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampledLives:
+    """Lives at sampled values.
+
+    Attributes
+    ----------
+    life : (n, 2) ndarray
+        By both ways of counting wear [s]; NaN where it was not solved.
+    status, end_criterion : (n,) ndarray
+    wear_factor : (n,) ndarray
+        What the life is longer by than with the scene's own K_s and H.
+    """
+
+    life: np.ndarray
+    status: np.ndarray
+    end_criterion: np.ndarray
+    wear_factor: np.ndarray
+
+
+def lives(scene: Scene, rows: np.ndarray) -> SampledLives:
+    """Lives at values (n, values).
+
+    Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
+    """
+    names = list(scene.uncertainty or {})
+    shape = [k for k, name in enumerate(names) if name not in WORN]
+    factor = np.ones(len(rows))
+    for k, name in enumerate(names):
+        if name in WORN:
+            ratio = rows[:, k] / scene.nominal(name)
+            factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
+    unlike, which = np.unique(rows[:, shape], axis=0, return_inverse=True)
+    found = [
+        _life(scene, {names[k]: float(v) for k, v in zip(shape, row, strict=True)})
+        for row in unlike
+    ]
+    life, status, criterion = (np.array(part)[which.ravel()] for part in zip(*found, strict=True))
+    return SampledLives(
+        life=life * factor[:, None],
+        status=status,
+        end_criterion=criterion,
+        wear_factor=factor,
+    )
+
+
+def _life(scene: Scene, values: Mapping[str, float]) -> tuple[np.ndarray, int, int]:
+    """Life (2,) [s], status and end criterion."""
+    other = perturbed(scene, values)
+    if other is None:
+        return np.full(2, np.nan), BEYOND_GROOVE, len(CRITERIA) - 1
+    course = life_history(other, steady_states(other))
+    life = course.times[-1] if course.status == OK else np.full(2, np.nan)
+    return life, course.status, course.criterion
+
+
+def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
+    """The scene with a method and a preload; its distribution is kept in proportion."""
+    distributions = dict(scene.uncertainty or {})
+    if "preload_N" in distributions:
+        share, old = preload_N / scene.operation.preload_N, distributions["preload_N"]
+        parts = {
+            part: getattr(old, part) * share
+            for part in ("mean", "standard_deviation", "median", "low", "high")
+            if getattr(old, part) is not None
+        }
+        distributions["preload_N"] = replace(old, **parts)
+    operation = replace(scene.operation, preload_method=method, preload_N=preload_N)
+    return replace(scene, operation=operation, uncertainty=distributions)
+
+
+def preload_at(scene: Scene, method: str, choice: str, recommendation: xr.Dataset | None) -> float:
+    """The scene's own or the recommended preload [N]; NaN if none is recommended."""
+    if choice == OWN:
+        return scene.operation.preload_N
+    flag = PRELOAD_METHODS.index(method)
+    recommendation = recommended_for(scene, recommendation)
+    if flag not in recommendation["preload_method"]:
+        raise CaseFileError(f"the recommendation has no {method}")
+    return float(recommendation["preload"].sel(preload_method=flag))
+
+
+def sampled_lives(
+    scene: Path,
+    method: str,
+    preload_choice: str,
+    chunk: int,
+    sampling: Mapping[str, int],
+    recommendation: Path | None = None,
+) -> xr.Dataset:
+    """Step: one part of the sampled lives.
+
+    Parameters
+    ----------
+    scene : path
+    method : str
+        How the preload is applied.
+    preload_choice : str
+        `own` or `recommended`.
+    chunk : int
+        Number of the part, from 0.
+    sampling : mapping
+        `Sampling` by its fields.
+    recommendation : path, optional
+        Of the design study, for the recommended preload.
+    """
+    plan = Sampling(**sampling)
+    if not 0 <= chunk < plan.chunks:
+        raise CaseFileError(f"chunk: given {chunk}; allowed 0 to {plan.chunks - 1}")
+    found = None if recommendation is None else load(recommendation)
+    return sample_part(uncertain_scene(scene), plan, method, preload_choice, chunk, found)
+
+
+def sample_part(
+    scene: Scene,
+    plan: Sampling,
+    method: str,
+    choice: str = OWN,
+    chunk: int = 0,
+    recommendation: xr.Dataset | None = None,
+) -> xr.Dataset:
+    """One part of the sampled lives; empty where there is no preload to take."""
+    preload = preload_at(scene, method, choice, recommendation)
+    base = np.array_split(np.arange(plan.samples), plan.chunks)[chunk]
+    attributes = common_attributes() | {
+        "title": f"Sampled lives of {scene.name}: {method}, {choice} preload",
+        "kind": PART_KIND,
+        "scene": json.dumps(scene.to_dict()),
+        "preload_method": method,
+        PRELOAD_CHOICE: choice,
+        "samples": np.int64(plan.samples),
+        "seed": np.int64(plan.seed),
+        "chunk": np.int64(chunk),
+        "chunks": np.int64(plan.chunks),
+        "preload_N": np.float64(preload),
+    }
+    if np.isnan(preload):
+        return xr.Dataset(attrs=attributes)
+    at_preload = with_preload(scene, method, preload)
+    rows = sample(at_preload, plan)[base]
+    found = lives(at_preload, rows.reshape(-1, rows.shape[-1]))
+    along, shape = ("base", "row"), rows.shape[:2]
+    variables = {}
+    for name, variable in SAMPLED.items():
+        values = getattr(found, name)
+        variables[name] = data_array(variable, values.reshape(*shape, *values.shape[1:]), along)
+    coords = {**coordinate(BASE, base), **coordinate(LOSS_BASIS)}
+    return dataset_with(variables, coords, attributes)

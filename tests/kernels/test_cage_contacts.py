@@ -1,0 +1,189 @@
+"""Derivatives of the cage's contacts against differences.
+
+The steps of a W-method keep their order with wrong derivatives, so no run would show them.
+"""
+
+import numpy as np
+import pytest
+from kernels.cage_states import TOUCHING, contacts, force_on_ball, touching_system
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.cage_law import CageContact, power_slopes
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.dynamic_equilibrium import linearise_cage_forces
+from bearingwear.kernels.quasistatic import K_11
+from bearingwear.kernels.state import CENTRE, VELOCITY
+
+MU, V_R = 0.3, 1e-3
+
+
+def difference(call, array, place, step):
+    """Central difference of `call()` by array[place]."""
+    found = []
+    before = array[place]
+    for sign in (1.0, -1.0):
+        array[place] = before + sign * step
+        found.append(np.array(call()))
+    array[place] = before
+    return (found[0] - found[1]) / (2.0 * step)
+
+
+def close(found, expected, rtol=1e-5):
+    assert_allclose(found, expected, rtol=rtol, atol=rtol * np.abs(expected).max())
+
+
+@jit
+def called(contact, mu, v_r, heat, loss):
+    power_slopes(contact, mu, v_r, heat, loss)
+
+
+def powers(velocity, place, n, stiffness, damping):
+    """Friction heat and damping power of a contact of law F = k d + c d closing."""
+    closing, d = -velocity @ n, 1e-6 - place @ n
+    F = stiffness * d + damping * d * closing
+    slip = velocity + closing * n
+    return MU * F * slip @ slip / np.sqrt(slip @ slip + V_R**2), damping * d * closing**2
+
+
+@pytest.mark.parametrize("speed", [1e-4, 1e-3, 1e-1])
+def test_power_slopes(speed):
+    random = np.random.default_rng(3)
+    n, velocity = random.normal(size=(2, 3))
+    n, velocity, place = n / np.linalg.norm(n), speed * velocity, np.zeros(3)
+    k, c = 1e6, 1e7
+    closing, d = -velocity @ n, 1e-6
+    contact = CageContact(
+        n=tuple(n.tolist()),
+        slip=tuple((velocity + closing * n).tolist()),
+        closing=float(closing),
+        F=float(k * d + c * d * closing),
+        stiffness=float(k + c * closing),
+        damping=c * d,
+        change=c,
+    )
+    heat, loss = np.empty((2, 6))
+    called(contact, MU, V_R, heat, loss)
+
+    def call():
+        return powers(velocity, place, n, k, c)
+
+    steps = (velocity, 1e-5 * speed), (place, 1e-11)
+    found = np.array([difference(call, x, i, h) for x, h in steps for i in range(3)]).T
+    close(heat, found[0])
+    close(loss, found[1])
+
+
+@pytest.mark.parametrize("j", TOUCHING)
+def test_pocket_stiffness(scene, j):
+    """Force on a ball by displacement of the cage, undamped: all that turns with the place is in.
+
+    A damped contact's force depends on the place in ways that K leaves out.
+    """
+    system = touching_system(scene, changes={"cage.restitution": 1.0})
+    K = system.buffers.cage.K[j].copy()
+    found = np.array(
+        [
+            difference(lambda: force_on_ball(system, j), system.cage_state, CENTRE + i, 1e-12)
+            for i in range(3)
+        ]
+    ).T
+    close(K, found, 1e-4)
+
+
+@pytest.mark.parametrize("j", TOUCHING)
+def test_pocket_damping(scene, j):
+    """Force on a ball by velocity of the cage: friction, and damping along the orbit."""
+    system = touching_system(scene)
+    C = system.buffers.cage.C[j].copy()
+    found = np.array(
+        [
+            difference(lambda: force_on_ball(system, j), system.cage_state, VELOCITY + i, 1e-8)
+            for i in range(3)
+        ]
+    ).T
+    close(C, found)
+
+
+def land_edge(system):
+    """The edge of the land that touches, and its normal."""
+    buffers = system.buffers.cage
+    edge = 9 + int(np.argmax(buffers.normal[9:]))
+    x = system.bearing.cage.half_width * (1.0 if edge == 10 else -1.0)
+    across = system.cage_state[CENTRE : CENTRE + 3] + x * buffers.R[:, 0]
+    if system.bearing.cage.land == 2:
+        across = across - system.buffers.balls.delta
+    across[0] = 0.0
+    return edge, across / np.linalg.norm(across)
+
+
+def force_of_land(system):
+    """Force of the land on the cage: that on the cage less what the pockets give [N]."""
+    buffers = contacts(system)
+    return buffers.force[:3] + sum(force_on_ball(system, j) for j in TOUCHING)
+
+
+@pytest.mark.parametrize("guiding", ["outer", "inner"])
+def test_land_damping(scene, guiding):
+    """Force on the cage by its velocity: friction and damping."""
+    system = touching_system(scene, guiding)
+    edge, _ = land_edge(system)
+    assert system.buffers.cage.normal[9:].min() == 0.0  # one edge alone
+    C = system.buffers.cage.C[edge].copy()
+    found = np.array(
+        [
+            difference(lambda: force_of_land(system), system.cage_state, VELOCITY + i, 1e-7)
+            for i in range(3)
+        ]
+    ).T
+    close(C, -found, 1e-4)
+
+
+@pytest.mark.parametrize("guiding", ["outer", "inner"])
+def test_land_stiffness(scene, guiding):
+    """Force on the cage as it goes along the normal; the land there has another speed."""
+    system = touching_system(scene, guiding)
+    edge, n = land_edge(system)
+    K, C = (x[edge].copy() for x in (system.buffers.cage.K, system.buffers.cage.C))
+    m, z = system.bearing.op, system.cage_state
+    omega = m.omega_i if guiding == "inner" else m.omega_o
+    shift, centre = np.zeros(1), z[CENTRE : CENTRE + 3].copy()
+
+    def call():
+        z[CENTRE : CENTRE + 3] = centre + shift * n
+        return force_of_land(system)
+
+    found = difference(call, shift, 0, 1e-12)
+    close(-K @ n + C @ np.cross([omega, 0.0, 0.0], n), found, 1e-4)
+
+
+def test_linear_force_of_an_inner_land(scene):
+    """Force of the cage on the inner race, as the race goes along the normal."""
+    system = touching_system(scene, "inner")
+    balls, buffers = system.buffers.balls, system.buffers.cage
+    _, n = land_edge(system)
+    linearise_cage_forces(system.y, system.bearing, balls, buffers)
+    lines = balls.land_linear[K_11:].reshape(2, 2).copy()
+    shift, delta = np.zeros(1), balls.delta.copy()
+
+    def call():
+        balls.delta[:] = delta + shift * n
+        return contacts(system).race_force
+
+    close(lines @ n[1:], -difference(call, shift, 0, 1e-12), 1e-4)
+
+
+@pytest.mark.parametrize("j", TOUCHING)
+def test_linear_force_of_a_pocket(scene, j):
+    """Axial and radial force on a ball, as its centre goes axially and radially."""
+    system = touching_system(scene, changes={"cage.restitution": 1.0})
+    balls, buffers = system.buffers.balls, system.buffers.cage
+    linearise_cage_forces(system.y, system.bearing, balls, buffers)
+    lines = balls.cage_linear[j, K_11:].reshape(2, 2).copy()
+
+    def call():
+        return contacts(system).ball_force[j, [0, 2]]
+
+    # A ball that goes outward also orbits faster, which the line leaves out: hold r Omega.
+    found = np.array([difference(call, balls.X, (j, k), 1e-12) for k in range(2)]).T
+    close(lines[:, 0], -found[:, 0], 1e-4)
+    assert_allclose(lines[:, 1], -found[:, 1], rtol=1e-2, atol=1e-3 * np.abs(found).max())

@@ -1,0 +1,109 @@
+"""The friction law and what the contact's sums make of it: every derivative against differences."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.contact import friction_sums, point_slip, traction, traction_slope
+from bearingwear.kernels.friction import force_per_slip, force_slope, potential
+from bearingwear.kernels.params import Contact
+from bearingwear.kernels.profile import height, profile
+from bearingwear.model.quadrature import gauss_halves
+
+R, MU, V_R = 1e-3, 0.07, 2e-3
+CONTACT = Contact(
+    sigma=-1.0,
+    Q=2.0,
+    a=6e-5,
+    sin_a=0.35,
+    cos_a=math.sqrt(1.0 - 0.35**2),
+    r_g=1.08e-3,
+    omega=3000.0,
+)
+# Slip coefficients of sticking, of rolling with two pure-rolling points, of gross slip along each
+# axis; steps that change the slip by about 1e-4 v_r.
+SLIPS = [(2.0, 1e-4, 0.3, 20.0), (9.0, -6.001, 6000.0, 10.0), (3e3, 0.2, -5.0, 40.0)]
+STEPS = (2e-4, 2e-7, 2e-4, 4e-3)
+
+# A central difference of step e is wrong by e^2/6 of the third derivative and by rounding over e:
+# with e = 1e-4 of the width v_r of the law's bend, some 1e-8 and 1e-11.
+DIFFERENCE = 1e-6
+
+
+def sums(c):
+    """Potential, gradient and Hessian of CONTACT at the slip coefficients c."""
+    t, weight = gauss_halves(40)
+    p = profile(CONTACT.r_g, R, CONTACT.a)
+    x = CONTACT.a * t
+    h = np.array([height(p, position) for position in x])
+    gradient, hessian = np.empty(4), np.empty((4, 4))
+    traction_slope(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian)
+    alone = np.empty(4)
+    traction(CONTACT, c, MU, V_R, t, weight, h, alone)
+    assert_allclose(alone, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
+    *in_one_pass, _ = friction_sums(CONTACT, R, c, MU, V_R, t, weight)
+    assert_allclose(in_one_pass, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
+    phi = 0.0
+    for k in range(t.size):
+        v1, v2 = point_slip(c, h[k], x[k])
+        phi += potential(MU * CONTACT.Q * weight[k], v1 * v1 + v2 * v2, V_R * V_R)
+    return phi, gradient, hessian
+
+
+def differences(c, result):
+    """Central differences by the four slip coefficients of one result of `sums`."""
+    out = []
+    for i, step in enumerate(STEPS):
+        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
+        low, high = (sums(m)[result] for m in moved)
+        out.append((high - low) / (2.0 * step))
+    return np.array(out)
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_gradient_is_the_slope_of_the_potential(c):
+    scale = np.array([R, 1.0, R, CONTACT.a])  # levers of the generalised forces
+    _, gradient, _ = sums(c)
+    # The potential is up to 1e3 times the change that a step makes: rounding leaves 1e-5 of it.
+    assert_allclose(
+        differences(c, 0) / scale, gradient / scale, atol=1e-5 * np.abs(gradient / scale).max()
+    )
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_hessian_is_the_slope_of_the_gradient(c):
+    scale = np.array([R, 1.0, R, CONTACT.a])
+    scale = scale[:, None] * scale
+    _, _, hessian = sums(c)
+    assert_allclose(hessian, hessian.T, rtol=0, atol=0)
+    found = differences(c, 1) / scale
+    assert np.abs(found - hessian / scale).max() <= DIFFERENCE * np.abs(hessian / scale).max()
+    # And each element against its own scale, by Cauchy-Schwarz for a positive definite matrix.
+    diagonal = np.sqrt(np.diag(hessian / scale))
+    assert_allclose((found - hessian / scale) / np.outer(diagonal, diagonal), 0.0, atol=1e-4)
+    assert np.linalg.eigvalsh(hessian / scale).min() > 0.0
+
+
+@pytest.mark.parametrize("v1, v2", [(0.0, 0.0), (1e-3, 0.0), (0.0, 5.0), (2e-3, -3e-3), (4.0, 3.0)])
+def test_slope_of_the_law(v1, v2):
+    """dF1/dv1, dF1/dv2, dF2/dv2 against central differences of v F/|v|."""
+    step = 1e-4 * max(V_R, math.hypot(v1, v2))
+
+    def force(a, b):
+        return force_per_slip(0.3, a * a + b * b, V_R * V_R) * np.array([a, b])
+
+    f, p_11, p_12, p_22 = force_slope(0.3, v1, v2, V_R * V_R)
+    assert_allclose(f, force_per_slip(0.3, v1 * v1 + v2 * v2, V_R * V_R), rtol=1e-15)
+    by_1 = (force(v1 + step, v2) - force(v1 - step, v2)) / (2.0 * step)
+    by_2 = (force(v1, v2 + step) - force(v1, v2 - step)) / (2.0 * step)
+    # The largest slope is F/|v|; along the slip it is smaller by (v_r/v)^2, below the difference.
+    assert_allclose([p_11, p_12, p_12, p_22], [*by_1, *by_2], atol=1e-7 * f)
+
+
+def test_force_is_coulombs_for_large_slip():
+    slip = np.array([1e-3, 1.0, 1e3])
+    force = [force_per_slip(0.3, v * v, V_R * V_R) * v for v in slip]
+    assert_allclose(force, 0.3 * slip / np.hypot(slip, V_R), rtol=1e-15)
+    assert 0.3 - force[-1] < 1e-11

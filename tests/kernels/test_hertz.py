@@ -1,0 +1,106 @@
+"""Hertz point contact against SciPy's integrals, worked examples and closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from published_bearings import B218
+from scipy.special import ellipe, ellipkm1
+
+from bearingwear.kernels.contact import surface_height, traction
+from bearingwear.kernels.hertz import elliptic_integrals, point_contact, race_contact
+from bearingwear.kernels.params import Contact
+from bearingwear.model.quadrature import equal_strips, gauss_halves
+
+
+def ellipse(A, B, E_star, Q):
+    """a, b, peak pressure, approach."""
+    h = point_contact(A, B, E_star, math.nan)
+    a, b = h.c_a * Q ** (1 / 3), h.c_b * Q ** (1 / 3)
+    return a, b, 1.5 * Q / (math.pi * a * b), (Q / h.K) ** (2 / 3)
+
+
+@pytest.mark.parametrize("kappa", [0.3, 1.0, 1.0 + 1e-9, 1.01, 2.0, 6.5, 30.0, 1e3, 1e6])
+def test_elliptic_integrals_agree_with_scipy(kappa):
+    k1 = 1.0 / kappa
+    K, E, s = elliptic_integrals(k1)
+    m = 1.0 - k1 * k1
+    # Rounding: both are good to a few units of the last place.
+    assert_allclose([K, E], [ellipkm1(k1 * k1), ellipe(m)], rtol=4e-15)
+    if abs(m) > 1e-3:  # elsewhere SciPy's difference cancels
+        assert_allclose(s, (1.0 - E / K) / m, rtol=1e-11)
+
+
+def test_ball_on_inner_race():
+    """amesweb HertzianContact example; exact values recomputed, five digits given."""
+    R, E_star = 4.90e-3, 210e9 / (2 * (1 - 0.29**2))
+    A, B = 0.5 * (1 / R - 1 / 5e-3), 0.5 * (1 / R + 1 / 25e-3)
+    assert_allclose(
+        ellipse(A, B, E_star, 1500.0), [2.0929e-3, 0.15585e-3, 2195.7e6, 11.904e-6], rtol=3e-5
+    )
+
+
+def test_6206_inner_race():
+    """Public worked example of bearing 6206; exact values recomputed, five digits given."""
+    R, E_star = 0.5 * 9.525e-3, 210e9 / (2 * (1 - 0.3**2))
+    A, B = 0.5 * (1 / R - 1 / 4.89e-3), 0.5 * (1 / R + 1 / 18.2375e-3)
+    a, b, p, _ = ellipse(A, B, E_star, 555.6)
+    assert_allclose([a, b, p], [1.3409e-3, 0.11331e-3, 1745.9e6], rtol=5e-5)
+
+
+def test_sphere_on_flat():
+    """Closed form: K = (4/3) E* sqrt(R), a = b = (3 R / 4 E*)^(1/3) Q^(1/3)."""
+    R, E_star = 1e-3, 208e9 / (2 * (1 - 0.3**2))
+    h = point_contact(0.5 / R, 0.5 / R, E_star, math.nan)
+    assert_allclose(h.K, 4 / 3 * E_star * math.sqrt(R), rtol=1e-14)
+    assert_allclose([h.c_a, h.c_b], (0.75 * R / E_star) ** (1 / 3), rtol=1e-14)
+    assert_allclose([h.K, h.c_a], [4.8187e9, 1.87222e-5], rtol=1e-5)  # published digits
+
+
+def test_defining_equations_hold():
+    """Johnson (4.26): both curvatures come back from the ellipse, by SciPy's integrals."""
+    for ratio in (1.5, 10.0, 200.0, 1e4):
+        A, E_star, Q = 37.0, 1.1e11, 3.0
+        a, b, p, d = ellipse(A, A * ratio, E_star, Q)
+        m = 1.0 - (b / a) ** 2
+        K, E = ellipkm1((b / a) ** 2), ellipe(m)
+        assert_allclose(p / E_star * b / (m * a**2) * (K - E), A, rtol=1e-9)
+        assert_allclose(p / E_star * b / (m * a**2) * ((a / b) ** 2 * E - K), A * ratio, rtol=1e-12)
+        assert_allclose(d, p / E_star * b * K, rtol=1e-13)
+
+
+def test_start_does_not_matter():
+    """The ellipticity found does not depend on where Newton started."""
+    cold = race_contact(B218, -1.0, B218.D0, 0.8, math.nan)
+    for start in (0.0, 1.0, 5.0):
+        assert_allclose(race_contact(B218, -1.0, B218.D0, 0.8, start), cold, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("rule", "n", "tolerance"), [(equal_strips, 4000, 1e-6), (gauss_halves, 50, 2e-6)]
+)
+def test_torque_of_a_spinning_contact(rule, n, tolerance):
+    """Pure spin: M = (3/8) mu Q a E(m); with slip taken on the centre line its limit E(1) = 1.
+
+    The tolerance of the strips is their error n^-2; that of the Gauss points the regularisation.
+    """
+    Q, a, mu, spin, R = 2.0, 8e-5, 0.1, 1e3, 1e-3
+    contact = Contact(1.0, Q, a, 0.3, 0.95, 0.6 * 2 * R, 0.0)
+    t, weight = rule(n)
+    h, gradient = np.empty(t.size), np.empty(4)
+    surface_height(contact, R, t, h)
+    traction(contact, (0.0, 0.0, 0.0, spin), mu, 1e-9, t, weight, h, gradient)
+    assert_allclose(gradient[3], 3 / 8 * mu * Q * a, rtol=tolerance)
+
+
+def test_torque_of_a_spinning_ellipse_tends_to_the_strip_model():
+    """(3/8) mu Q a E(m): the whole ellipse, integrated, against the closed form and limit."""
+    t, weight = np.polynomial.legendre.leggauss(200)
+    phi = 0.25 * math.pi * (t + 1.0)  # a quarter of the ellipse, polar: x = a r cos, y = b r sin
+    for b_over_a in (0.5, 0.1, 0.01):
+        # p0 = 3Q/(2 pi a b); integral of r^2 sqrt(1-r^2) dr = pi/16; area element a b r dr dphi.
+        lever = np.sqrt(np.cos(phi) ** 2 + (b_over_a * np.sin(phi)) ** 2)
+        torque = 4 * 1.5 / math.pi * math.pi / 16 * (lever * weight * 0.25 * math.pi).sum()
+        assert_allclose(torque, 3 / 8 * ellipe(1 - b_over_a**2), rtol=1e-8)
+    assert_allclose(torque, 3 / 8, rtol=1e-3)  # b/a = 0.01

@@ -1,0 +1,110 @@
+"""Compiled code never outlives its sources, and results name the sources they came from."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import bearingwear
+from bearingwear import provenance
+
+PACKAGE = Path(bearingwear.__file__).parent
+PROGRAM = """
+import math
+from bearingwear.kernels.equilibrium import body_forces
+from bearingwear.kernels.params import BallLoad, Geometry
+from bearingwear.provenance import source_hash
+g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
+forces = body_forces(g, 2e-3, BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0), 0.0, 0.3, 0.9, 0.2, 0.95)
+print(source_hash(), repr(forces[1]))
+"""
+
+
+def run(folder, **options):
+    environment = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_CACHE_DIR": str(folder / "jit")}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=folder,
+        env=environment,
+        **options,
+    )
+    return done.stdout.split()
+
+
+def test_edited_callee_gives_new_numbers(tmp_path):
+    """numba itself would not notice: the caller's file is unchanged."""
+    ignore = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(PACKAGE, tmp_path / "bearingwear", ignore=ignore)
+    first = run(tmp_path)
+    assert run(tmp_path) == first
+    callee = tmp_path / "bearingwear" / "kernels" / "kinematics.py"
+    text = callee.read_text()
+    assert "math.cos(alpha_o) + gamma" in text
+    callee.write_text(text.replace("math.cos(alpha_o) + gamma", "math.cos(alpha_o) - gamma"))
+    second = run(tmp_path)
+    assert second[0] != first[0]
+    assert second[1] != first[1]
+    assert len(list((tmp_path / "jit").glob("numba-*"))) == 2
+
+
+def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, monkeypatch):
+    """Another model need not compile anything anew."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "jit"))
+    monkeypatch.setattr(provenance, "PACKAGE", tmp_path)
+
+    def folder(name, text):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+        provenance._file_hash.cache_clear()
+        provenance.kernel_cache_folder.cache_clear()
+        return provenance.kernel_cache_folder()
+
+    try:
+        first = folder("kernels/a.py", "x = 1\n")
+        assert folder("model/b.py", "y = 1\n") == folder("model/b.py", "y = 2\n") == first
+        assert folder("kernels/a.py", "x = 2\n") != first
+        assert folder("kernels/a.py", "x = 1\n") == first
+    finally:
+        provenance._file_hash.cache_clear()
+        provenance.kernel_cache_folder.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def cached(tmp_path_factory):
+    """A copy of the package with compiled code, and what its program says."""
+    folder = tmp_path_factory.mktemp("cached")
+    shutil.copytree(PACKAGE, folder / "bearingwear", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder, run(folder)
+
+
+@pytest.mark.parametrize("length", [0, 40])
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+def test_damaged_cache_is_compiled_anew(cached, suffix, length):
+    """A full disk or a crash of the machine leaves such files."""
+    folder, said = cached
+    files = list((folder / "jit").rglob(f"*.{suffix}"))
+    sizes = [file.stat().st_size for file in files]
+    assert files and min(sizes) > length
+    for file in files:
+        os.truncate(file, length)
+    assert run(folder) == said
+    assert [file.stat().st_size for file in files] == sizes
+
+
+def test_cache_that_cannot_be_written(cached):
+    """Compiled code also runs where there is no room to keep it."""
+    resource = pytest.importorskip("resource")
+    folder, said = cached
+    shutil.rmtree(folder / "jit")
+
+    def no_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1, 1))
+
+    assert run(folder, preexec_fn=no_room) == said
+    assert not [file for file in (folder / "jit").rglob("*.nb?") if file.stat().st_size]

@@ -1,0 +1,182 @@
+"""The rule whose points gather at the pure-rolling points of each contact."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+from bearingwear.kernels.contact import friction_sums, slip_velocity, surface_height, traction
+from bearingwear.kernels.ellipse import FAR, most_points, quadrature_points, rolling_points
+from bearingwear.kernels.params import Contact
+from bearingwear.kernels.summary import QV
+from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.parameters import ellipse_rule
+from bearingwear.model.steady import ThrustProblem
+
+R = 1e-3
+CONTACT = Contact(-1.0, 2.0, 6e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0)
+
+
+def slip_with_roots(first, second, c_1):
+    """Slip coefficients of CONTACT with v2 = 0 at two points x/a, which may lie outside."""
+    h = np.empty(2)
+    surface_height(CONTACT, R, np.array([first, second]), h)
+    c_h = 6e3
+    c_x = -c_h * (h[1] - h[0]) / (CONTACT.a * (second - first))
+    return c_1, -c_h * h[0] - c_x * CONTACT.a * first, c_h, c_x
+
+
+def sums(rule, c, v_r, mu=0.1):
+    """Mean slip and the four generalised forces, over mu Q and the lengths R, 1, R, a."""
+    t, weight = np.empty((2, most_points(rule)))
+    t, weight = quadrature_points(rule, CONTACT, R, c, v_r, t, weight)
+    g_1, g_0, g_h, g_x, qv = friction_sums(CONTACT, R, c, mu, v_r, t, weight)
+    forces = np.array([g_1 / R, g_0, g_h / R, g_x / CONTACT.a]) / (mu * CONTACT.Q)
+    return np.array([qv / CONTACT.Q, *forces])
+
+
+def adaptive(c, v_r):
+    """The same by SciPy, on pieces that shrink towards both pure-rolling points."""
+    R_d = 2.0 * CONTACT.r_g * R / (CONTACT.r_g + R)
+
+    def values(t):
+        x = CONTACT.a * t
+        h = math.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - CONTACT.a**2)
+        h += math.sqrt(R**2 - CONTACT.a**2)
+        v1, v2 = c[0] * h, c[1] + c[2] * h + c[3] * x
+        f = 0.75 * (1.0 - t * t) / math.sqrt(v1 * v1 + v2 * v2 + v_r * v_r)
+        v = 0.75 * (1.0 - t * t) * math.hypot(v1, v2)
+        return v, f * v1 * h / R, f * v2, f * v2 * h / R, f * v2 * t
+
+    near = [p for p in rolling_points(CONTACT, R, c, v_r) if abs(p) < 1.0]
+    steps = np.concatenate([[0.0], 10.0 ** np.arange(-8.0, 0.5, 0.5)])
+    edges = {-1.0, 1.0, *near}
+    edges |= {p + s * step for p in near for s in (-1, 1) for step in steps}
+    edges = sorted(e for e in edges if -1.0 <= e <= 1.0)
+    return [
+        sum(
+            quad(lambda t, i=i: values(t)[i], a, b, epsabs=1e-13, epsrel=1e-10)[0]
+            for a, b in zip(edges, edges[1:], strict=False)
+        )
+        for i in range(5)
+    ]
+
+
+ROOTS = [(-0.07, 0.75), (0.001, 8.0), (-0.3, -0.28), (0.97, 1.04), (-0.999, 0.2), (-2.0, 3.0)]
+
+
+@pytest.mark.parametrize("v_r", [1e-3, 1e-6])
+@pytest.mark.parametrize("c_1", [0.0, 0.5, 10.0])
+@pytest.mark.parametrize("roots", ROOTS)
+def test_against_adaptive_quadrature(roots, c_1, v_r):
+    """40 points, from friction that turns round within 1e-5 of the ellipse to slip everywhere.
+
+    Mean slip to 3e-7 of it (measured 1e-7), forces to 5e-5 of mu Q (2.6e-5). Where v_r is a third
+    of the mean slip the points gather where the rounded force turns, some (v_r/slope)^2 beside the
+    kink of |v|; with no slip across it that costs 1.6e-5.
+    """
+    c = slip_with_roots(*roots, c_1)
+    found, exact = sums(ellipse_rule("split", 40), c, v_r), adaptive(c, v_r)
+    rounded = c_1 == 0.0 and v_r == 1e-3
+    assert_allclose(found[0], exact[0], rtol=3e-5 if rounded else 3e-7)
+    assert_allclose(found[1:], exact[1:], atol=5e-5)
+
+
+@pytest.mark.parametrize("c_1", [0.0, 0.5])
+def test_two_rolling_points_that_merge_and_vanish(c_1):
+    """v2 lifted through the place where it touches zero: no jump, and right on both sides."""
+    c_1, c_0, c_h, c_x = slip_with_roots(0.3, 0.3 + 1e-6, c_1)
+    rule, before = ellipse_rule("split", 40), None
+    for lift in np.linspace(-1e-4, 1e-4, 41):
+        c = (c_1, c_0 - lift, c_h, c_x)
+        now = sums(rule, c, 1e-4)
+        assert before is None or np.abs(now - before).max() < 0.05
+        before = now
+        assert_allclose(now[1:], sums(ellipse_rule("gauss", 4000), c, 1e-4)[1:], atol=3e-4)
+
+
+def test_a_point_far_outside_is_left_out_without_harm():
+    """Where a pure-rolling point counts no more the points jump, but the integrals hardly do."""
+    rule = ellipse_rule("split", 40)
+    for c_1 in (0.0, 0.5):
+        inside = sums(rule, slip_with_roots(0.02, FAR - 1e-9, c_1), 1e-3)
+        outside = sums(rule, slip_with_roots(0.02, FAR + 1e-9, c_1), 1e-3)
+        assert_allclose(inside[0], outside[0], rtol=1e-6)
+        assert_allclose(inside, outside, atol=1e-4)
+
+
+@pytest.mark.parametrize("roots", ROOTS)
+def test_rolling_points_are_roots_of_the_slip(roots):
+    """At v_r towards 0 and without gyroscopic slip: v2 vanishes there, to rounding."""
+    c = slip_with_roots(*roots, 0.0)
+    found = np.sort(rolling_points(CONTACT, R, c, 1e-13))
+    h, v1, v2 = np.empty((3, 2))
+    surface_height(CONTACT, R, found, h)
+    slip_velocity(CONTACT, c, found, h, v1, v2)
+    assert_allclose(v2, 0.0, atol=1e-12)
+    assert_allclose(found, roots, rtol=1e-6)
+
+
+def test_degenerate_slip_gives_finite_points():
+    """No slip at all, spin alone, equal slip everywhere; load shares sum to 1."""
+    rule = ellipse_rule("split", 40)
+    for c in ((0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1e3), (0.0, 1.0, 0.0, 0.0), (5.0, 0, 0, 0)):
+        for v_r in (0.0, 1e-9, 1e-3):
+            c = tuple(float(x) for x in c)
+            t, weight = quadrature_points(
+                rule, CONTACT, R, c, v_r, *np.empty((2, most_points(rule)))
+            )
+            assert np.abs(t).max() <= 1.0
+            assert_allclose(weight.sum(), 1.0, rtol=1e-13)
+
+
+def test_torque_of_a_spinning_contact():
+    """Pure spin, as in test_hertz.py: (3/8) mu Q a; what is left is the regularisation."""
+    rule, mu = ellipse_rule("split", 40), 0.1
+    c = (0.0, 0.0, 0.0, 1e3)
+    t, weight = quadrature_points(rule, CONTACT, R, c, 1e-9, *np.empty((2, most_points(rule))))
+    h, gradient = np.empty(t.size), np.empty(4)
+    surface_height(CONTACT, R, t, h)
+    traction(CONTACT, c, mu, 1e-9, t, weight, h, gradient)
+    assert_allclose(gradient[3], 3 / 8 * mu * CONTACT.Q * CONTACT.a, rtol=1e-12)
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.7])
+@pytest.mark.parametrize("mu", [0.02, 0.11])
+@pytest.mark.parametrize("v_r", [1e-3, 1e-6])
+def test_steady_state(scene, mu, loss, v_r):
+    """40 points at the most: QV of each contact to 3e-5 (measured 1.4e-5), Newton as quick."""
+    changes = {
+        "operation.preload_method": "fixed_position",
+        "friction.ball_race": mu,
+        "friction.slip_regularisation_m_s": v_r,
+    }
+    problem = ThrustProblem.of(scene("gyro_s1", changes))
+    D = problem.g.D0 - loss * 1e-6
+    exact = dataclasses.replace(problem, rule=ellipse_rule("gauss", 2000)).solve(D)
+    split = dataclasses.replace(
+        problem, rule=ellipse_rule("split", 40), fine_rule=ellipse_rule("split", 160)
+    ).solve(D)
+    assert exact.status == split.status == 0
+    assert_allclose(split.contacts[:, QV], exact.contacts[:, QV], rtol=3e-5)
+    assert_allclose(split.u[1], exact.u[1], rtol=1e-4)
+    assert split.iterations <= exact.iterations + 5
+    assert split.residuals.discretisation_qv < 1e-5
+
+
+def test_motion_in_time(scene):
+    """Off the steady state, half a turn: the same path as with 400 Gauss points."""
+    s = scene("gyro_s1")
+    u = ThrustProblem.of(s).solve(2e-3).u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
+    motions = []
+    for name, points in (("gauss", 400), ("split", 40)):
+        model = dataclasses.replace(s.model, quadrature=name, strips=points)
+        motion = DynamicSystem.of(dataclasses.replace(s, model=model), u)
+        motion.advance(1e-3, 1e-5)
+        motions.append(motion)
+    gauss, split = motions
+    assert_allclose(split.balls, gauss.balls, atol=1e-5 * np.abs(u).max())
+    assert_allclose(split.qv, gauss.qv, rtol=1e-4)

@@ -1,0 +1,81 @@
+"""Static load distribution against a commercial program (github minzhun/ISO16281)."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from bearingwear.kernels.params import Geometry
+from bearingwear.kernels.race import PACKED, race_equilibrium
+from bearingwear.kernels.status import OK
+
+TOLERANCE = 1e-3  # of the reference program; re-solved independently to 1e-4
+
+
+def deep_groove(clearance):
+    """Z 7, D 11.5 mm, dm 43.5 mm, r_i 0.52 D, r_e 0.53 D; free angle acos(1 - s/2A)."""
+    D, dm, A = 11.5e-3, 43.5e-3, 0.05 * 11.5e-3
+    alpha0 = math.acos(1.0 - clearance / (2.0 * A))
+    R_o = 0.5 * dm - 0.03 * D * math.cos(alpha0)
+    # The tilt lever of the reference program is dm/2.
+    return Geometry(
+        7, D, dm, alpha0, A, R_o, 0.5 * dm, 0.52 * D, 0.53 * D, 210e9 / (2 * 0.91), 7800.0
+    )
+
+
+def solved(g, F_a, F_r, start=(0.0, 0.0, 0.0), tilt=0.0):
+    psi = 2 * np.pi * np.arange(g.n_balls) / g.n_balls
+    rows, delta = np.empty((g.n_balls, PACKED)), np.array(start)
+    status, residual, _ = race_equilibrium(
+        g,
+        np.full(g.n_balls, g.D0),
+        np.zeros((g.n_balls, 6)),
+        psi,
+        np.array([F_a, 0.0, F_r]),
+        tilt,
+        0,
+        delta,
+        rows,
+    )
+    assert status == OK
+    assert residual < 1e-9 * 1000.0
+    return delta, rows, psi
+
+
+@pytest.mark.parametrize(
+    ("F_a", "F_r", "axis", "reference"),
+    [(0.0, 1000.0, 2, 15.1101e-6), (1000.0, 0.0, 0, 133.5381e-6)],
+)
+def test_one_load(F_a, F_r, axis, reference):
+    delta, _, _ = solved(deep_groove(0.0), F_a, F_r)
+    assert_allclose(delta[axis], reference, rtol=TOLERANCE)
+    assert_allclose(np.delete(delta, axis), 0.0, atol=1e-12)
+
+
+def test_combined_load_free_tilt():
+    """1000 N radial and axial, clearance 0.01 mm, moment zero; axial counted from one plane."""
+    g = deep_groove(1e-5)
+
+    def moment(tilt):
+        _, rows, psi = solved(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
+        return (rows[:, 17] * np.cos(psi) * g.R_i).sum()
+
+    tilt = brentq(moment, -6e-3, 6e-3, xtol=1e-14)
+    delta, _, _ = solved(g, 1000.0, 1000.0, (1e-5, 0.0, 1e-5), tilt)
+    axial = delta[0] + g.BD * math.sin(g.alpha0)
+    assert_allclose(
+        [delta[2], axial, abs(tilt)], [19.5923e-6, 146.4603e-6, 2.6872e-3], rtol=TOLERANCE
+    )
+
+
+def test_balls_that_lose_contact():
+    """A heavy radial load unloads the far balls; those left carry it all."""
+    g = deep_groove(0.0)
+    _, rows, psi = solved(g, 200.0, 3000.0)
+    unloaded = rows[:, 5] == 0.0
+    assert 0 < unloaded.sum() < g.n_balls
+    radial = (rows[:, 5] * np.cos(rows[:, 3]) * np.cos(psi)).sum()
+    axial = (rows[:, 5] * np.sin(rows[:, 3])).sum()
+    assert_allclose([radial, axial], [3000.0, 200.0], rtol=1e-10)

@@ -1,0 +1,200 @@
+"""Derivatives of the steady balance, of the ball's and of the race's equilibrium."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.equilibrium import (
+    ball_equilibrium,
+    cold_start,
+    groove_distance,
+    static_displacement,
+)
+from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL
+from bearingwear.kernels.params import BallLoad
+from bearingwear.kernels.race import (
+    LOAD_FIELDS,
+    LOAD_X,
+    MODEL,
+    ORBIT_RATE,
+    PACKED,
+    RaceForces,
+    RaceProblem,
+    axial_stiffness,
+    pack_ball_state,
+    race_forces,
+    unpack_ball_state,
+)
+from bearingwear.kernels.status import OK
+from bearingwear.kernels.steady_balance import (
+    Seat,
+    friction_balance,
+    full_jacobian,
+    orbit_equilibrium,
+)
+from bearingwear.model import parameters
+from bearingwear.model.steady import ThrustProblem
+
+
+@pytest.fixture(params=["constant_force", "fixed_position"])
+def solved(request, scene):
+    """A solved balance (problem, seat, motion) with fixed quadrature points and drag."""
+    problem = ThrustProblem.of(
+        scene(
+            "gyro_s1",
+            {
+                "operation.preload_method": request.param,
+                "model.quadrature": "gauss",
+                "lubricant.drag_density_kg_m3": 300.0,
+            },
+        )
+    )
+    case = problem.solve(problem.g.D0)
+    assert case.status == OK
+    p = problem.balance(problem.g.D0)
+    seat = orbit_equilibrium(p.bearing, case.u[3], Seat(delta_a=case.delta_a, state=cold_start()))
+    return p, seat, case.u
+
+
+def balance(p, seat, u):
+    out = np.empty(4)
+    assert friction_balance(p, p.bearing.op.v_r, seat.state, u, out, False) == OK
+    return out
+
+
+def test_full_jacobian(solved):
+    """Against central differences, the equilibrium solved anew at each orbit rate."""
+    p, seat, u = solved
+    assert full_jacobian(p, p.bearing.op.v_r, seat, u) == OK
+    found = p.jacobian.copy()
+    assert_allclose(p.residual, balance(p, seat, u), atol=1e-12 * np.abs(found * u).max())
+    # Slip changes by the step times a length: 1e-2 of v_r, as linear as the balance is.
+    step = 1e-2 * p.bearing.op.v_r / (0.5 * p.bearing.D)
+    J = np.empty((4, 4))
+    for k in range(4):
+        moved = np.array([u + s * step * np.eye(4)[k] for s in (-1.0, 1.0)])
+        low, high = (balance(p, orbit_equilibrium(p.bearing, m[3], seat), m) for m in moved)
+        J[:, k] = (high - low) / (2.0 * step)
+    # The third derivative of the law over a hundredth of its width: 1e-4/6 of the largest slope.
+    assert_allclose(found, J, atol=1e-3 * np.abs(found).max(axis=1, keepdims=True).max())
+    rows = np.abs(found).max(axis=1)
+    assert np.abs((found - J) / rows[:, None]).max() <= 1e-3
+
+
+def test_jacobian_of_inertia_and_drag(solved):
+    """Without friction, a million times as stiff: quadratic in u, so that differences are exact."""
+    p, seat, u = solved
+    bearing = p.bearing._replace(op=p.bearing.op._replace(mu=0.0))
+    p = p._replace(bearing=bearing)
+    friction_balance(p, bearing.op.v_r, seat.state, u, np.empty(4), True)
+    step = 1e-2 * np.abs(u).max()
+    J = np.array([balance(p, seat, u + e) - balance(p, seat, u - e) for e in step * np.eye(4)])
+    found = p.jacobian
+    assert_allclose(found, J.T / (2.0 * step), rtol=1e-10, atol=1e-12 * np.abs(found).max())
+    # gyroscopic moments about y and z, drag on the orbit
+    assert np.count_nonzero(found) == 5
+
+
+def test_jacobian_knows_of_the_loads(solved):
+    """Without the centrifugal force that follows the orbit rate the last column is another."""
+    p, seat, u = solved
+    full_jacobian(p, p.bearing.op.v_r, seat, u)
+    full = p.jacobian.copy()
+    friction_balance(p, p.bearing.op.v_r, seat.state, u, np.empty(4), True)
+    assert_allclose(p.jacobian[:, :3], full[:, :3], rtol=0, atol=0)
+    assert (p.jacobian[:, 3] != full[:, 3]).any()
+
+
+def ball_load(model, **changes):
+    return BallLoad(
+        **dict(kinematics_model=model, Omega=1300.0, omega_i=3000.0, omega_o=0.0, P_x=0.0, P_r=0.0)
+        | changes
+    )
+
+
+def test_stiffness_of_a_ball(scene):
+    """S_xx, S_xr, S_rr against differences of the inner force, the ball centre free."""
+    g = parameters.geometry(scene("gyro_s1"))
+    A = np.array(groove_distance(g, 0.0, 1.2 * static_displacement(g, 7.0), 0.0, 0.0, 0.0))
+    state = ball_equilibrium(g, g.D0, ball_load(ORBIT), *A, cold_start())
+    assert state.status == OK
+    step = 1e-10  # [m], of deformations of 1e-6 m
+
+    def force(A):
+        s = ball_equilibrium(g, g.D0, ball_load(ORBIT), *A, state)
+        return np.array([s.F_ix, s.F_ir])
+
+    S = np.array([force(A + e) - force(A - e) for e in step * np.eye(2)]) / (2.0 * step)
+    # The Hertz factors follow the contact angle, which the tangent leaves out: 1e-3 of it.
+    tangent = np.array([[state.S_xx, state.S_xr], [state.S_xr, state.S_rr]])
+    assert_allclose(S, tangent, atol=2e-3 * np.abs(tangent).max())
+
+
+@pytest.mark.parametrize("model", [ORBIT, OUTER_CONTROL, INNER_CONTROL])
+def test_packed_ball_state(scene, model):
+    """A packed ball state comes back field by field, but for its residual."""
+    g = parameters.geometry(scene("gyro_s1"))
+    A1, A2 = groove_distance(g, 0.0, static_displacement(g, 7.0), 0.0, 0.0, 0.0)
+    state = ball_equilibrium(g, g.D0, ball_load(model), A1, A2, cold_start())
+    row = np.full(PACKED, np.nan)
+    pack_ball_state(state, row)
+    assert unpack_ball_state(row) == state._replace(residual=0.0)
+    assert np.isfinite(row).all() and len(set(row)) > PACKED - 3
+
+
+def race(scene):
+    """Function delta -> (force, stiffness, scale) of gyro_s1, tilted, with forces on its balls."""
+    g = parameters.geometry(scene("gyro_s1"))
+    n = g.n_balls
+    loads = np.zeros((n, LOAD_FIELDS))
+    loads[:, MODEL], loads[:, ORBIT_RATE] = ORBIT, 1300.0
+    loads[:, LOAD_X] = 0.01 * np.sin(np.arange(n))
+    packed = np.empty((n, PACKED))
+    for row in packed:
+        pack_ball_state(cold_start(), row)
+
+    psi = 2.0 * math.pi * np.arange(n) / n
+    problem = RaceProblem(
+        g=g,
+        D=g.D0 - 6e-7 * (np.cos(2.0 * psi - 1.0) < 0.0),  # stiff along one direction
+        loads=loads,
+        psi=psi,
+        F=np.zeros(3),
+        tilt=1e-4,
+        first=0,
+        packed_states=packed,
+    )
+
+    def forces(delta):
+        out = RaceForces(force=np.empty(3), stiffness=np.empty((3, 3)))
+        scale = race_forces(problem, delta, out)
+        return *out, scale
+
+    return g, forces
+
+
+def test_stiffness_of_the_race(scene):
+    g, forces = race(scene)
+    delta = np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7])
+    _, stiffness, scale = forces(delta)
+    assert scale > 0.0
+    assert_allclose(stiffness, stiffness.T, rtol=0, atol=0)
+    step = 1e-10
+    S = np.array([forces(delta + e)[0] - forces(delta - e)[0] for e in step * np.eye(3)]) / (
+        2.0 * step
+    )
+    # As for a ball: the Hertz factors' part is left out.
+    assert_allclose(S, stiffness, atol=2e-3 * np.abs(stiffness).max())
+    radial = stiffness[1:, 1:]
+    assert_allclose(S[1:, 1:], radial, atol=2e-3 * np.abs(radial).max())
+    assert np.abs(radial[0, 1]) > 0.1 * np.abs(radial).max()
+
+
+def test_axial_stiffness_lets_the_race_yield(scene):
+    """The Schur complement: force over displacement with no radial force gained."""
+    g, forces = race(scene)
+    _, k, _ = forces(np.array([1.5 * static_displacement(g, 7.0), 3e-7, -2e-7]))
+    yielding = np.linalg.solve(k[1:, 1:], -k[1:, 0])
+    assert_allclose(axial_stiffness(k), k[0] @ [1.0, *yielding], rtol=1e-13)

@@ -1,0 +1,59 @@
+"""Did any number change? Renew with `python tests/model/test_golden.py` and say why."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.model.life import life
+from bearingwear.model.solve import solve
+from bearingwear.scene.read import load_scene
+
+HERE = Path(__file__).resolve().parent
+GOLDEN = HERE / "golden.json"
+SCENES = HERE.parents[1] / "config" / "scenes"
+CASES = {
+    f"{name} {method} mu {mu} loss {loss} {fidelity}": (name, method, mu, loss, fidelity)
+    for name in ("gyro_s1", "gyro_s2", "gyro_s1_drag")
+    for method in ("constant_force", "fixed_position")
+    for mu, loss in ((0.02, 0.5), (0.08, 0.0))
+    for fidelity in ("steady", "race_control")
+}
+NAMES = (
+    "contact_load", "contact_angle", "qv", "ball_angular_velocity", "orbit_speed",
+    "residual_preload", "shaft_torque", "axial_stiffness", "ball_diameter_loss_rate",
+    "gyroscopic_slip_share",
+)  # fmt: skip
+
+
+def numbers(case):
+    name, method, mu, loss, fidelity = CASES[case]
+    scene = load_scene(
+        SCENES / f"{name}.yaml",
+        [
+            f"operation.preload_method={method}",
+            f"friction.ball_race={mu}",
+            f"wear.ball_diameter_loss_um={loss}",
+        ],
+    )
+    values = solve(scene, fidelity).values
+    found = {n: np.asarray(values[n]).ravel().tolist() for n in NAMES}
+    if fidelity == "steady":
+        found["life"] = life(scene).values["life"].tolist()
+    return found
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_golden(case):
+    golden = json.loads(GOLDEN.read_text())[case]
+    found = numbers(case)
+    assert found.keys() == golden.keys()
+    for name, value in found.items():
+        scale = np.abs(golden[name]).max()
+        assert_allclose(value, golden[name], rtol=1e-9, atol=1e-9 * scale, err_msg=name)
+
+
+if __name__ == "__main__":
+    GOLDEN.write_text(json.dumps({case: numbers(case) for case in CASES}, indent=1) + "\n")

@@ -1,0 +1,253 @@
+"""Every kind of result file: shown, compared, and checked against the CF conventions."""
+
+import json
+import re
+import shutil
+
+import netCDF4
+import numpy as np
+import pytest
+import yaml
+from support import ROOT, scene_file, step
+
+from bearingwear.cli import main
+from bearingwear.scene.checking import record
+from bearingwear.studies.accuracy.plan import AccuracyPlan
+
+SCENE = str(scene_file("gyro_s1"))
+QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]
+CASES = [
+    f"{method}-mu0.080-loss{loss}"
+    for method in ("constant_force", "fixed_position")
+    for loss in ("0.00", "0.50")
+]
+KINDS = (
+    "steady case", "race control case", "case in time", "failed case", "life", "life in time",
+    "study", "wear life", "sweep", "trade study",
+)  # fmt: skip
+
+
+def made(*argv) -> None:
+    assert main([str(part) for part in argv]) == 0
+
+
+@pytest.fixture(scope="module")
+def kinds(tmp_path_factory):
+    """A file of each kind, made by the commands."""
+    folder = tmp_path_factory.mktemp("kinds")
+    files = {kind: folder / f"{kind.replace(' ', '_')}.nc" for kind in KINDS}
+    made("solve", SCENE, "-o", files["steady case"])
+    made("solve", SCENE, "-o", files["race control case"], "--fidelity", "race_control")
+    turns = ["model.simulated_turns=0.5", "--fidelity", "dynamic"]
+    made("solve", SCENE, "-o", files["case in time"], *QUICK, *turns)
+    failed = ["friction.ball_race=0", "--record-failures"]
+    made("solve", SCENE, "-o", files["failed case"], "--set", *failed)
+    fixed = "operation.preload_method=fixed_position"
+    made("life", SCENE, "-o", files["life"], *QUICK, fixed)
+    short = ["model.simulated_turns=0.5", "model.life_run_in_turns=0", "model.life_steps=2"]
+    made("life", SCENE, "-o", files["life in time"], "--fidelity", "dynamic", *QUICK, fixed, *short)
+    cases = [folder / f"{case}.nc" for case in CASES]
+    for case in cases:
+        method, mu, loss = re.fullmatch(r"(\w+)-mu(.*)-loss(.*)", case.stem).groups()
+        at = [f"operation.preload_method={method}", f"friction.ball_race={mu}"]
+        made("solve", SCENE, "-o", case, *QUICK, *at, f"wear.ball_diameter_loss_um={loss}")
+    assert step("studies.grid.gather.study", files["study"], paths=cases) == 0
+    made_from = {"scene": SCENE, "study": files["study"]}
+    assert step("studies.grid.life.study_life", files["wear life"], **made_from) == 0
+    plan = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text(encoding="utf-8"))
+    reference = plan["references"]["steady"]
+    plan |= {"repeats": 1, "references": {"steady": reference}, "table": []}
+    plan["scenes"] = {"gyro_fresh": {"file": "gyro_s1", "references": ["steady"]}}
+    plan["sweeps"] = {"gauss": plan["sweeps"]["gauss"] | {"grid": {"rule": ["gauss 20"]}}}
+    accuracy = record(AccuracyPlan, plan)
+    points = [files["sweep"], folder / "reference.nc"]
+    for sweep, path in zip(("gauss", "steady"), points, strict=True):
+        settings = accuracy.sweep_settings("gyro_fresh", sweep)
+        assert step("studies.accuracy.run.solved_sweep", path, settings=settings, scene=SCENE) == 0
+    assert step("studies.accuracy.gather.gathered_sweeps", files["trade study"], paths=points) == 0
+    return files
+
+
+# show
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("steady case", r"axial stiffness +N/um +4\.\d+"),
+        ("race control case", r"model race_control"),
+        ("case in time", r"turns simulated +1 +0\.5"),
+        ("failed case", r"status undetermined"),
+        ("life", r"ended by +preload_fraction"),
+        ("life in time", r"steady, the scene without cage"),
+        ("study", r"friction +1  0\.08\n(.|\n)*total_qv +W +0\.\d+ +0\.\d+"),
+        ("wear life", r"fixed_position, mu 0\.08 +h +[\d.]+ +[\d.]+ +0\.49\d+  preload_fraction"),
+        ("sweep", r"wall_time +s +[\d.e-]+ +[\d.e-]+"),
+        ("trade study", r"total_qv +W"),
+    ],
+)
+def test_show(kinds, kind, said, capsys):
+    capsys.readouterr()
+    assert main(["show", str(kinds[kind])]) == 0
+    text, error = capsys.readouterr()
+    assert re.search(said, text), text
+    assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
+
+
+def test_show_scene(capsys):
+    assert main(["show", SCENE]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("gyro_s1: 9 balls of 2 mm\n30000 r/min, constant_force preload 7 N")
+    # Harris: 2 (f_i + f_o - 1) D (1 - cos a0)
+    play = 2e3 * 0.125 * 2.0 * (1.0 - np.cos(np.radians(20.0)))
+    assert float(re.search(r"diametral clearance +um +(\S+)", text)[1]) == pytest.approx(play, 1e-4)
+    assert re.search(r"preload_fraction +0\.4\n", text)
+
+
+def test_show_bad_scene(tmp_path, capsys):
+    (tmp_path / "a.yaml").write_text("name: a\n", encoding="utf-8")
+    assert main(["show", str(tmp_path / "a.yaml")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+# compare
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_is_the_same_as_itself(kinds, kind, tmp_path, capsys):
+    shutil.copy(kinds[kind], tmp_path / "copy.nc")
+    capsys.readouterr()
+    assert main(["compare", str(kinds[kind]), str(tmp_path / "copy.nc")]) == 0
+    assert re.search(r"\nsame .*: the scene, and all \d+ variables\n$", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_changed_number_is_found(kinds, kind, tmp_path, capsys):
+    """The largest value of a variable is changed by a part in a thousand, in a copy."""
+    copy = tmp_path / "copy.nc"
+    shutil.copy(kinds[kind], copy)
+    with netCDF4.Dataset(copy, "a") as file:
+        numbers = {n: np.ma.filled(v[...], np.nan) for n, v in file.variables.items()
+                   if v.dtype is not str and v.dtype.kind == "f"}  # fmt: skip
+        name = next(n for n, v in numbers.items() if v.size and np.nanmax(np.append(v, 0)) > 0.0)
+        values = np.atleast_1d(numbers[name])
+        values.flat[np.nanargmax(values)] *= 1.001
+        file[name][...] = values.reshape(file[name].shape)
+    argv = ["compare", str(kinds[kind]), str(copy)]
+    capsys.readouterr()
+    assert main(argv) == 1
+    text = capsys.readouterr().out
+    row = re.search(rf"^  {name} .* ([\d.e-]+) %", text, re.M)
+    assert row and float(row[1]) == pytest.approx(0.1, rel=0.01), text
+    assert re.search(r"\n0 keys of the scene and 1 of \d+ variables differ\n$", text)
+    assert main([*argv, "--tolerance", "2e-3"]) == 0
+    assert main([*argv, "--tolerance", "5e-4"]) == 1
+
+
+def test_compare_tells_scene_and_place(kinds, tmp_path, capsys):
+    other = tmp_path / "other.nc"
+    made("solve", SCENE, "-o", other, "--set", "operation.preload_N=9", "friction.ball_race=0.05")
+    capsys.readouterr()
+    assert main(["compare", str(kinds["steady case"]), str(other)]) == 1
+    text = capsys.readouterr().out
+    assert re.search(r"^  operation.preload_N +7.0 +9.0$", text, re.M)
+    assert re.search(r"^  friction.ball_race +0.08 +0.05$", text, re.M)
+    assert re.search(r"^  residual_preload +N +7 +9 +22.2 %$", text, re.M)
+    assert re.search(r"^  contact_load +N .* race (inner|outer)$", text, re.M)
+    assert "\n2 keys of the scene and " in text
+
+
+def test_what_made_a_file_does_not_count(kinds, tmp_path, capsys):
+    copy = tmp_path / "copy.nc"
+    shutil.copy(kinds["steady case"], copy)
+    with netCDF4.Dataset(copy, "a") as file:
+        file.source_hash = "0123456789abcdef"
+    assert main(["compare", str(kinds["steady case"]), str(copy)]) == 0
+    text = capsys.readouterr().out
+    assert "does not count" in text and "0123456789abcdef" in text
+
+
+def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
+    copy = tmp_path / "copy.nc"
+    shutil.copy(kinds["study"], copy)
+    with netCDF4.Dataset(copy, "a") as file:
+        file["total_qv"][1, 0, 1] = np.nan
+        file["status"][0, 0, 0] = 1
+    assert main(["compare", str(kinds["study"]), str(copy), "--tolerance", "0.9"]) == 1
+    text = capsys.readouterr().out
+    place = "preload_method fixed_position, ball_diameter_loss 0.5"
+    assert re.search(rf"^  total_qv +W +0\.\d+ +missing +- +{place}$", text, re.M), text
+    assert re.search(r"^  status +ok +\w+ +- +preload_method constant_force", text, re.M), text
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "said"),
+    [
+        ("steady case", "life", "given a life beside a case; allowed two files of one kind"),
+        ("study", "wear life", "given a wear life beside a study"),
+        ("study", None, "given a file that cannot be read"),
+    ],
+)
+def test_what_cannot_be_compared(kinds, first, second, said, tmp_path, capsys):
+    other = kinds[second] if second else tmp_path / "none.nc"
+    capsys.readouterr()
+    assert main(["compare", str(kinds[first]), str(other)]) == 2
+    out, error = capsys.readouterr()
+    assert out == "" and error.count("\n") == 1 and said in error and str(other) in error
+
+
+@pytest.mark.parametrize("share", ["-1", "1", "nan", "much"])
+def test_tolerance_out_of_range(share, capsys):
+    assert main(["compare", "a.nc", "b.nc", "--tolerance", share]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+# the conventions
+
+# What the checker asks for beyond the conventions, where a dimension is called `time`: that it has
+# dates (CF 4.4 asks for a date to count from only of times that are dates; ours count from the
+# start of a run), and that the name in cell_methods is that of a dimension (7.3 also allows a
+# standard name, as `time` is one).
+BEYOND_CF = (
+    "Coordinate variable 'time' should have standard_name='time', found: 'None'",
+    "cell_methods name component time does not match a dimension, area or auxiliary coordinate",
+)
+
+
+def test_a_life_in_time_is_drawn_and_tabulated(kinds, tmp_path, capsys):
+    figure, table = tmp_path / "x.svg", tmp_path / "x.md"
+    draw, tabulate = "studies.lives.figures.wear_history", "studies.lives.tables.lives_table"
+    assert step(draw, figure, life=kinds["life in time"]) == 0
+    text = figure.read_text(encoding="utf-8")
+    assert "residual preload (N)" in text and "preload fraction ends the life" in text
+    assert step(tabulate, table, lives=[kinds["life in time"]]) == 0
+    assert "| life_in_time | " in table.read_text(encoding="utf-8")
+    capsys.readouterr()
+    for kind in ("life", "case in time"):
+        for run, given in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
+            assert step(run, tmp_path / "no.svg", **given) == 2
+            assert re.fullmatch(r".*: not a life followed in time\n", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_conventions(kinds, kind, tmp_path):
+    runner = pytest.importorskip(
+        "compliance_checker.runner", reason="compliance-checker is not installed (extra cf)"
+    )
+    runner.CheckSuite.load_all_available_checkers()
+    report = tmp_path / "report.json"
+    runner.ComplianceChecker.run_checker(
+        str(kinds[kind]), ["cf:1.11"], 0, "strict", output_filename=str(report),
+        output_format="json_new",
+    )  # fmt: skip
+    (found,) = json.loads(report.read_text(encoding="utf-8")).values()
+    checks = [
+        check
+        for checker in found.values()
+        for key in ("high_priorities", "medium_priorities", "low_priorities")
+        for check in checker[key]
+    ]
+    assert len(checks) > 10
+    messages = {message for check in checks for message in check["msgs"]}
+    assert not {m for m in messages if not m.endswith(BEYOND_CF)}
+    assert kind == "case in time" or not messages

@@ -1,0 +1,76 @@
+"""Kinds of files are told in one place, and studies hand in what serves theirs."""
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from bearingwear.plotting.drawing import Figure, new_figure
+from bearingwear.plotting.plot import figure_of, plot
+from bearingwear.results.kinds import function, kind_of
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.show import number, row, summary, values
+
+
+def lines_of_a_map(file) -> list[str]:
+    """What a study might show of its own file."""
+    return [row("longest", "h", number(values(file, "life").max()))]
+
+
+def figure_of_a_map(dataset: xr.Dataset) -> Figure:
+    """What a study might draw of its own file."""
+    figure, panels = new_figure(1, 1, 3.0, 3.0)
+    panels[0, 0].plot(dataset["life"])
+    return figure
+
+
+KIND = "map of a test"
+
+
+@pytest.fixture
+def path(tmp_path):
+    life = ("preload", np.array([1.0, 3.0]), {"units": "h"})
+    attrs = {"source": "bearingwear test", "title": "A test", "kind": KIND}
+    xr.Dataset({"longest": life, "life": life}, attrs=attrs).to_netcdf(tmp_path / "map.nc")
+    return tmp_path / "map.nc"
+
+
+@pytest.mark.parametrize(
+    ("variables", "attrs", "kind"),
+    [
+        ({"end_criterion": ((), 0)}, {"title": "anything"}, "life"),
+        ({"end_criterion": ("x", [0])}, {"title": "Wear life of a"}, "wear life"),
+        ({"contact_load": ("x", [1.0]), "status": ((), 0)}, {}, "case"),
+        ({"contact_load": ("x", [1.0]), "status": ("x", [0])}, {"title": "Study of a"}, "study"),
+        ({"status": ("x", [0])}, {"title": "Extremes: maps", "kind": "maps"}, "maps"),
+        ({}, {"title": "Accuracy against time: a, b"}, "accuracy against time"),
+        ({}, {}, "result"),
+    ],
+)  # fmt: skip
+def test_kind_of_file_and_dataset(variables, attrs, kind, tmp_path):
+    dataset = xr.Dataset(variables, attrs=attrs)
+    assert kind_of(dataset) == kind
+    dataset.to_netcdf(tmp_path / "a.nc")
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:
+        assert kind_of(file) == kind
+
+
+def test_function_of_a_dotted_name():
+    assert function("bearingwear.results.kinds:kind_of") is kind_of
+
+
+def test_a_study_shows_its_own_kind(path, monkeypatch):
+    monkeypatch.setattr("bearingwear.results.show.lines_of_a_map", lines_of_a_map, raising=False)
+    shown = summary(path, {KIND: "bearingwear.results.show:lines_of_a_map"})
+    assert shown.startswith(f"  {'longest':<26}h{'3':>21}\n")
+    # without it, it is shown like any other file
+    assert "longest" in summary(path) and "least" in summary(path)
+
+
+def test_a_study_draws_its_own_kind(path, tmp_path, monkeypatch):
+    monkeypatch.setattr("bearingwear.plotting.plot.figure_of_a_map", figure_of_a_map, raising=False)
+    plot(path, [tmp_path / "a.svg"], {KIND: "bearingwear.plotting.plot:figure_of_a_map"})
+    assert (tmp_path / "a.svg").stat().st_size > 0
+    with pytest.raises(CaseFileError, match=f"{KIND}; allowed case, life"):
+        figure_of(path, {"case": "no:such", "life": "no:such"})
+    assert load(path).attrs["kind"] == KIND

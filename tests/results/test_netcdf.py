@@ -1,0 +1,435 @@
+"""Results in files and in memory, from results made by hand: no solver is run here."""
+
+import json
+import os
+import time
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from bearingwear.atomic import OutputError
+from bearingwear.kernels import status as code
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.kernels.thrust import BRANCH_NAMES
+from bearingwear.model.result import Result
+from bearingwear.results import netcdf, variables
+from bearingwear.results.netcdf import CaseFileError, dataset, dataset_of, load, write_result
+from bearingwear.results.show import (
+    BEARING,
+    CAGE_MEANS,
+    CONTACT,
+    INTEGRATION,
+    LIVES,
+    START_AND_END,
+    STEADY_LIFE,
+    VARIABLES,
+    WORN_OF_EACH,
+    WORN_WHOLE,
+    summary,
+)
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
+from bearingwear.scene.read import load_scene
+
+SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
+SIZES = {"ball": 1, "race": 2, "axis": 3, "strip": 50, "counts": 2, "steady_state": 2, "step": 4}
+SIZES |= {"time": 6, "direction": 3, "edge": 2, "state": 7}
+
+
+def attributes() -> dict:
+    scene = load_scene(SCENE).to_dict()
+    return {"scene": json.dumps(scene), "fidelity": "steady", "modelled": '["all"]', "n": 3}
+
+
+NONE = CRITERIA.index("none")
+
+
+def filled(table, sizes=None, leave_out=()) -> dict:
+    """A value for every variable of a table."""
+    random = np.random.default_rng(1)
+    sizes = SIZES | (sizes or {})
+    values = {}
+    for name, variable in table.items():
+        if name not in leave_out and not name.startswith("cage_"):
+            shape = tuple(sizes[dim] for dim in variable.dims)
+            numbers = random.random(shape) + 0.5
+            values[name] = numbers.astype(int) if variable.dtype[0] == "i" else numbers
+    if any("time" in table[name].dims for name in values):
+        values["time"] = 1e-4 * np.arange(float(sizes["time"]))
+    return values | {"status": code.OK}
+
+
+@pytest.fixture
+def case() -> Result:
+    return Result(filled(variables.CASE), attributes(), 0.25)
+
+
+@pytest.fixture
+def life() -> Result:
+    return Result(filled(variables.LIFE) | {"end_criterion": 1}, attributes(), 0.25)
+
+
+@pytest.fixture(params=["case", "life", "failed case", "failed life", "nine balls"])
+def result(request) -> Result:
+    if request.param == "nine balls":
+        return Result(filled(variables.CASE, {"ball": 9}), attributes())
+    if request.param == "failed case":
+        return Result({"status": code.CONTACT_LOST, "ball_diameter_loss": [1e-7]}, attributes())
+    if request.param == "failed life":
+        return Result({"status": code.NOT_CONVERGED, "end_criterion": NONE}, attributes())
+    return request.getfixturevalue(request.param)
+
+
+# file and dataset
+
+
+def test_file_and_dataset_are_the_same(result, tmp_path):
+    write_result(result, tmp_path / "x.nc")
+    read, made = load(tmp_path / "x.nc"), dataset(result)
+    assert made.attrs.pop("wall_time_s") == result.wall_time_s
+    xr.testing.assert_identical(read, made)
+    assert {n: v.dtype for n, v in read.variables.items()} == {
+        n: v.dtype for n, v in made.variables.items()
+    }
+
+
+def test_same_result_gives_same_bytes(result, tmp_path):
+    write_result(result, tmp_path / "a.nc")
+    if result.wall_time_s:
+        time.sleep(1.1)  # were times of change stored, they would be whole seconds
+    result.wall_time_s += 1.0
+    write_result(result, tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_values_in_units_of_the_file(case, tmp_path):
+    case.values["contact_angle"] = np.radians([[20.0, 19.0]])
+    write_result(case, tmp_path / "x.nc")
+    with netCDF4.Dataset(tmp_path / "x.nc") as file:
+        assert file["contact_angle"].units == "degree"
+        assert file["contact_angle"][0].data == pytest.approx([20.0, 19.0])
+        assert file["contact_load"][...].data == pytest.approx(case.values["contact_load"])
+
+
+def test_life_in_hours(life):
+    life.values["life"] = np.array([3600.0, 7200.0])
+    made = dataset(life)
+    assert made["life"].units == "h"
+    assert made["life"].values == pytest.approx([1.0, 2.0])
+
+
+def test_case_file_follows_the_contract(case, tmp_path):
+    """Names, dimensions and units that others rely on."""
+    contract = {
+        ("ball", "race"): {
+            "contact_load": "N", "contact_angle": "degree", "semi_major_axis": "m",
+            "semi_minor_axis": "m", "maximum_pressure": "Pa", "qv": "W", "friction_heat": "W",
+            "spin_to_roll_ratio": "1", "gyroscopic_slip_share": "1",
+        },
+        ("ball", "race", "strip"): {"gyroscopic_slip": "m s-1", "rolling_slip": "m s-1"},
+        ("strip",): {"strip_position": "1"},
+        ("ball", "axis"): {"ball_angular_velocity": "rad s-1"},
+        ("ball",): {"orbit_speed": "rad s-1", "ball_wear_rate": "m3 s-1"},
+        ("race",): {"race_wear_rate": "m3 s-1"},
+        (): {
+            "residual_preload": "N", "axial_displacement": "m", "total_qv": "W",
+            "shaft_torque": "N m", "drag_power": "W", "axial_stiffness": "N m-1",
+        },
+    }  # fmt: skip
+    write_result(case, tmp_path / "x.nc")
+    with netCDF4.Dataset(tmp_path / "x.nc") as file:
+        assert file.data_model == "NETCDF4"
+        for dims, names in contract.items():
+            for name, units in names.items():
+                assert file[name].dimensions == dims, name
+                assert file[name].units == units, name
+        assert file["status"].flag_meanings.split() == list(STATUS_NAMES)
+        assert file["race"].flag_meanings == "inner outer"
+        assert file["axis"].flag_meanings == "axial tangential radial"
+        assert file["counts"].flag_meanings == "ball ball_and_races"
+        assert file["ball"].represents == 9
+        assert file["strip_position"][0] == pytest.approx(-0.98)
+
+
+def test_attributes(case, tmp_path):
+    write_result(case, tmp_path / "x.nc")
+    attrs = load(tmp_path / "x.nc").attrs
+    assert attrs["Conventions"] == "CF-1.11"
+    assert json.loads(attrs["scene"])["name"] == "gyro_s1"
+    assert attrs["title"] == "case of gyro_s1" and attrs["fidelity"] == "steady"
+    for name in ("source", "history", "references", "package_version", "source_hash"):
+        assert attrs[name]
+    assert "wall_time_s" not in attrs
+
+
+def test_cf_rules(result, tmp_path):
+    write_result(result, tmp_path / "x.nc")
+    with netCDF4.Dataset(tmp_path / "x.nc") as file:
+        for name, variable in file.variables.items():
+            attrs = variable.ncattrs()
+            assert "long_name" in attrs
+            if "flag_meanings" in attrs:
+                meanings = variable.flag_meanings.split()
+                assert len(variable.flag_values) == len(meanings)
+                assert variable.flag_values.dtype == variable.dtype == np.int8
+                assert "units" not in attrs
+            else:
+                assert "units" in attrs
+            is_coordinate = name in (*variables.COORDINATES, "strip_position")
+            assert ("_FillValue" in attrs) == (variable.dtype.kind == "f" and not is_coordinate)
+
+
+def test_what_was_not_solved_is_fill(tmp_path):
+    write_result(Result({"status": code.NOT_CONVERGED}, attributes()), tmp_path / "x.nc")
+    with netCDF4.Dataset(tmp_path / "x.nc") as file:
+        for name, variable in variables.CASE.items():
+            assert (name in file.variables) == (variable.always or name == "status"), name
+            if variable.always:
+                assert file[name][...].mask.all(), name
+        assert file["gyroscopic_slip"].shape == (1, 2, 50)
+        assert int(file["status"][...]) == code.NOT_CONVERGED
+
+
+def test_unnamed_values_are_refused(case):
+    case.values["contact_laod"] = 1.0
+    with pytest.raises(KeyError, match="contact_laod"):
+        dataset(case)
+
+
+@pytest.mark.parametrize("shape", [(2,), (1, 2, 1), (1, 3)])
+def test_wrong_shape_is_refused(case, shape):
+    case.values["contact_load"] = np.zeros(shape)
+    with pytest.raises(ValueError, match=r"contact_load|contact_angle"):
+        dataset(case)
+
+
+def test_long_histories_are_compressed(life, tmp_path, monkeypatch):
+    monkeypatch.setattr(netcdf, "COMPRESSED_ABOVE", 5)
+    write_result(life, tmp_path / "x.nc")
+    with netCDF4.Dataset(tmp_path / "x.nc") as file:
+        assert file["history_qv"].filters()["zlib"]
+        assert not file["life"].filters()["zlib"]
+
+
+# the table
+
+
+def test_flags_agree_with_the_model():
+    assert variables.BRANCHES == BRANCH_NAMES
+    assert CRITERIA == (*vars(EndOfLife()), "none")
+    assert set(STATUS_SENTENCES) == set(STATUS_NAMES)
+
+
+def test_table():
+    for name, variable in [*variables.CASE.items(), *variables.LIFE.items()]:
+        assert variable.name == name and variable.long_name
+        assert bool(variable.units) != bool(variable.flags)
+        assert set(variable.dims) <= set(variables.COORDINATES)
+        assert variable.dtype[0] == "f" or not variable.always or variable.flags[-1] == "none"
+        assert variable.scale == 1.0 or variable.units in ("degree", "h")
+        assert variable.factor > 0.0
+
+
+def test_everything_shown_has_a_label():
+    for name in (
+        *CONTACT,
+        *BEARING,
+        *INTEGRATION,
+        *CAGE_MEANS,
+        *LIVES,
+        *START_AND_END,
+        *STEADY_LIFE,
+    ):
+        assert VARIABLES[name].label and VARIABLES[name].display_unit
+    for name in (*WORN_OF_EACH, *WORN_WHOLE):
+        assert VARIABLES[name].label and VARIABLES[name].factor in (1e3, 1e6, 1e18)
+
+
+# datasets of studies
+
+SHEAR = variables.Variable("shear", ("race",), "h", "time", scale=0.5, comment="a comment")
+SIDE = variables.Variable("side", (), "", "a side", "i1", flags=("left", "right"))
+SIDES = variables.table(SIDE, SHEAR)
+
+
+def test_a_dataset_of_a_study():
+    times = [[1.0, 2.0], [np.nan, 4.0], [5.0, 6.0]]
+    found = dataset_of(SIDES, {"shear": times, "side": [0, 1, 1]}, along=("point",))
+    assert list(found) == ["side", "shear"]
+    assert found["shear"].dims == ("point", "race") and found["side"].dims == ("point",)
+    np.testing.assert_array_equal(found["shear"], 0.5 * np.array(times))
+    assert found["side"].dtype == np.int8 and found["shear"].dtype == np.float64
+    assert found["shear"].attrs == {"long_name": "time", "units": "h", "comment": "a comment"}
+    assert list(found["side"].attrs) == ["long_name", "flag_values", "flag_meanings"]
+    assert list(found["side"].attrs["flag_values"]) == [0, 1]
+    assert found["side"].attrs["flag_values"].dtype == np.int8
+
+
+def test_a_dataset_of_a_study_takes_what_has_values():
+    assert list(dataset_of(SIDES, {"side": 1})) == ["side"]
+    with pytest.raises(KeyError, match="top"):
+        dataset_of(SIDES, {"side": 1, "top": 1})
+
+
+# bad files
+
+
+@pytest.mark.parametrize(
+    "name, contents, text",
+    [
+        ("missing", None, "cannot be read"),
+        ("empty", b"", "empty"),
+        ("text", b"status: ok\n", "has not written"),
+        ("header only", b"\x89HDF\r\n\x1a\n" + b"\0" * 100, "damaged"),
+        ("classic", b"CDF\x01" + b"\0" * 28, "has not written"),
+    ],
+)
+@pytest.mark.parametrize("reader", [load, summary])
+def test_bad_file(reader, name, contents, text, tmp_path):
+    path = tmp_path / f"{name}.nc"
+    if contents is not None:
+        path.write_bytes(contents)
+    with pytest.raises(CaseFileError, match=text) as caught:
+        reader(path)
+    assert str(caught.value).startswith(f"{path}: given ") and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])
+@pytest.mark.parametrize("reader", [load, summary])
+def test_truncated_file(reader, share, case, tmp_path):
+    path = tmp_path / "x.nc"
+    write_result(case, path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(CaseFileError, match="damaged"):
+        reader(path)
+
+
+@pytest.mark.parametrize("reader", [load, summary])
+def test_foreign_netcdf(reader, tmp_path):
+    xr.Dataset({"temperature": 3.0}).to_netcdf(tmp_path / "x.nc", engine="netcdf4")
+    with pytest.raises(CaseFileError, match="has not written"):
+        reader(tmp_path / "x.nc")
+
+
+@pytest.mark.parametrize("reader", [load, summary])
+def test_folder(reader, tmp_path):
+    with pytest.raises(CaseFileError, match="cannot be read"):
+        reader(tmp_path)
+
+
+@pytest.mark.parametrize("reader", [load, summary])
+def test_name_that_is_not_utf8(reader, case, tmp_path):
+    write_result(case, tmp_path / "a.nc")
+    (tmp_path / "a.nc").rename(tmp_path / "\udcff.nc")
+    with pytest.raises(CaseFileError, match="UTF-8"):
+        reader(tmp_path / "\udcff.nc")
+
+
+# writing
+
+
+def test_folders_are_made(case, tmp_path):
+    write_result(case, tmp_path / "a" / "b" / "x.nc")
+    assert os.listdir(tmp_path / "a" / "b") == ["x.nc"]
+
+
+def test_open_file_is_replaced(case, tmp_path):
+    path = tmp_path / "x.nc"
+    write_result(case, path)
+    with netCDF4.Dataset(path) as before:
+        case.values["total_qv"] = 42.0
+        write_result(case, path)
+        assert before["total_qv"][...] != 42.0
+    assert float(load(path)["total_qv"]) == 42.0
+
+
+@pytest.mark.parametrize(
+    "stop", [KeyboardInterrupt, MemoryError, RuntimeError("NetCDF: HDF error")]
+)
+def test_interrupted_writing_leaves_the_old_file(case, stop, tmp_path, monkeypatch):
+    path = tmp_path / "x.nc"
+    path.write_bytes(b"old")
+
+    def interrupted(*_):
+        raise stop
+
+    monkeypatch.setattr(netcdf, "_fill", interrupted)
+    with pytest.raises(OutputError if isinstance(stop, RuntimeError) else stop):
+        write_result(case, path)
+    assert os.listdir(tmp_path) == ["x.nc"] and path.read_bytes() == b"old"
+
+
+def test_folder_that_cannot_be_made(case, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="cannot be written") as caught:
+        write_result(case, tmp_path / "file" / "x.nc")
+    assert "\n" not in str(caught.value)
+
+
+# the text of `bearingwear show`
+
+
+def test_summary_of_a_case(case, tmp_path):
+    case.values |= {"total_qv": 0.61492, "residual_preload": 7.0}
+    del case.values["axial_stiffness"]
+    write_result(case, tmp_path / "x.nc")
+    text = summary(tmp_path / "x.nc")
+    assert "gyro_s1: 9 balls of 2 mm" in text
+    assert "30000 r/min, constant_force preload 7 N, friction 0.08" in text
+    assert "model steady, status ok: solved and verified" in text
+    assert "0.61492" in text
+    assert next(line for line in text.splitlines() if "axial stiffness" in line).endswith(
+        "not solved"
+    )
+
+
+def test_summary_of_a_failed_case(tmp_path):
+    write_result(Result({"status": code.CONTACT_LOST}, attributes()), tmp_path / "x.nc")
+    text = summary(tmp_path / "x.nc")
+    assert f"status contact_lost: {STATUS_SENTENCES['contact_lost']}" in text
+    assert text.count("not solved") > 20
+
+
+def test_summary_of_many_balls(tmp_path):
+    values = filled(variables.CASE, {"ball": 9})
+    values["orbit_speed"] = np.arange(9.0)
+    write_result(Result(values, attributes()), tmp_path / "x.nc")
+    text = summary(tmp_path / "x.nc")
+    assert "mean of 9 balls" in text
+    assert next(line for line in text.splitlines() if "orbit" in line).split()[-1] == "4"
+
+
+def test_summary_of_a_life(life, tmp_path):
+    life.values["life"] = np.array([3600.0, 7200.0])
+    write_result(life, tmp_path / "x.nc")
+    text = summary(tmp_path / "x.nc")
+    assert "gyroscopic_slip_share" in text
+    assert next(line for line in text.splitlines() if " life  " in line).split() == [
+        "life", "h", "1", "2"
+    ]  # fmt: skip
+
+
+def test_summary_of_a_failed_life(tmp_path):
+    write_result(
+        Result({"status": code.NO_STEADY_STATE, "end_criterion": NONE}, attributes()),
+        tmp_path / "x.nc",
+    )
+    text = summary(tmp_path / "x.nc")
+    assert "no_steady_state" in text and "none" in text and "not solved" in text
+
+
+def test_summary_of_a_study(tmp_path):
+    study = xr.Dataset(
+        {
+            "status": (("friction",), np.array([0, 1], dtype="i1")),
+            "total_qv": (("friction",), [0.5, np.nan], {"units": "W"}),
+        },
+        attrs={"source": "bearingwear 0", "title": "study of gyro_s1"},
+    )
+    study.to_netcdf(tmp_path / "x.nc", engine="netcdf4")
+    text = summary(tmp_path / "x.nc")
+    assert text.startswith("study of gyro_s1")
+    assert "not_converged" in text and "0.5" in text

@@ -1,0 +1,425 @@
+"""Broken scenes: each is refused with one line that says what is wrong, and nothing is written."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bearingwear.cli import main
+
+SCENES = Path(__file__).parents[2] / "config" / "scenes"
+GOOD = (SCENES / "gyro_s1.yaml").read_text(encoding="utf-8")
+
+
+def edited(*pairs: tuple[str, str]) -> str:
+    """The good scene with texts replaced, each found exactly once."""
+    text = GOOD
+    for old, new in pairs:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def put(block: str, line: str) -> str:
+    """The good scene with a line added to a block."""
+    return edited((f"\n{block}:\n", f"\n{block}:\n  {line}\n"))
+
+
+def bomb() -> str:
+    lines = ["a: &a [x, x, x, x, x, x, x, x, x]"]
+    for old, new in zip("abcdefgh", "bcdefghi", strict=True):
+        lines.append(f"{new}: &{new} [" + ", ".join([f"*{old}"] * 9) + "]")
+    return "\n".join(lines) + "\n" + GOOD
+
+
+LOSS = "  ball_diameter_loss_um: 0.0\n"
+BEARING = GOOD[GOOD.index("bearing:") : GOOD.index("materials:")]
+CAGE = GOOD[GOOD.index("cage:") : GOOD.index("operation:")]
+
+# name: (contents, key that must be named, further texts of the message)
+BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
+    # keys
+    "unknown key": (put("bearing", "ball_cuont: 9"), "bearing.ball_cuont", ("ball_count",)),
+    "mistyped key": (
+        edited(("  ball_count: 9", "  ball_number: 9")), "bearing.ball_number", ("unknown",)),
+    "unknown block": (GOOD + "gravity: {g: 9.81}\n", "gravity", ("unknown",)),
+    "wrong unit in key": (
+        edited(("shaft_speed_rpm: 30000", "shaft_speed_rad_s: 3141.6")),
+        "operation.shaft_speed_rad_s", ("shaft_speed_rpm",)),
+    "very long key": (put("bearing", "x" * 500 + ": 1"), "bearing.xxx", ("unknown",)),
+    "missing key": (edited(("  preload_N: 7.0\n", "")), "operation.preload_N", ("nothing",)),
+    "missing friction": (edited(("  ball_race: 0.08\n", "")), "friction.ball_race", ("nothing",)),
+    "missing block": (edited((BEARING, "")), "bearing", ("nothing",)),
+    "empty block": (edited((BEARING, "bearing:\n")), "bearing", ("nothing",)),
+    "missing name": (edited(("name: gyro_s1\n", "")), "name", ("nothing",)),
+    "duplicate key": (put("bearing", "ball_count: 8"), "bearing.ball_count", ("second time",)),
+    "duplicate block": (GOOD + "friction: {ball_race: 0.1}\n", "friction", ("second time",)),
+    "list as a key": (GOOD + "? [a, b]\n: 1\n", "", ("as a key",)),
+    # types
+    "quoted exponent": (
+        edited(("slip_regularisation_m_s: 1.0e-3", "slip_regularisation_m_s: '1e-5'")),
+        "friction.slip_regularisation_m_s", ("text", "not a number", "write 1.0e-5")),
+    "quoted number": (
+        edited(("preload_N: 7.0", "preload_N: '7'")), "operation.preload_N",
+        ("not a number", "write 7")),
+    "number with unit": (
+        edited(("preload_N: 7.0", "preload_N: 7 N")), "operation.preload_N", ("'7 N'",)),
+    "octal": (edited(("ball_count: 9", "ball_count: 011")), "bearing.ball_count", ("'011'",)),
+    "sexagesimal": (
+        edited(("shaft_speed_rpm: 30000", "shaft_speed_rpm: 500:00")),
+        "operation.shaft_speed_rpm", ("'500:00'",)),
+    "comma": (edited(("pitch_diameter_mm: 7.5", "pitch_diameter_mm: 7,5")),
+              "bearing.pitch_diameter_mm", ("'7,5'",)),
+    "boolean as number": (
+        edited(("preload_N: 7.0", "preload_N: true")), "operation.preload_N", ("true",)),
+    "number as boolean": (
+        GOOD + "model: {cage_results: 1}\n", "model.cage_results", ("true or false",)),
+    "nothing": (edited(("preload_N: 7.0", "preload_N:")), "operation.preload_N", ("nothing",)),
+    "fractional count": (edited(("ball_count: 9", "ball_count: 9.5")), "bearing.ball_count", ()),
+    "list for a number": (
+        edited(("preload_N: 7.0", "preload_N: [7.0]")), "operation.preload_N", ()),
+    "block for a number": (
+        edited(("preload_N: 7.0", "preload_N: {mean: 7.0}")), "operation.preload_N", ()),
+    "number for a block": (
+        edited((BEARING, "bearing: 9\n")), "bearing", ("block",)),
+    "number for a name": (
+        edited(("  ball_material: bearing_steel", "  ball_material: 440")),
+        "bearing.ball_material", ()),
+    "NaN": (edited(("preload_N: 7.0", "preload_N: .nan")), "operation.preload_N", (".nan",)),
+    "infinity": (
+        edited(("shaft_speed_rpm: 30000", "shaft_speed_rpm: .inf")),
+        "operation.shaft_speed_rpm", (".inf",)),
+    "too large to be finite": (
+        edited(("preload_N: 7.0", "preload_N: 1.0e+999")), "operation.preload_N", (".inf",)),
+    "NaN in a list": (
+        put("operation", "radial_load_N: [0.0, .nan]"), "operation.radial_load_N[1]", (".nan",)),
+    "endless whole number": (
+        edited(("preload_N: 7.0", "preload_N: " + "9" * 5000)), "operation.preload_N", ()),
+    # ranges
+    "negative speed": (
+        edited(("shaft_speed_rpm: 30000", "shaft_speed_rpm: -30000")),
+        "operation.shaft_speed_rpm", ("-30000",)),
+    "negative preload": (
+        edited(("preload_N: 7.0", "preload_N: -7.0")), "operation.preload_N", ("-7.0",)),
+    "groove tighter than the ball": (
+        edited(("inner_groove_factor: 0.54", "inner_groove_factor: 0.49")),
+        "bearing.inner_groove_factor", ("> 0.5",)),
+    "groove as the ball": (
+        edited(("outer_groove_factor: 0.585", "outer_groove_factor: 0.5")),
+        "bearing.outer_groove_factor", ("> 0.5",)),
+    "groove in percent": (
+        edited(("outer_groove_factor: 0.585", "outer_groove_factor: 58.5")),
+        "bearing.outer_groove_factor", ("<= 1",)),
+    "no balls": (edited(("ball_count: 9", "ball_count: 0")), "bearing.ball_count", ()),
+    "ball diameter in metres": (
+        edited(("ball_diameter_mm: 2.0", "ball_diameter_mm: 0.002")),
+        "bearing.ball_diameter_mm", ()),
+    "modulus in pascals": (
+        edited(("youngs_modulus_GPa: 208", "youngs_modulus_GPa: 208.0e+9")),
+        "materials.bearing_steel.youngs_modulus_GPa", ()),
+    "density in g/cm3": (
+        edited(("density_kg_m3: 7800", "density_kg_m3: 7.8")),
+        "materials.bearing_steel.density_kg_m3", ()),
+    "incompressible": (
+        GOOD.replace("poisson_ratio: 0.3", "poisson_ratio: 0.5"),
+        "materials.bearing_steel.poisson_ratio", ("< 0.5",)),
+    "contact angle of 90": (
+        edited(("contact_angle_deg: 20.0", "contact_angle_deg: 90")),
+        "bearing.contact_angle_deg", ()),
+    "negative friction": (
+        edited(("ball_race: 0.08", "ball_race: -0.08")), "friction.ball_race", ()),
+    "no regularisation": (
+        edited(("slip_regularisation_m_s: 1.0e-3", "slip_regularisation_m_s: 0")),
+        "friction.slip_regularisation_m_s", ()),
+    "negative clearance": (
+        edited(("pocket_clearance_mm: 0.15", "pocket_clearance_mm: -0.15")),
+        "cage.pocket_clearance_mm", ("-0.15",)),
+    "restitution above 1": (
+        edited(("restitution: 0.5", "restitution: 1.5")), "cage.restitution", ()),
+    "negative loss": (
+        edited((LOSS, "  ball_diameter_loss_um: -0.1\n")), "wear.ball_diameter_loss_um", ()),
+    "negative loss in a list": (
+        edited((LOSS, "  ball_diameter_loss_um: [0, 0, 0, 0, -0.1, 0, 0, 0, 0]\n")),
+        "wear.ball_diameter_loss_um[4]", ()),
+    "negative drag": (
+        GOOD + "lubricant: {drag_density_kg_m3: -1}\n", "lubricant.drag_density_kg_m3", ()),
+    "fraction of 1": (
+        edited(("preload_fraction: 0.4", "preload_fraction: 1.0")),
+        "wear.end_of_life.preload_fraction", ("< 1",)),
+    "unknown preload method": (
+        edited(("preload_method: constant_force", "preload_method: spring")),
+        "operation.preload_method", ("constant_force", "fixed_position")),
+    "unknown fidelity": (GOOD + "model: {fidelity: best}\n", "model.fidelity", ("steady",)),
+    "one strip": (GOOD + "model: {strips: 1}\n", "model.strips", ()),
+    "one radial component": (
+        put("operation", "radial_load_N: [1.0]"), "operation.radial_load_N", ("two",)),
+    "excessive tilt": (put("operation", "tilt_mrad: 500"), "operation.tilt_mrad", ()),
+    # sense
+    "too many balls": (
+        edited(("ball_count: 9", "ball_count: 12")), "bearing.ball_count", ("at most 11",)),
+    "balls as large as the pitch circle": (
+        edited(("pitch_diameter_mm: 7.5", "pitch_diameter_mm: 2.0")),
+        "bearing.pitch_diameter_mm", ("> 2",)),
+    "missing material": (
+        edited(("  ball_material: bearing_steel", "  ball_material: ceramic")),
+        "bearing.ball_material", ("ceramic", "phenolic")),
+    "missing cage material": (
+        edited(("  material: phenolic", "  material: peek")), "cage.material", ("peek",)),
+    "no materials": (
+        GOOD[: GOOD.index("materials:")] + "materials: {}\n" + GOOD[GOOD.index("cage:") :],
+        "materials", ()),
+    "cage inside out": (
+        edited(("  inner_diameter_mm: 6.6", "  inner_diameter_mm: 9.6")),
+        "cage.inner_diameter_mm", ("< 8.6",)),
+    "cage off the balls": (
+        edited(("  inner_diameter_mm: 6.6", "  inner_diameter_mm: 9.6"),
+               ("  outer_diameter_mm: 8.6", "  outer_diameter_mm: 11.6")),
+        "cage.inner_diameter_mm", ("misses the balls",)),
+    "pockets that overlap": (
+        edited(("pocket_clearance_mm: 0.15", "pocket_clearance_mm: 0.6")),
+        "cage.pocket_clearance_mm", ("overlap",)),
+    "loss list of wrong length": (
+        edited((LOSS, "  ball_diameter_loss_um: [0.1, 0.2]\n")),
+        "wear.ball_diameter_loss_um", ("2 values", "9 balls")),
+    "loss as large as the ball": (
+        edited((LOSS, "  ball_diameter_loss_um: 2000\n")), "wear.ball_diameter_loss_um", ("200",)),
+    "end of life as large as the ball": (
+        edited(("ball_diameter_loss_um: 0.7", "ball_diameter_loss_um: 700")),
+        "wear.end_of_life.ball_diameter_loss_um", ("200",)),
+    "limit of a cage without a cage": (
+        edited((CAGE, ""), ("ball_diameter_loss_um: 0.7", "pocket_clearance_mm: 0.2")),
+        "wear.end_of_life.pocket_clearance_mm", ("0.2", "with a cage")),
+    "limit of a land without a land": (
+        edited(("guiding_race: outer", "guiding_race: ball"),
+               ("ball_diameter_loss_um: 0.7", "guide_clearance_mm: 0.3")),
+        "wear.end_of_life.guide_clearance_mm", ("guided by a race",)),
+    "share of a surface": (
+        edited(("guide_clearance_mm: 0.20", "guide_clearance_mm: 0.20\n  worn_share: 0")),
+        "cage.worn_share", ("0.001",)),
+    "cage results without a cage": (
+        edited((CAGE, "")) + "model: {cage_results: true}\n", "model.cage_results", ("cage",)),
+    "dynamic model at rest": (
+        edited(("shaft_speed_rpm: 30000", "shaft_speed_rpm: 0")) + "model: {fidelity: dynamic}\n",
+        "operation.shaft_speed_rpm", ("turns",)),
+    "steady cage results": (
+        GOOD + "model: {cage_results: true, fidelity: steady}\n", "model.fidelity", ("dynamic",)),
+    "no turns": (GOOD + "model: {simulated_turns: 0}\n", "model.simulated_turns", ("> 0",)),
+    "no turns evaluated": (
+        GOOD + "model: {evaluated_turns: 0}\n", "model.evaluated_turns", ("> 0",)),
+    "more turns evaluated than simulated": (
+        GOOD + "model: {evaluated_turns: 40.5}\n", "model.evaluated_turns", ("40.5", "<= 40")),
+    "half a point": (
+        GOOD + "model: {history_points_per_turn: 0.5}\n",
+        "model.history_points_per_turn", ("whole number",)),
+    "histories beyond memory": (
+        GOOD + "model: {history_points_per_turn: 50, simulated_turns: 1000000}\n",
+        "model.history_points_per_turn", ("<= 1",)),
+    "unknown integrator": (
+        GOOD + "model: {integrator: euler}\n", "model.integrator", ("runge_kutta",)),
+    "no tolerance": (
+        GOOD + "model: {dynamic_tolerance: 0}\n", "model.dynamic_tolerance", ("from 1.0e-9 to 1",)),
+    "no land stiffness": (
+        GOOD + "model: {land_stiffness_factor: 0}\n", "model.land_stiffness_factor", ("> 0",)),
+    "steady under radial load": (
+        put("operation", "radial_load_N: [0, 1]") + "model: {fidelity: steady}\n",
+        "model.fidelity", ("radial load",)),
+    # names and texts
+    "name with a path": (edited(("name: gyro_s1", "name: ../gyro_s1")), "name", ("a-z",)),
+    "name with a line break": (edited(("name: gyro_s1", 'name: "gyro_s1\\n"')), "name", ()),
+    "name in Greek": (edited(("name: gyro_s1", "name: \u0393\u03a5")), "name", ()),
+    "long name": (edited(("name: gyro_s1", "name: " + "x" * 65)), "name", ()),
+    "empty name": (edited(("name: gyro_s1", "name: ''")), "name", ()),
+    "control character in the description": (
+        GOOD[: GOOD.index("description:")]
+        + 'description: "\\e[31mred"\n'
+        + GOOD[GOOD.index("bearing:") :],
+        "description", ("control character",)),
+    "material name with a path": (
+        GOOD.replace("  phenolic: {", "  ../phenolic: {"),
+        "materials: ", ("the name '../phenolic'",)),
+    "long material name": (
+        GOOD.replace("  phenolic: {", "  " + "p" * 600 + ": {x: 1, "),
+        "materials: ", ("the name", "at most 64")),
+    # the file as a whole
+    "empty file": ("", "", ("nothing",)),
+    "comment only": ("# nothing here\n", "", ("nothing",)),
+    "list": ("- name: gyro_s1\n", "", ("a list of 1",)),
+    "text": ("gyro_s1\n", "", ("'gyro_s1'",)),
+    "two documents": (GOOD + "---\n" + GOOD, "", ("second document",)),
+    "not YAML": (GOOD + "operation: [\n", "", ("not YAML",)),
+    "tab": (edited(("  ball_count: 9", "\tball_count: 9")), "", ("not YAML",)),
+    "binary": (bytes(range(256)) * 8, "", ("UTF-8",)),
+    "zero bytes": (b"\0" * 64, "", ("not YAML",)),
+    "latin-1": (GOOD.replace("Chen", "Ch\xe9n").encode("latin-1"), "", ("UTF-8",)),
+    "UTF-16": (GOOD.encode("utf-16"), "", ("UTF-8",)),
+    "huge": (GOOD + "# " + "x" * 1_000_000 + "\n", "", ("1000000 bytes",)),
+    "many keys": (GOOD + "".join(f"k{i}: 1\n" for i in range(50_000)), "", ("5000 keys",)),
+    "long list": (
+        edited((LOSS, "  ball_diameter_loss_um: [" + "1," * 400_000 + "1]\n")), "", ("5000 keys",)),
+    "alias": (GOOD + "x: &x 1\ny: *x\n", "", ("anchor",)),
+    "alias bomb": (bomb(), "", ("anchor",)),
+    "merge key": (GOOD + "<<: {name: other}\n", "<<", ("unknown",)),
+    "tag": (edited(("preload_N: 7.0", "preload_N: !!float 7")), "", ("tag",)),
+    "python object": (GOOD + "x: !!python/object/apply:os.getcwd []\n", "", ("tag",)),
+    "deep nesting": (GOOD + "x: " + "[" * 5000 + "]" * 5000 + "\n", "", ("within each other",)),
+}  # fmt: skip
+
+
+def refused(capsys, argv: list[str]) -> str:
+    """The one line with which a command refuses its input."""
+    assert main(argv) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1 and err.endswith("\n"), err
+    assert "Traceback" not in err
+    assert "given " in err and "allowed" in err, err
+    assert len(err) < 500
+    return err
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_refuses_broken_scene(name, tmp_path, capsys):
+    contents, key, texts = BROKEN[name]
+    scene, output = tmp_path / "broken.yaml", tmp_path / "out" / "case.nc"
+    scene.write_bytes(contents if isinstance(contents, bytes) else contents.encode())
+    line = refused(capsys, ["solve", str(scene), "-o", str(output)])
+    assert line.startswith(f"{scene}: {key}")
+    for text in texts:
+        assert text in line, line
+    assert os.listdir(tmp_path) == ["broken.yaml"]
+
+
+def test_list_is_long_enough():
+    assert len(BROKEN) >= 45
+
+
+@pytest.mark.parametrize("command", ["life", "check"])
+@pytest.mark.parametrize("name", ["unknown key", "too many balls", "empty file", "alias bomb"])
+def test_other_commands_refuse_alike(command, name, tmp_path, capsys):
+    scene, output = tmp_path / "broken.yaml", tmp_path / "life.nc"
+    scene.write_text(BROKEN[name][0])
+    line = refused(
+        capsys, [command, str(scene), *(["-o", str(output)] if command == "life" else [])]
+    )
+    assert str(scene) in line and BROKEN[name][1] in line
+    assert not output.exists()
+
+
+OVERRIDES = {
+    "operation.preload_N=-3": ("operation.preload_N", "-3"),
+    "operation.preload_N='1e1'": ("operation.preload_N", "write 10"),
+    "operation.preload_N=": ("operation.preload_N", "nothing"),
+    "operation.preload_N=[": ("operation.preload_N", "not YAML"),
+    "operation.preload=3": ("operation.preload", "preload_N"),
+    "bearing.ball_count=12": ("bearing.ball_count", "at most 11"),
+    "bearing.ball_diameter_mm=4": ("bearing.ball_diameter_mm", "9 balls of 4 mm"),
+    "bearing.ball_count.x=1": ("bearing.ball_count.x", "no block"),
+    "gravity.g=9.81": ("gravity.g", "unknown"),
+    "cage=3": ("cage", "block"),
+    "wear.end_of_life={preload_fraction: 2}": ("wear.end_of_life", "preload_fraction"),
+    "name=../x": ("name", "a-z"),
+}
+
+
+@pytest.mark.parametrize("override", OVERRIDES)
+def test_names_the_override_at_fault(override, tmp_path, capsys):
+    key, text = OVERRIDES[override]
+    output = tmp_path / "case.nc"
+    scene = str(SCENES / "gyro_s1.yaml")
+    line = refused(capsys, ["solve", scene, "-o", str(output), "--set", override])
+    assert line.startswith(f"--set {key}: ") and text in line, line
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("override", ["operation.preload_N", "=3", "a..b=3", "a b=3"])
+def test_refuses_override_without_key(override, tmp_path, capsys):
+    line = refused(
+        capsys,
+        ["solve", str(SCENES / "gyro_s1.yaml"), "-o", str(tmp_path / "x.nc"), "--set", override],
+    )
+    assert line.startswith("--set: ") and "KEY=VALUE" in line
+
+
+def test_refuses_override_given_twice(tmp_path, capsys):
+    argv = ["check", str(SCENES / "gyro_s1.yaml")]
+    argv += ["--set", "operation.preload_N=3", "--set", "operation.preload_N=4"]
+    assert "more than once" in refused(capsys, argv)
+
+
+def test_names_the_file_where_the_override_is_innocent(tmp_path, capsys):
+    scene = tmp_path / "broken.yaml"
+    scene.write_text(BROKEN["too many balls"][0])
+    line = refused(capsys, ["check", str(scene), "--set", "operation.preload_N=3"])
+    assert line.startswith(f"{scene}: bearing.ball_count: ")
+
+
+def test_names_the_override_that_opened_a_block(tmp_path, capsys):
+    scene = tmp_path / "cageless.yaml"
+    scene.write_text(edited((CAGE, "")))
+    line = refused(capsys, ["check", str(scene), "--set", "cage.restitution=0.7"])
+    assert line.startswith("--set cage.restitution: cage.material: given nothing")
+
+
+def test_refuses_fidelity_that_does_not_apply(capsys):
+    argv = ["check", str(SCENES / "gyro_s1.yaml"), "--set", "operation.tilt_mrad=1"]
+    line = refused(capsys, [*argv, "--fidelity", "steady"])
+    assert line.startswith("--fidelity: ")
+    line = refused(capsys, [*argv, "--set", "model.fidelity=steady"])
+    assert line.startswith("--set model.fidelity: ")
+
+
+def test_life_with_limits_of_the_cage_alone_needs_its_wear(tmp_path, capsys):
+    output = tmp_path / "life.nc"
+    alone = "wear.end_of_life={pocket_clearance_mm: 0.2}"
+    argv = ["life", str(SCENES / "gyro_s1.yaml"), "-o", str(output), "--set", alone]
+    line = refused(capsys, argv)
+    assert line.startswith("--set wear.end_of_life: ") and "dynamic" in line
+    refused(capsys, [*argv, "--fidelity", "steady"])
+    rest = ["operation.shaft_speed_rpm=0", "--fidelity", "dynamic"]
+    assert "operation.shaft_speed_rpm" in refused(capsys, [*argv, *rest])
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("command", ["solve", "life"])
+@pytest.mark.parametrize("what", ["missing", "folder", "line break", "zero byte"])
+def test_refuses_scene_that_is_no_file(command, what, tmp_path, capsys):
+    path = {
+        "missing": str(tmp_path / "none.yaml"),
+        "folder": str(tmp_path),
+        "line break": str(tmp_path / "no\nfile.yaml"),
+        "zero byte": "no\0file.yaml",
+    }[what]
+    line = refused(capsys, [command, path, "-o", str(tmp_path / "x.nc")])
+    assert "cannot be read" in line
+    assert os.listdir(tmp_path) == []
+
+
+def test_life_needs_a_criterion(tmp_path, capsys):
+    scene, output = tmp_path / "endless.yaml", tmp_path / "life.nc"
+    end = GOOD[GOOD.index("  end_of_life:") :]
+    for text in ("", "  end_of_life: {}\n", "  end_of_life: {skid_ratio: null}\n"):
+        scene.write_text(edited((end, text)))
+        line = refused(capsys, ["life", str(scene), "-o", str(output)])
+        assert line.startswith(f"{scene}: wear.end_of_life: ") and "preload_fraction" in line
+    scene.write_text(edited(("preload_N: 7.0", "preload_N: 0")))
+    line = refused(capsys, ["life", str(scene), "-o", str(output)])
+    assert line.startswith(f"{scene}: wear.end_of_life.preload_fraction: ")
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("name", ["quoted exponent", "binary", "deep nesting", "alias bomb"])
+def test_refuses_in_a_process_of_its_own(name, tmp_path):
+    contents, key, _ = BROKEN[name]
+    scene, output = tmp_path / "broken.yaml", tmp_path / "case.nc"
+    scene.write_bytes(contents if isinstance(contents, bytes) else contents.encode())
+    done = subprocess.run(
+        [sys.executable, "-m", "bearingwear", "solve", str(scene), "-o", str(output)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.count("\n") == 1 and done.stderr.startswith(f"{scene}: {key}")
+    assert not output.exists()

@@ -1,0 +1,117 @@
+"""Plain data checked by the fields of typed records."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+import pytest
+
+from bearingwear.scene.checking import read_record, record
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import Key, part_at, whole
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sampling:
+    samples: Annotated[int, Key("Base samples, a power of two", minimum=1)] = 256
+    seed: Annotated[int, Key("Seed of the sequence", minimum=0)] = 1
+
+    def __post_init__(self) -> None:
+        if self.samples & (self.samples - 1):
+            raise SceneError("samples", f"given {self.samples}; allowed a power of two")
+
+
+@dataclass(frozen=True)
+class Axis:
+    values: tuple[float, ...]
+
+    @classmethod
+    def from_plain(cls, given: Any) -> "Axis":
+        if not isinstance(given, list) or given != sorted(given):
+            raise ValueError(f"given {given}; allowed rising numbers")
+        return cls(tuple(map(float, given)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    title: Annotated[str, Key("Heading")]
+    base: Annotated[str, Key("Where it starts", choices=("steady", "long"), name="from")] = "long"
+    settings: Annotated[Mapping[str, Any], Key("Changes", name="set")] = field(default_factory=dict)
+    along: Axis | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    sampling: Annotated[Sampling, Key("How to sample")] = field(default_factory=Sampling)
+    sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps by name", least=1)]
+    scenes: Annotated[tuple[str, ...], Key("Scenes", least=1, choices=("a", "b"))]
+    factor: Annotated[float | None, Key("Factor", above=1, maximum=9)] = None
+    aim: Annotated[str | float, Key("Aim", choices=("low", "high"), minimum=0)] = "low"
+
+
+def plan(**changes: Any) -> dict[str, Any]:
+    return {"sweeps": {"one": {"title": "One"}}, "scenes": ["a"]} | changes
+
+
+def test_data_become_records():
+    sweep = {"title": "One", "from": "steady", "set": {"a.b": 1}, "along": [1, 2]}
+    found = record(Plan, plan(sweeps={"one": sweep}, factor=2, aim=3, sampling={"samples": 8.0}))
+    assert found.sampling == Sampling(samples=8) and isinstance(found.sampling.samples, int)
+    assert found.sweeps["one"].base == "steady" and found.sweeps["one"].settings == {"a.b": 1}
+    assert found.sweeps["one"].along == Axis((1.0, 2.0))
+    assert found.scenes == ("a",) and isinstance(found.factor, float) and found.aim == 3.0
+    assert record(Plan, plan(sampling=None, factor=None)) == record(Plan, plan())
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"secnes": []}, "secnes: given an unknown key; nearest allowed: scenes"),
+        ({"": 1}, "given an unknown key; allowed: sampling, factor, aim"),
+        ({"sampling": {"samples": 0}}, "sampling.samples: given 0; allowed a whole number >= 1"),
+        ({"sampling": {"samples": 3}}, "sampling.samples: given 3; allowed a power of two"),
+        ({"sampling": {"seed": 1.5}}, "sampling.seed: given 1.5; allowed a whole number >= 0"),
+        ({"sweeps": {}}, "sweeps: given a block of 0 keys; allowed one or more blocks named by"),
+        ({"sweeps": {"one": {}}}, "sweeps.one.title: given nothing; allowed text"),
+        ({"sweeps": {"a b": {"title": "x"}}}, "sweeps: given the name 'a b'; allowed"),
+        ({"sweeps": {"one": 3}}, "sweeps.one: given 3; allowed a block of keys"),
+        (
+            {"sweeps": {"one": {"title": "x", "from": "short"}}},
+            "sweeps.one.from: given 'short'; allowed steady or long",
+        ),
+        (
+            {"sweeps": {"one": {"title": "x", "along": [2, 1]}}},
+            "sweeps.one.along: given [2, 1]; allowed rising numbers",
+        ),
+        ({"scenes": []}, "scenes: given a list of 0; allowed"),
+        ({"scenes": ["a", "c"]}, "scenes[1]: given 'c'; allowed a or b"),
+        ({"factor": 1}, "factor: given 1; allowed a number > 1 and <= 9"),
+        ({"factor": "2"}, "factor: given '2', text, not a number (write 2); allowed"),
+        ({"factor": True}, "factor: given true; allowed"),
+        ({"factor": float("nan")}, "factor: given .nan; allowed a number > 1 and <= 9"),
+        ({"aim": -1}, "aim: given -1; allowed low, high or a number >= 0"),
+    ],
+)
+def test_first_fault_takes_one_line(changes, message):
+    with pytest.raises(SceneError) as caught:
+        record(Plan, plan(**changes), "plan.yaml")
+    assert str(caught.value).startswith(f"plan.yaml: {message}")
+
+
+def test_files_may_hold_anchors(tmp_path):
+    path = tmp_path / "plan.yaml"
+    path.write_text(
+        "scenes: [a]\nsweeps:\n  one: {title: x, set: &set {a.b: 1, a.c: 2}}\n"
+        "  two: {title: y, set: {<<: *set, a.b: 3}}\n"
+    )
+    assert read_record(Plan, path).sweeps["two"].settings == {"a.b": 3, "a.c": 2}
+    path.write_text("- a\n")
+    with pytest.raises(SceneError, match="given a list of 1; allowed a block of keys"):
+        read_record(Plan, path)
+
+
+def test_parts_are_found_by_path():
+    assert part_at(whole(Plan), "sweeps.one.title").key.meaning == "Heading"
+    assert part_at(whole(Plan), "sampling.seed").unit == "1"
+    assert part_at(whole(Plan), "scenes[0]").allowed == "a or b"
+    assert part_at(whole(Plan), "nothing.here") is None

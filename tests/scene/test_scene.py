@@ -1,0 +1,365 @@
+"""Scene files, scenes, and the schema they share."""
+
+import copy
+import dataclasses
+import json
+import pickle
+import re
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+import yaml
+
+from bearingwear.scene import read as config
+from bearingwear.scene import scene as module
+from bearingwear.scene.accuracy import STANDARD
+from bearingwear.scene.errors import yaml_number
+from bearingwear.scene.keys import key_table, keys, renewed
+from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.scene.schema import schema
+from bearingwear.scene.strict_yaml import data_of
+
+CONFIG = Path(__file__).parents[2] / "config"
+SCENES = sorted((CONFIG / "scenes").glob("*.yaml"))
+S1 = CONFIG / "scenes" / "gyro_s1.yaml"
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return config.load_scene(S1)
+
+
+@pytest.fixture
+def plain(scene) -> dict:
+    return scene.to_dict()
+
+
+# the scenes that come with the project
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_project_scene(path):
+    scene = config.load_scene(path)
+    assert scene.name == path.stem
+    assert "assumed" in scene.description
+    assert scene.model == module.Model()
+    assert "model" not in yaml.safe_load(path.read_text())
+    end = scene.wear.end_of_life.criteria
+    loss = {"turbine": 10.0, "bearing218": 10.0, "turbopump": 4.0}.get(scene.name, 0.7)
+    assert end.items() >= {"preload_fraction": 0.4, "ball_diameter_loss_um": loss}.items()
+    if scene.name.startswith("gyro"):
+        assert end["gyroscopic_slip_share"] == 0.5 and end["skid_ratio"] == 0.1
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_descriptions_say_what_is_not_sourced(path):
+    said = config.load_scene(path).description.lower()
+    if path.stem == "turbine":
+        assert "geometry and materials are not at hand. all else is assumed" in said
+    elif path.stem == "bearing218":
+        assert "whose geometry they state" in said and "coefficient are assumed" in said
+    elif path.stem == "turbopump":
+        assert "all numbers are assumed" in said
+    else:
+        assert "identified from the paper's text, not sourced" in said
+
+
+def test_turbine_is_what_is_known_of_the_example():
+    scene = config.load_scene(CONFIG / "scenes" / "turbine.yaml")
+    assert scene.operation.shaft_speed_rpm == 30000
+    assert scene.operation.preload_N == 5000
+    assert scene.operation.rotating_load_N == 4000
+    assert scene.friction.ball_race == 0.09 and scene.friction.cage == 0.10
+
+
+def test_identified_bearings():
+    def numbers(name):
+        b = config.load_scene(CONFIG / "scenes" / f"{name}.yaml").bearing
+        return (
+            b.ball_diameter_mm,
+            b.pitch_diameter_mm,
+            b.ball_count,
+            b.contact_angle_deg,
+            b.inner_groove_factor,
+            b.outer_groove_factor,
+        )
+
+    assert numbers("gyro_s1") == (2.0, 7.5, 9, 20.0, 0.54, 0.585)
+    assert numbers("gyro_s2") == (2.0, 9.0, 10, 15.0, 0.54, 0.585)
+    assert numbers("gyro_s3") == (2.0, 8.0, 9, 18.0, 0.54, 0.585)
+
+
+@pytest.mark.parametrize(
+    "name, drag", [("gyro_s1_drag", 250), ("gyro_s1_drag200", 200), ("gyro_s1_drag400", 400)]
+)
+def test_drag_scenes_are_s1_with_drag(name, drag, plain):
+    other = config.load_scene(CONFIG / "scenes" / f"{name}.yaml").to_dict()
+    assert other["lubricant"]["drag_density_kg_m3"] == drag
+    assert other["friction"]["ball_race"] == 0.02
+    for key in ("bearing", "materials", "cage", "operation", "wear", "model"):
+        assert other[key] == plain[key]
+
+
+# scene <-> dict
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
+def test_round_trip(path):
+    scene = config.load_scene(path)
+    plain = scene.to_dict()
+    again = config.scene_from_dict(json.loads(json.dumps(plain)))
+    assert again == scene
+    assert list(again.to_dict()) == list(plain)
+    assert config.as_scene(scene) == config.as_scene(path) == config.as_scene(plain) == scene
+
+
+def test_order_is_that_of_a_scene_file(plain):
+    order = ["name", "description", "bearing", "materials", "cage", "operation"]
+    assert list(plain) == [*order, "friction", "lubricant", "wear", "uncertainty", "model"]
+
+
+def test_defaults():
+    full = config.load_scene(S1).to_dict()
+    operation = ("shaft_speed_rpm", "preload_method", "preload_N")
+    least = {key: full[key] for key in ("name", "bearing", "materials")}
+    least["operation"] = {key: full["operation"][key] for key in operation}
+    least["friction"] = {"ball_race": 0.08}
+    scene = config.scene_from_dict(least)
+    assert scene.cage is None and scene.wear.end_of_life is None
+    assert scene.operation.radial_load_N == (0.0, 0.0)
+    assert scene.friction.slip_regularisation_m_s == 1e-4  # of accuracy standard
+    assert scene.lubricant.drag_density_kg_m3 == 0.0
+    assert scene.wear == module.Wear() and scene.model == module.Model()
+    assert "cage" not in scene.to_dict()
+    assert "end_of_life" not in scene.to_dict()["wear"]
+    assert config.scene_from_dict(scene.to_dict()) == scene
+
+
+@pytest.mark.parametrize("key", ["cage", "lubricant", "wear", "model"])
+def test_null_is_the_same_as_leaving_out(key, plain):
+    left_out = {name: value for name, value in plain.items() if name != key}
+    assert config.scene_from_dict(plain | {key: None}) == config.scene_from_dict(left_out)
+
+
+def test_whole_numbers_become_floats(plain):
+    plain["operation"]["preload_N"] = 7
+    preload = config.scene_from_dict(plain).operation.preload_N
+    assert preload == 7.0 and isinstance(preload, float)
+    plain["bearing"]["ball_count"] = 9.0
+    assert isinstance(config.scene_from_dict(plain).bearing.ball_count, int)
+
+
+def test_numpy_values_are_taken(plain):
+    plain["operation"]["preload_N"] = np.float32(7.0)
+    plain["bearing"]["ball_count"] = np.int64(9)
+    plain["wear"]["ball_diameter_loss_um"] = np.linspace(0.1, 0.2, 9)
+    scene = config.scene_from_dict(plain)
+    assert scene.bearing.ball_count == 9
+    assert scene.wear.ball_diameter_loss_um[8] == pytest.approx(0.2)
+
+
+def test_input_dict_is_left_alone(plain):
+    before = copy.deepcopy(plain)
+    config.scene_from_dict(plain)
+    assert plain == before
+
+
+def test_one_loss_a_ball(plain):
+    plain["wear"]["ball_diameter_loss_um"] = losses = [0.1 * k for k in range(9)]
+    scene = config.scene_from_dict(plain)
+    assert scene.wear.ball_diameter_loss_um == tuple(losses)
+    assert config.scene_from_dict(scene.to_dict()) == scene
+
+
+def test_equal_losses_are_one_loss(plain):
+    plain["wear"]["ball_diameter_loss_um"] = [0.3] * 9
+    scene = config.scene_from_dict(plain)
+    assert scene.wear.ball_diameter_loss_um == (0.3,)
+    assert scene.to_dict()["wear"]["ball_diameter_loss_um"] == 0.3
+
+
+def test_description_becomes_one_line(plain):
+    plain["description"] = "two\nlines \t and  blanks\n"
+    assert config.scene_from_dict(plain).description == "two lines and blanks"
+
+
+# the objects
+
+
+def test_scene_is_frozen_and_hashable(scene):
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        scene.name = "other"
+    with pytest.raises(TypeError):
+        scene.materials["bearing_steel"] = None
+    assert hash(scene) == hash(config.load_scene(S1))
+    assert pickle.loads(pickle.dumps(scene)) == copy.deepcopy(scene) == scene
+
+
+def test_scene_built_in_python_is_checked(scene):
+    with pytest.raises(SceneError, match="bearing.ball_count: given 30 balls"):
+        dataclasses.replace(scene, bearing=dataclasses.replace(scene.bearing, ball_count=30))
+    slow = dataclasses.replace(scene.operation, shaft_speed_rpm=-1.0)
+    with pytest.raises(SceneError, match="operation.shaft_speed_rpm: given -1.0"):
+        config.as_scene(dataclasses.replace(scene, operation=slow))
+
+
+def test_balls_that_touch_fit():
+    for count in (3, 7, 11, 24, 100):
+        pitch = 2.0 / np.sin(np.pi / count)
+        assert module.most_balls(2.0, pitch) == count
+        assert module.most_balls(2.0, pitch * (1 - 1e-6)) == count - 1
+
+
+def test_error_survives_pickling():
+    error = pickle.loads(pickle.dumps(SceneError("a.b", "given 1; allowed 2", ("c",), "f.yaml")))
+    assert str(error) == "f.yaml: a.b: given 1; allowed 2" and error.involved == ("c",)
+
+
+@pytest.mark.parametrize("bad", [3, None, ["gyro_s1.yaml"]])
+def test_scene_of_another_kind(bad):
+    with pytest.raises(TypeError, match="a scene is a path, a dict or a Scene"):
+        config.as_scene(bad)
+
+
+def test_dict_that_contains_itself(plain):
+    plain["bearing"]["ball_count"] = plain
+    with pytest.raises(SceneError, match="within each other"):
+        config.scene_from_dict(plain)
+
+
+def test_keys_must_be_text(plain):
+    plain["materials"][440] = plain["materials"]["bearing_steel"]
+    with pytest.raises(SceneError, match="materials: given the key 440"):
+        config.scene_from_dict(plain)
+
+
+# overrides
+
+
+def test_overrides_are_read_as_yaml():
+    scene = config.load_scene(
+        S1,
+        [
+            "operation.preload_N=9",
+            "operation.preload_method=fixed_position",
+            "operation.radial_load_N=[0, 1.5]",
+            "wear.end_of_life={skid_ratio: 0.2}",
+            "model.cage_results=false",
+            "cage=null",
+        ],
+    )
+    assert scene.operation.preload_N == 9.0
+    assert scene.operation.preload_method == "fixed_position"
+    assert scene.operation.radial_load_N == (0.0, 1.5)
+    assert scene.wear.end_of_life.criteria == {"skid_ratio": 0.2}
+    assert scene.cage is None
+
+
+@pytest.mark.parametrize("indent", [None, 2, "\t"])
+def test_json_is_a_scene(indent, plain, tmp_path):
+    plain["friction"]["slip_regularisation_m_s"] = 5e-06
+    plain["description"] = 'assumed: "\u03bc/2" \\ 5'
+    path = tmp_path / "scene.yaml"
+    path.write_text(json.dumps(plain, indent=indent))
+    scene = config.load_scene(path)
+    assert scene.to_dict() == plain and "5e-06" in path.read_text()
+
+
+def test_override_opens_an_optional_block():
+    assert config.load_scene(S1, ["model.strips=20"]).model.strips == 20
+
+
+# strict YAML
+
+
+@pytest.mark.parametrize(
+    "text, value",
+    [("7", 7), ("-7", -7), ("7.", 7.0), (".5", 0.5), ("1.0e-5", 1e-5), ("1.5E+3", 1500.0),
+     ("0.1", 0.1), ("true", True), ("~", None), ("'7'", "7"), ("1e-5", 1e-5), ("5e-06", 5e-6),
+     ("1E3", 1e3), ("1.0e5", 1e5), (".5e1", 5.0), ("-1e+2", -100.0), ("e5", "e5"), ("1e", "1e"),
+     ("010", "010"), ("0x10", "0x10"), ("1_000", "1_000"), ("1:30", "1:30"), ("yes", "yes"),
+     ("2018-01-01", "2018-01-01"), ("=", "=")],
+)  # fmt: skip
+def test_plain_scalars(text, value):
+    read = data_of(f"x: {text}", "scene")["x"]
+    assert read == value and type(read) is type(value)
+
+
+@pytest.mark.parametrize("value", [1e-5, 3e-12, 1.5e22, 1e16, 0.1, 7.0, -2.5e-7])
+def test_written_numbers_are_read_as_numbers(value):
+    assert yaml.safe_load(yaml_number(value)) == value
+    assert data_of(yaml_number(value), "scene") == value
+
+
+def test_byte_order_mark_is_taken(tmp_path):
+    path = tmp_path / "bom.yaml"
+    path.write_bytes(b"\xef\xbb\xbf" + S1.read_bytes())
+    assert config.load_scene(path) == config.load_scene(S1)
+
+
+# the schema
+
+
+def blocks(part: dict, path: str = ""):
+    """Every (path, schema) of the schema, depth first."""
+    yield path, part
+    for name, below in part.get("properties", {}).items():
+        yield from blocks(below, f"{path}.{name}" if path else name)
+    for word in ("items", "additionalProperties"):
+        if isinstance(part.get(word), dict):
+            yield from blocks(part[word], f"{path}.x")
+
+
+def test_schema_is_valid():
+    jsonschema.Draft202012Validator.check_schema(schema())
+    assert schema()["$schema"] == "https://json-schema.org/draft/2020-12/schema"
+
+
+def test_schema_allows_no_unknown_key():
+    for path, part in blocks(schema()):
+        if "properties" in part:
+            assert part["additionalProperties"] is False, path
+
+
+def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
+    decided = {path for path, part in keys() if part.key.default_by == "model.accuracy"}
+    assert decided == set(STANDARD.keys)
+    for path, value in STANDARD.keys.items():
+        assert module.key_of_scene(path).default == value
+
+
+def test_descriptions_state_meaning_unit_and_range():
+    for path, part in blocks(schema()):
+        if path == "":
+            continue
+        assert len(part["description"].split("; ")) == 3, path
+        allowed = part["description"].split("; ")[2]
+        if "enum" in part:
+            assert set(part["enum"]) <= set(re.split(r"\W+", allowed)), path
+        for word, text in (
+            ("minimum", r"from (\S+)|>= (\S+)"),
+            ("maximum", r"to ([-\d.e]+)|<= (\S+)"),
+            ("exclusiveMinimum", r"> (\S+)"),
+            ("exclusiveMaximum", r"< (\S+)"),
+        ):
+            if word in part:
+                stated = next(filter(None, re.search(text, allowed).groups()))
+                assert float(stated) == part[word], (path, word)
+
+
+def test_plain_validators_agree(plain):
+    """The same schema, read by `jsonschema` alone, takes the project's scenes."""
+    validator = jsonschema.Draft202012Validator(schema())
+    validator.validate(plain)
+    based_on = jsonschema.Draft202012Validator(schema(config.BasedOn))
+    for path in SCENES:
+        data = yaml.safe_load(path.read_text())
+        (based_on if "based_on" in data else validator).validate(data)
+
+
+def test_key_table_is_up_to_date():
+    text = (CONFIG / "README.md").read_text(encoding="utf-8")
+    assert key_table() in text
+    assert renewed(text) == text, "run: python -m bearingwear.scene.keys config/README.md"

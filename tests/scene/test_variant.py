@@ -1,0 +1,87 @@
+"""A scene with some keys changed: from Python, and as a file based on another one."""
+
+from pathlib import Path
+
+import pytest
+
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import load_scene, scene_files
+from bearingwear.scene.variant import Variant, variant
+
+SCENES = Path(__file__).parents[2] / "config" / "scenes"
+S1 = SCENES / "gyro_s1.yaml"
+
+
+def write(folder, name, text):
+    path = folder / f"{name}.yaml"
+    path.write_text(f"name: {name}\n{text}")
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "gyro_s1.yaml").write_bytes(S1.read_bytes())
+    return tmp_path
+
+
+def test_variants_are_what_set_makes():
+    changes = {"operation.preload_N": 9, "model.strips": 20, "friction.ball_race": 1e-5}
+    texts = ["operation.preload_N=9", "model.strips=20", "friction.ball_race=1e-5"]
+    scene = load_scene(S1, texts)
+    plain = load_scene(S1).to_dict()
+    assert variant(S1, changes) == variant(plain, changes) == scene
+    assert variant(load_scene(S1), changes) == Variant("gyro_s1", changes).load(SCENES) == scene
+    assert plain == load_scene(S1).to_dict()
+
+
+def test_fault_of_a_change_is_told_as_its_own():
+    with pytest.raises(SceneError, match="^--set bearing.ball_count: given 30 balls"):
+        variant(S1, {"bearing.ball_count": 30})
+    with pytest.raises(SceneError, match="^--set bearing.ball_count.x: given a key of bearing.b"):
+        variant(S1, {"bearing.ball_count.x": 30})
+    with pytest.raises(SceneError, match="^--set friction.mu: given an unknown key"):
+        variant(S1, {"friction.mu": None})
+
+
+def test_null_leaves_an_entry_out():
+    scene = variant(S1, {"uncertainty.preload_N": None, "cage": None, "materials.phenolic": None})
+    assert "preload_N" not in scene.uncertainty and "phenolic" not in scene.materials
+    assert "ball_race" in scene.uncertainty and scene.cage is None
+    with pytest.raises(SceneError, match="cage.restitution: given nothing"):
+        variant(S1, {"cage.restitution": None})
+
+
+def test_file_based_on_another(folder):
+    fast = write(folder, "fast", "based_on: gyro_s1\nset: {operation.shaft_speed_rpm: 4e4}\n")
+    both = write(
+        folder, "Both", "description: assumed\nbased_on: fast\nset: {operation: {preload_N: 9}}\n"
+    )
+    scene, base = load_scene(fast), load_scene(S1)
+    assert scene.operation.shaft_speed_rpm == 40000 and scene.name == "fast"
+    assert scene.description == base.description and scene.cage == base.cage
+    with pytest.raises(SceneError, match="Both.yaml: operation.shaft_speed_rpm: given nothing"):
+        load_scene(both)
+    write(folder, "Both", "based_on: fast\nset: {operation.preload_N: 9}\n")
+    assert load_scene(both, ["friction.cage=0"]).operation.preload_N == 9
+    files = [both, fast, folder / "gyro_s1.yaml"]
+    assert scene_files(both) == list(map(str, files))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("based_on: ../gyro_s1\n", "based_on: given '../gyro_s1'; allowed a-z"),
+        ("based_on: other\n", "other.yaml: given a file that cannot be read"),
+        ("based_on: broken\n", "based_on: given broken, based on itself"),
+        ("based_on: gyro_s1\nbearing: {ball_count: 8}\n", "bearing: given an unknown key"),
+        ("based_on: gyro_s1\nset: {bearing.ball_count: 30}\n", "bearing.ball_count: given 30"),
+        ("based_on: gyro_s1\nset: {name.x: 30}\n", "set.name.x: given a key of name"),
+        ("based_on: gyro_s1\nset: {a..b: 30}\n", "set: given 'a..b'; allowed keys"),
+        ("based_on: gyro_s1\nset: 3\n", "set: given 3; allowed KEY: VALUE"),
+    ],
+)
+def test_broken_file_based_on_another(text, said, folder):
+    path = write(folder, "broken", text)
+    with pytest.raises(SceneError) as caught:
+        load_scene(path)
+    assert str(caught.value).startswith(str(folder)) and said in str(caught.value)

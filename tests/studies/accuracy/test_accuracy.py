@@ -1,0 +1,315 @@
+"""The study of accuracy: its plan, errors, front, table and docs, with numbers made up here."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from numpy.testing import assert_allclose
+from support import ROOT
+
+from bearingwear.cli import main
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.scene.accuracy import NAMED_PRESETS
+from bearingwear.scene.checking import record
+from bearingwear.studies.accuracy.figures import FRONT, integration_figure, steady_figure
+from bearingwear.studies.accuracy.gather import gathered_sweeps
+from bearingwear.studies.accuracy.plan import (
+    ACCURACY_FILE,
+    FIGURE_NAMES,
+    PRESET_KEYS,
+    AccuracyPlan,
+    Tolerance,
+)
+from bearingwear.studies.accuracy.tables import SECTIONS, agree, section, table_rows
+from bearingwear.studies.dataset import write_dataset
+
+PLAN_FILE = ROOT / ACCURACY_FILE
+NOT_CONVERGED = 1
+
+
+def step(run, *inputs, outputs, **settings):
+    command = ["step", f"studies.accuracy.{run}", *inputs, "--settings", json.dumps(settings)]
+    return main([*command, "-o", *map(str, outputs)])
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return AccuracyPlan.from_file(PLAN_FILE)
+
+
+def made_up(plan, scene, name, failed=()):
+    """Points with errors that fall with their number, one after the other."""
+    points = plan.points(name)
+    n = len(points)
+    of = plan.sweeps.get(name)
+    against = of.against if of else name
+    share = np.where(np.arange(n) == 0, 0.0, 1e-4) if of is None else 0.1 ** np.arange(1.0, n + 1)
+    status = np.array([NOT_CONVERGED if p.label in failed else 0 for p in points], dtype=np.int8)
+    numbers = {"wall_time": 1e-3 * 2.0 ** np.arange(n), "simulated_turns": np.full(n, 4.0)}
+    numbers["life_wall_time"] = 10.0 * numbers["wall_time"]
+    sizes = {"total_qv": 0.6, "qv_inner": 0.01, "qv_outer": 0.05, "residual_preload": 7.0}
+    sizes |= {"wear_rate": 1e-10, "life": 1.3, "cage_wear_rate": 1e-15}
+    numbers |= {key: size * (1.0 + share) for key, size in sizes.items()}
+    numbers["qv_inner"] = 0.01 * (1.0 - 3.0 * share)
+    if against in ("short", "long"):
+        numbers["life"] = np.full(n, np.nan)
+    for key in ("coriolis_energy_share", "azimuth_energy_share"):
+        numbers[key] = np.full(n, 1e-5)
+    for key in ("total_qv", "residual_preload", "wear_rate", "life"):
+        numbers[f"estimate_{key}"] = 2.0 * share
+    values = {key: np.where(status == 0, column, np.nan) for key, column in numbers.items()}
+    text = {"label": [p.label for p in points], "settings": [" ".join(p.settings) for p in points]}
+    return xr.Dataset(
+        {key: ("point", np.array(column, dtype=object)) for key, column in text.items()}
+        | {"value": ("point", [p.value for p in points]), "status": ("point", status)}
+        | {key: ("point", column, {"units": "1"}) for key, column in values.items()},
+        attrs={
+            "scene_name": scene,
+            "sweep_name": name,
+            "sweep_kind": of.kind if of else "reference",
+            "against": against,
+            "sweep_title": of.title if of else name,
+            "source": "bearingwear 1",
+            "source_hash": "1",
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def files(plan, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("points")
+    paths = []
+    for scene, name in plan.jobs():
+        failed = ("gauss 4",) if scene == "gyro_fresh" else ()
+        paths.append(folder / f"{scene}-{name}.nc")
+        write_dataset(made_up(plan, scene, name, failed), paths[-1])
+    return paths
+
+
+@pytest.fixture(scope="module")
+def trade(files, tmp_path_factory):
+    path = tmp_path_factory.mktemp("trade") / "accuracy.nc"
+    assert (
+        step("gather.gathered_sweeps", *(f"paths+={file}" for file in files), outputs=[path]) == 0
+    )
+    return path
+
+
+# the plan
+
+
+def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    plan.check_scenes()
+    assert len(plan.scenes) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
+    jobs = plan.jobs()
+    assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs
+    assert ("turbine", "strips") not in jobs and ("turbine", "hertz") in jobs
+
+
+def test_a_sweep_changes_its_reference_in_one_thing(plan):
+    reference = plan.points("steady")[0]
+    for point in plan.points("regularisation"):
+        assert point.fidelity == "steady"
+        changed = set(point.settings) ^ set(reference.settings)
+        assert all(text.startswith("friction.slip_regularisation_m_s=") for text in changed)
+    strips = plan.points("strips")
+    assert [p.value for p in strips] == [4, 10, 20, 50, 100, 200, 400]
+    assert "model.quadrature=strips" in strips[0].settings
+    assert "model.strips=4" in strips[0].settings
+    assert all(math.isnan(p.value) for p in plan.points("mixed_steady"))
+
+
+def test_presets_are_those_of_the_scenes(plan):
+    settings = [point.settings for point in plan.points("preset_steady")]
+    for name, given in zip(("draft", "standard", "reference"), settings, strict=True):
+        keys = dict(text.split("=") for text in given)
+        assert set(keys) == set(NAMED_PRESETS[name].keys)
+        assert int(keys["model.strips"]) == NAMED_PRESETS[name].strips
+        assert float(keys["model.dynamic_tolerance"]) == NAMED_PRESETS[name].dynamic_tolerance
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"sweeps": {"a": {"title": "a", "from": "nowhere", "grid": {}}}},
+            "given nowhere",
+        ),
+        ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "sweeps.a.title: given nothing"),
+        ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: given x"),
+        ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: given x"),
+        ({"scenes": 3}, "accuracy.yaml: scenes: given 3; allowed"),
+    ],
+)
+def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
+    data = yaml.safe_load(PLAN_FILE.read_text(encoding="utf-8")) | change
+    file = tmp_path / "accuracy.yaml"
+    file.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(ValueError) as error:
+        AccuracyPlan.from_file(file)
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_settings_of_a_sweep_change_with_what_decides_it(plan):
+    """An edit of the plan re-runs the sweeps that it touches, and no other."""
+    data = yaml.safe_load(PLAN_FILE.read_text(encoding="utf-8"))
+    data["sweeps"]["strips"]["grid"]["rule"][0] = "strips 5"
+    data["scenes"]["gyro_worn"]["set"]["wear.ball_diameter_loss_um"] = 0.4
+    data["table"] = []
+    edited = record(AccuracyPlan, data)
+    changed = {
+        job
+        for job in plan.jobs()
+        if json.dumps(plan.sweep_settings(*job)) != json.dumps(edited.sweep_settings(*job))
+    }
+    assert changed == {
+        (scene, sweep) for scene, sweep in plan.jobs() if sweep == "strips" or scene == "gyro_worn"
+    }
+
+
+# errors and front
+
+
+def test_errors_are_against_the_reference_of_the_scene(trade, plan):
+    found = load(trade)
+    assert found.sizes["point"] == sum(len(plan.points(name)) for _, name in plan.jobs())
+    mask = (found["scene"].values == "gyro_fresh") & (found["sweep"].values == "gauss")
+    gauss = found.isel(point=mask)
+    right = 0.1 ** np.arange(1.0, 7.0)
+    assert_allclose(gauss["error_total_qv"][1:], right[1:], rtol=1e-9)
+    assert_allclose(gauss["error_qv_inner"][1:], -3.0 * right[1:], rtol=1e-9)
+    assert_allclose(gauss["error_contact_qv"][1:], 3.0 * right[1:], rtol=1e-9)
+    assert_allclose(gauss["error_life"][1:], right[1:], rtol=1e-9)
+    assert_allclose(gauss["reference_time"], 1e-3)
+    assert int(gauss["status"][0]) == NOT_CONVERGED
+    assert np.isnan(gauss["error_total_qv"][0]) and np.isnan(gauss["error_contact_qv"][0])
+
+
+def test_a_sweep_against_its_own_first_point(trade):
+    found = load(trade)
+    hertz = found.isel(point=found["sweep"].values == "hertz")
+    assert_allclose(hertz["error_total_qv"][::2], 0.0, atol=1e-15)
+    assert_allclose(hertz["error_total_qv"][1::2], 1.01 / 1.1 - 1.0, rtol=1e-12)
+
+
+def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
+    without = [path for path in files if path.name != "turbine-long.nc"]
+    with pytest.raises(CaseFileError, match="turbine, .*: its reference long is missing"):
+        gathered_sweeps(without)
+    other = load(files[0]).assign_attrs(source_hash="2")
+    write_dataset(other, tmp_path / "other.nc")
+    with pytest.raises(CaseFileError, match="other.nc: source_hash is not that of"):
+        gathered_sweeps([files[1], tmp_path / "other.nc"])
+    with pytest.raises(CaseFileError, match="no sweeps"):
+        gathered_sweeps([])
+
+
+# figures, tables, docs
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("which", FIGURE_NAMES)
+def test_figures(trade, which, tmp_path):
+    outputs = [tmp_path / f"{copy}.svg" for copy in "ab"]
+    for output in outputs:
+        assert step("figures.figure", f"trade={trade}", outputs=[output], which=which) == 0
+    assert outputs[0].read_bytes() == outputs[1].read_bytes()
+
+
+def test_unknown_figure(trade, capsys, tmp_path):
+    assert step("figures.figure", f"trade={trade}", outputs=[tmp_path / "a.svg"], which="x") == 2
+    assert "given x; allowed overview" in capsys.readouterr().err
+
+
+def test_titles_say_what_the_data_show(trade):
+    """With times made up the other way round, the title turns round as well."""
+    found = load(trade)
+    title = " ".join(integration_figure(found).get_suptitle().split())
+    assert "Runge-Kutta takes up to 8 times as long, Rosenbrock up to 8 times" in title
+    points = (found["sweep"] == "runge_kutta") & (found["label"] == "0.0001")
+    found["wall_time"] = found["wall_time"].where(~points, 5.0 * found["wall_time"])
+    title = " ".join(integration_figure(found).get_suptitle().split())
+    assert "Runge-Kutta takes up to 40 times as long, Rosenbrock up to 8 times" in title
+
+
+def test_figure_marks_front_and_presets(trade):
+    figure = steady_figure(load(trade))
+    axes = figure.axes[0]
+    fronts = [line for line in axes.lines if line.get_linewidth() == FRONT["linewidth"]]
+    assert len(fronts) == 1
+    time, error = fronts[0].get_data()
+    assert (np.diff(time) > 0.0).all() and (np.diff(error) < 0.0).all()
+    presets = [line for line in axes.lines if line.get_color() == "black"]
+    assert len(presets) == 3
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+
+
+def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
+    docs = tmp_path / "accuracy.md"
+    docs.write_text("# Accuracy\n\nBefore.\n\n## Later\n", encoding="utf-8")
+    outputs = [tmp_path / "a.csv", tmp_path / "a.md"]
+    given = [f"trade={trade}", f"plan={PLAN_FILE}"]
+    assert step("tables.accuracy_tables", *given, outputs=outputs) == 0
+    table = outputs[1].read_text(encoding="utf-8")
+    assert "| 50 equal strips | 5 | 1.0e-04 | 1.0e-04 | 3.0e-04 | 1.0e-04 |" in table
+    assert "nan" not in table + outputs[0].read_text(encoding="utf-8")
+    assert (
+        len(outputs[0].read_text(encoding="utf-8").splitlines()) == 1 + load(trade).sizes["point"]
+    )
+
+    given.append(f"docs={docs}")
+
+    def renew():
+        return step("tables.docs_with_block", *given, outputs=[docs])
+
+    def check():
+        return step("tables.check_docs", *given, outputs=[tmp_path / "check.txt"])
+
+    assert check() == 2  # no such part yet
+    assert renew() == 0 and check() == 0
+    assert (tmp_path / "check.txt").read_text().endswith("accuracy.md: agrees\n")
+    once = docs.read_text(encoding="utf-8")
+    assert once.startswith("# Accuracy\n\nBefore.\n\n## Later\n") and table in once
+    assert renew() == 0 and docs.read_text(encoding="utf-8") == once  # not a second time
+
+    capsys.readouterr()
+    docs.write_text(
+        once.replace("| 50 equal strips | 5 | 1.0e-04 ", "| 50 equal strips | 5 | 3.0e-04 ")
+    )
+    assert check() == 3
+    said = capsys.readouterr().err
+    assert said.count("\n") == 2 and said.endswith("accuracy.md: 1 numbers differ\n")
+    assert "50 equal strips: total QV, median: says 3.0e-04, a run gives 0.0001" in said
+    docs.write_text(
+        once.replace("| 50 equal strips | 5 | 1.0e-04 ", "| 50 equal strips | 5 | 1.9e-04 ")
+    )
+    assert check() == 0
+    docs.write_text(once.replace("| 50 equal strips |", "| 51 equal strips |"))
+    assert check() == 3
+    assert "50 equal strips: missing" in capsys.readouterr().err
+
+
+def test_agreement_within_the_tolerance():
+    tolerance = Tolerance(error=2.0, floor=1e-6, floor_dynamic=1e-3, time=4.0)
+    assert agree("1.0e-03", 1.9e-3, "x", "steady", tolerance)
+    assert not agree("1.0e-03", 2.2e-3, "x", "steady", tolerance)
+    assert agree("1.0e-09", 9e-7, "x", "steady", tolerance)
+    assert agree("1.0e-05", 9e-4, "x", "long", tolerance)
+    assert not agree("1.0e-05", 9e-4, "x", "steady", tolerance)
+    assert agree("10", 3.0, "times as fast", "long", tolerance)
+    assert not agree("10", 50.0, "times as fast", "long", tolerance)
+    assert not agree("5", 6.0, "scenes", "long", tolerance)
+    assert agree("–", math.nan, "x", "long", tolerance) and not agree(
+        "–", 1.0, "x", "long", tolerance
+    )
+
+
+def test_the_docs_hold_every_row_of_the_plan(plan):
+    said = table_rows((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8"))
+    rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
+    assert rows <= set(said)
+    assert all(len(said[row]) == 8 for row in rows)

@@ -1,0 +1,346 @@
+"""The design study: its plan, the choice of a preload, and its steps on a map of a few lives."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from numpy.testing import assert_allclose
+from support import ROOT, scene_file
+
+from bearingwear.cli import main
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.results.netcdf import load
+from bearingwear.scene.read import load_scene
+from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.design.choice import ACTIVE, best_within, design_map, front
+from bearingwear.studies.design.dynamic_check import check_scene
+from bearingwear.studies.design.map import map_part
+from bearingwear.studies.design.plan import DesignLimits, DesignPlan
+from bearingwear.studies.design.recommend import recommendation_of
+from bearingwear.studies.uncertainty.quantiles import quantiles_and_indices
+from bearingwear.studies.uncertainty.sample import sampled_lives
+
+PLAN_FILE = ROOT / "config" / "design.yaml"
+NOT_CONVERGED, BEYOND_GROOVE = (STATUS_NAMES.index(n) for n in ("not_converged", "beyond_groove"))
+METHODS = ("constant_force", "fixed_position")
+LIMITS = {
+    "gyroscopic_slip_share": 0.25,
+    "axial_stiffness_N_um": 3.0,
+    "maximum_pressure_GPa": 1.5,
+    "friction_power_W": 0.2,
+}
+SAMPLING = {"samples": 4, "chunks": 2, "seed": 3}
+FILES = ("design", "recommendation", "uncertainty")
+
+
+@pytest.fixture
+def scene():
+    return load_scene(scene_file("gyro_s1"))
+
+
+# the plan
+
+
+def test_plan_of_the_project():
+    plan = DesignPlan.from_file(PLAN_FILE)
+    plan.check_scenes(ROOT / "config" / "scenes")
+    for name, of in plan.scenes.items():
+        scene = load_scene(scene_file(name))
+        assert of.map.lives >= 20_000
+        assert scene.operation.preload_N in of.map.preload_N
+        assert scene.friction.ball_race in of.map.friction
+        assert scene.operation.shaft_speed_rpm in of.map.shaft_speed_rpm
+        assert of.limits.given == LIMITS
+
+
+@pytest.mark.parametrize(
+    "path, value, told",
+    [
+        ("scenes.gyro_s1.map.friction.step", 0.07, "given 0.02 to 0.17 by 0.07"),
+        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "allowed rising numbers > 0"),
+        ("scenes.gyro_s1.map.preload_method", ["spring"], "allowed constant_force"),
+        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: given an unknown key"),
+        (
+            "scenes.gyro_s1.limits.friction_power_W",
+            "much",
+            "given 'much', text, not a number; allowed a number > 0",
+        ),
+        ("scenes.gyro_s1.map.friction", [0.0805], "allowed numbers of at most three decimals"),
+    ],
+)
+def test_bad_plan_takes_one_line(tmp_path, path, value, told):
+    data = yaml.safe_load(PLAN_FILE.read_text())
+    *blocks, last = path.split(".")
+    block = data
+    for name in blocks:
+        block = block[name]
+    block[last] = value
+    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
+    with pytest.raises(ValueError) as error:
+        DesignPlan.from_file(tmp_path / "plan.yaml")
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+# the choice
+
+
+def made_up(lives, stiffness, status=None):
+    """A line of a map of one method."""
+    n = len(lives)
+    status = np.zeros(n, dtype=np.int8) if status is None else np.array(status, dtype=np.int8)
+    lives = np.where(status == 0, lives, np.nan)
+    return xr.Dataset(
+        {
+            "status": ("preload", status),
+            "life": (("preload", "loss_basis"), np.stack([10.0 * lives, lives], axis=-1)),
+            "axial_stiffness": ("preload", 1e6 * np.asarray(stiffness)),
+            "friction_power": ("preload", 0.1 * np.arange(1.0, n + 1)),
+        },
+        {"preload": np.arange(1.0, n + 1)},
+    )
+
+
+STIFF = DesignLimits(axial_stiffness_N_um=2.5)
+
+
+@pytest.mark.parametrize(
+    "line, limits, index, active",
+    [
+        (made_up([9, 8, 7, 6], [1, 2, 3, 4]), STIFF, 2, "axial_stiffness_N_um"),
+        (
+            made_up([9, 8, 7, 6], [1, 2, 3, 4]),
+            DesignLimits(friction_power_W=1.0),
+            0,
+            "end_of_range",
+        ),
+        (made_up([5, 8, 7, 6], [1, 2, 3, 4]), DesignLimits(), 1, "none"),
+        (
+            made_up([1, 2, 3, 4], [1, 2, 3, 4]),
+            DesignLimits(friction_power_W=0.25),
+            1,
+            "friction_power_W",
+        ),
+        (made_up([9, 8, 7, 6], [1, 2, 2, 2]), STIFF, -1, "no_preload_within_limits"),
+        (made_up([9, 8, 7, 6], [3, 3, 3, 4], [0, 1, 0, 0]), DesignLimits(), 0, "not_solved"),
+        (made_up([9, 8, 7, 6], [3, 3, 3, 4], [1, 1, 0, 0]), STIFF, 2, "not_solved"),
+    ],
+)
+def test_choice_and_what_holds_it(line, limits, index, active):
+    found, held = best_within(line, limits, basis=1)
+    assert int(found) == index
+    assert ACTIVE[int(held)] == active
+
+
+def test_front_leaves_out_what_is_beaten_or_unsolved():
+    line = made_up([9, 8, 7, 6, 5], [1, 3, 2, 4, 5], [0, 0, 0, NOT_CONVERGED, 0])
+    assert front(line, 1).values.tolist() == [True, True, False, False, True]
+
+
+# the steps, on a map of a few lives
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The whole design study."""
+    folder = tmp_path_factory.mktemp("design")
+    scene = scene_file("gyro_s1")
+    design, recommendation = folder / "design.nc", folder / "recommendation.nc"
+    preloads = [3.0, 5.0, 7.0, 9.0, 11.0]
+    parts = []
+    for method in METHODS:
+        parts.append(folder / f"{method}.nc")
+        write_dataset(
+            map_part(scene, method, 0.08, [30000.0], preloads, slip_limit=0.25), parts[-1]
+        )
+    write_dataset(design_map(parts, LIMITS), design)
+    write_dataset(recommendation_of(scene, design), recommendation)
+    samples = []
+    for method in METHODS:
+        for choice, chosen_by in (("own", None), ("recommended", recommendation)):
+            for chunk in (0, 1):
+                samples.append(folder / f"{method}-{choice}-{chunk}.nc")
+                one = sampled_lives(scene, method, choice, chunk, SAMPLING, chosen_by)
+                write_dataset(one, samples[-1])
+    write_dataset(quantiles_and_indices(scene, samples, SAMPLING), folder / "uncertainty.nc")
+    return folder
+
+
+def step(name, output, settings="{}", **inputs):
+    """Exit status of a step; lists of files are added one by one."""
+    given = [
+        f"{key}+={path}" if isinstance(files, list) else f"{key}={path}"
+        for key, files in inputs.items()
+        for path in (files if isinstance(files, list) else [files])
+    ]
+    outputs = [str(path) for path in (output if isinstance(output, list) else [output])]
+    return main(["step", f"studies.{name}", *given, "--settings", settings, "-o", *outputs])
+
+
+def files_in(folder):
+    return {name: folder / f"{name}.nc" for name in FILES}
+
+
+def test_recommended_preload_stands_on_its_limit(folder):
+    found = load(folder / "recommendation.nc")
+    assert found["status"].values.tolist() == [0, 0]
+    for k in range(2):
+        one = found.isel(preload_method=k)
+        assert ACTIVE[int(one["active_limit"])] == "axial_stiffness_N_um"
+        assert float(one["axial_stiffness"]) == pytest.approx(3.0e6, rel=2e-5)
+        assert float(one["axial_stiffness"]) >= 3.0e6
+        assert float(one["gyroscopic_slip_share"]) <= 0.25
+        assert 0.0 < float(one["life_error_estimate"][1]) < 0.1
+    # no preload of the map within the limits lives longer
+    design = load(folder / "design.nc")
+    assert np.all(found["life"].values >= design["recommended_life"].values[:, 0, 0])
+
+
+def test_figures_and_tables_are_drawn(folder):
+    files = files_in(folder)
+    for name, given in (
+        ("design", files),
+        ("map", {"design": files["design"]}),
+        ("uncertainty", files),
+    ):
+        out = folder / f"{name}.svg"
+        assert step(f"design.draw.draw_{name}", out, **given) == 0
+        assert out.stat().st_size > 10_000
+    tables = [folder / "map.csv", folder / "design.md"]
+    assert step("design.tables.tables", tables, **files) == 0
+    text = (folder / "design.md").read_text()
+    assert "held by axial stiffness" in text and "| ok | 10 |" in text
+    assert len((folder / "map.csv").read_text().splitlines()) == 11
+    assert step("design.draw.other", folder / "x.svg", **files) == 2
+    wrong = dict(zip(FILES, reversed(files.values()), strict=True))
+    assert step("design.tables.tables", tables, **wrong) == 2
+    assert step("design.draw.draw_map", folder / "x.svg", design=files["uncertainty"]) == 2
+
+
+def changed(path, target, **values):
+    """A case file with other numbers."""
+    case = load(path)
+    for name, value in values.items():
+        case[name] = case[name] * 0 + value if name == "status" else case[name] * value
+    case.to_netcdf(target)
+    return str(target)
+
+
+def test_recommended_preload_in_time(folder, tmp_path, capsys):
+    """Without a cage, motion in time stays in the steady state that the map is made of."""
+    recommendation = folder / "recommendation.nc"
+    found = load(recommendation)
+    longest = int(np.argmax(found["life"].values[:, 1]))
+    cases = []
+    for times in ("0.80", "1.00", "1.25"):
+        path = tmp_path / f"{times}.yaml"
+        files = {"scene": scene_file("gyro_s1"), "recommendation": recommendation}
+        settings = f'{{"times": {float(times)}}}'
+        assert step("design.dynamic_check.check_scene_text", path, settings, **files) == 0
+        plain = yaml.safe_load(path.read_text())
+        preload = float(found["preload"][longest])
+        assert plain["operation"]["preload_N"] == pytest.approx(float(times) * preload, rel=1e-12)
+        assert plain["operation"]["preload_method"] == METHODS[longest]
+        assert load_scene(path).cage is not None
+        path.write_text(yaml.safe_dump({k: v for k, v in plain.items() if k != "cage"}))
+        for tier in ("steady", "dynamic"):
+            cases.append(str(tmp_path / f"{times}-{tier}.nc"))
+            assert main(["solve", str(path), "--fidelity", tier, "-o", cases[-1]]) == 0
+    out = tmp_path / "check.md"
+
+    def table(*paths):
+        given = {"recommendation": recommendation, "cases": list(paths)}
+        assert step("design.check_table.check_table", out, **given) == 0
+        return out.read_text()
+
+    text = table(*cases)
+    assert "The dynamic tier agrees with the steady values of the map within" in text
+    assert text.count("| no |") == 9 and "| yes |" not in text
+    for steady, dynamic in zip(map(load, cases[::2]), map(load, cases[1::2]), strict=True):
+        assert_allclose(dynamic["total_qv"], steady["total_qv"], rtol=1e-9)
+    # and the table sees where it does not
+    beyond = 1.0 + 2.0 * float(load(cases[0])["qv_error_estimate"]) + 0.01
+    text = table(*cases[:-1], changed(cases[-1], tmp_path / "qv.nc", total_qv=beyond))
+    assert "agrees with the steady values of the map in part" in text
+    assert "Beyond them: QV of the bearing by +" in text and text.count("| yes |") == 1
+    failed = changed(cases[-1], tmp_path / "failed.nc", status=NOT_CONVERGED)
+    text = table(*cases[:-1], failed)
+    assert "Not solved: dynamic at" in text and "not converged" in text
+    capsys.readouterr()
+    for wrong in ([*cases[:-1]], [recommendation], [*cases, folder / "design.nc"]):
+        given = {"recommendation": recommendation, "cases": wrong}
+        assert step("design.check_table.check_table", out, **given) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 3
+
+
+def test_nothing_recommended_is_checked_at_the_scene_s_own_preload(scene, folder):
+    none = load(folder / "recommendation.nc")
+    none["life"] *= math.nan
+    none["preload"] *= math.nan
+    checked = check_scene(scene, none, 0.8)
+    assert checked.operation.preload_N == pytest.approx(0.8 * scene.operation.preload_N)
+    assert checked.operation.preload_method == scene.operation.preload_method
+
+
+def test_every_status_is_counted(folder, tmp_path):
+    """Lives that were not solved keep their status, in the map, the CSV and the table."""
+    design = load(folder / "design.nc")
+    assert int(design["solves"].min()) >= 5 and int(design["failed_solves"].min()) >= 0
+    design["status"].values[0, 0, 0, :2] = NOT_CONVERGED, BEYOND_GROOVE
+    design.to_netcdf(tmp_path / "design.nc")
+    files = files_in(folder) | {"design": tmp_path / "design.nc"}
+    out = [tmp_path / "map.csv", tmp_path / "design.md"]
+    assert step("design.tables.tables", out, **files) == 0
+    text = (tmp_path / "design.md").read_text()
+    for name, count in (("ok", 8), ("not_converged", 1), ("beyond_groove", 1)):
+        assert f"| {name} | {count} |" in text
+        assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
+    solves = int(design["solves"].sum())
+    assert (
+        f"10 lives over preload, method, friction and speed (`map.csv`), made of {solves}" in text
+    )
+
+
+def test_answer_stands_first(folder):
+    """Preload, method, life with its spread and the active limit, in the first sentence."""
+    out = [folder / "map.csv", folder / "design.md"]
+    assert step("design.tables.tables", out, **files_in(folder)) == 0
+    first = (folder / "design.md").read_text().split("\n\n")[1].partition(". ")[0]
+    found = load(folder / "recommendation.nc").isel(preload_method=0)
+    spread = load(folder / "uncertainty.nc").isel(
+        preload_method=0, preload_choice=1, uncertain_inputs=0, loss_basis=1
+    )
+    l10, l50 = (float(q) for q in spread["life_quantile"][:2])
+    assert f"constant force at {float(found['preload']):.3g} N" in first
+    assert f"{float(found['life'][1]):.3g} h (L10 {l10:.2g} h, L50 {l50:.2g} h)" in first
+    assert first.endswith("held by axial stiffness")
+
+
+def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
+    scene, out = scene_file("gyro_s1"), tmp_path / "out.nc"
+    design = folder / "design.nc"
+    gather, recommend = "design.choice.design_map", "design.recommend.recommendation_of"
+    limits = '{"limits": {"gyroscopic_slip_share": 0.25}}'
+    parts = [folder / f"{method}.nc" for method in METHODS]
+    assert step(gather, out, limits, parts=[design, folder / "recommendation.nc"]) == 2
+    assert step(gather, out, limits.replace("25", "5"), parts=parts) == 2
+    assert step(gather, out, limits, parts=parts) == 0
+    assert step(recommend, out, scene=scene_file("gyro_s2"), design=design) == 2
+    given = {"scene": scene, "parts": [folder / "constant_force-own-0.nc"]}
+    quantiles = "uncertainty.quantiles.quantiles_and_indices"
+    sampling = '{"sampling": {"samples": 4, "chunks": 2, "seed": 3}}'
+    assert step(quantiles, out, sampling, **given) == 2
+    assert step(quantiles, out, sampling.replace("4", "1024"), **given) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 5 and "parts missing" in lines[3]
+
+
+def test_a_limit_can_be_changed_without_another_map(folder):
+    parts = [folder / f"{method}.nc" for method in METHODS]
+    found = load(folder / "design.nc")
+    stiffer = design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.0})
+    assert found["recommended_preload"].values.ravel().tolist() == [5.0, 11.0]
+    assert_allclose(stiffer["recommended_preload"].values.ravel(), [7.0, math.nan])
+    assert ACTIVE[int(stiffer["active_limit"].values.ravel()[1])] == "no_preload_within_limits"
+    assert stiffer["life"].equals(found["life"])

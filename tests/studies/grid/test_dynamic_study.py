@@ -1,0 +1,304 @@
+"""Gathering, figures and tables of cases solved in time, with cases made up here."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+from support import ROOT, scene_file, step
+
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.grid.dynamic_figures import mean_so_far, reference_values
+from bearingwear.studies.grid.gather import study
+from bearingwear.studies.grid.grid import Case, Grid
+from bearingwear.studies.grid.unsolved import verdict
+
+STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.7])
+DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
+NOT_CONVERGED = 1
+GATHER, TABLES = "studies.grid.gather.study", "studies.grid.dynamic_tables.comparison"
+COMPARED, AVERAGE = "studies.grid.draw.draw_dynamic", "studies.grid.draw.draw_running_average"
+FLAGS = {
+    "status": "ok not_converged",
+    "race": "inner outer",
+    "edge": "at_negative_x at_positive_x",
+    "direction": "axial Y Z",
+}
+
+
+def flag(name, dims, values):
+    meanings = FLAGS[name].split()
+    values = np.asarray(values, dtype=np.int8)
+    attrs = {"flag_values": np.arange(len(meanings), dtype=np.int8), "flag_meanings": FLAGS[name]}
+    return (dims, values, attrs)
+
+
+def made_up_case(case: Case, scene="gyro_s1", fidelity="steady", status=0, **changes):
+    """A case file's dataset with plausible numbers; its histories settle on its means."""
+    from bearingwear.scene.variant import variant
+
+    in_time = fidelity == "dynamic"
+    plain = variant(scene_file(scene), case.changes).to_dict()
+    n = plain["bearing"]["ball_count"] if in_time else 1
+    held = case.preload_method == "fixed_position"
+    left = 1.0 - (1.2 * case.ball_diameter_loss_um if held else 0.0)
+    size = (1.0 + 0.01 * in_time) * left * (0.9 + case.friction)
+    alone = {"units": "W"}, {"units": "m3 s-1"}
+    values = {
+        "status": flag("status", (), status),
+        "total_qv": ((), 1.4 * size, alone[0]),
+        "qv": (("ball", "race"), np.full((n, 2), 0.07 * size), alone[0]),
+        "residual_preload": ((), 7.0 * left, {"units": "N"}),
+        "ball_wear_rate": (("ball",), np.full(n, 1e-17 * size), alone[1]),
+        "race_wear_rate": (("race",), np.array([2e-16, 3e-16]) * size, alone[1]),
+    }
+    coords = {"ball": np.arange(n), "race": flag("race", ("race",), [0, 1])}
+    if in_time:
+        per_turn = {"qv_drift_per_turn": 1e-4, "wear_rate_drift_per_turn": 0.02 * held}
+        counts = {"simulated_turns": 20.0, "evaluated_turns": 10.0}
+        numbers = {name: ((), value, {"units": "1"}) for name, value in (per_turn | counts).items()}
+        numbers["cage_wear_rate"] = ((), 4e-15 * size, alone[1])
+        numbers["cage_land_wear_rate"] = ((), 5e-17 * size, alone[1])
+        numbers["steps_accepted"] = ((), np.int32(1000), {"units": "1"})
+        numbers["final_state"] = (("state",), np.arange(7.0), {"units": "1"})
+        numbers["final_time"] = ((), 0.04, {"units": "s"})
+        time = np.linspace(1e-4, 0.04, 400)
+        settling = 1.0 + 2.0 * np.exp(-time / 0.004) + 0.3 * np.sin(3e3 * time)
+        for name, mean in (("cage_pocket", 4e-15), ("cage_land", 5e-17)):
+            rate = (mean * size * settling).astype("f4")
+            numbers[f"history_{name}_wear_rate"] = (("time",), rate, alone[1])
+        rate = np.repeat((1e-17 * size * settling)[:, None], n, axis=1).astype("f4")
+        numbers["history_ball_wear_rate"] = (("time", "ball"), rate, alone[1])
+        land = np.zeros((400, 2), dtype="f4")
+        numbers["history_land_force"] = (("time", "edge"), land, {"units": "N"})
+        values |= numbers
+        coords |= {"time": ("time", time, {"units": "s"}), "edge": flag("edge", ("edge",), [0, 1])}
+    if status:  # as the solver leaves it: what it always writes is missing, the rest not there
+        always = {"total_qv", "qv", "residual_preload", "ball_wear_rate", "race_wear_rate"}
+        values = {
+            name: value
+            if name == "status"
+            else (value[0], np.full_like(value[1], np.nan), value[2])
+            for name, value in values.items()
+            if name in always | {"status"}
+        }
+        coords = {name: coords[name] for name in ("ball", "race")}
+    attrs = {name: "1" for name in ("source_hash", "package_version", "numpy_version")}
+    attrs |= {"scene": json.dumps(plain), "fidelity": fidelity, "numba_version": "1"}
+    attrs |= {"source": "bearingwear 1", "Conventions": "CF-1.11"}
+    return xr.Dataset(values, coords, attrs | changes)
+
+
+def make(folder, grid, fidelity, failed=(), **changes):
+    """Case files of a grid."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for case_id, case in grid.cases().items():
+        status = NOT_CONVERGED if case_id in failed else 0
+        made = made_up_case(case, fidelity=fidelity, status=status, **changes)
+        made.to_netcdf(folder / f"{case_id}.nc")
+        paths.append(folder / f"{case_id}.nc")
+    return paths
+
+
+FAILED = ("fixed_position-mu0.020-loss0.70", "fixed_position-mu0.080-loss0.70")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A study, and some of its cases solved in time, of which two could not be solved."""
+    folder = tmp_path_factory.mktemp("both")
+    for grid, fidelity, cases, file in (
+        (STEADY, "steady", "cases", "study.nc"),
+        (DYNAMIC, "dynamic", "dynamic", "dynamic.nc"),
+    ):
+        failed = FAILED if fidelity == "dynamic" else FAILED[:1]
+        paths = make(folder / cases, grid, fidelity, failed)
+        assert step(GATHER, folder / file, paths=paths) == 0
+    return folder
+
+
+def both(folder):
+    """The study and what is solved in time."""
+    return {"study": folder / "study.nc", "dynamic": folder / "dynamic.nc"}
+
+
+# gathering and verdict
+
+
+def test_gathered_without_histories(folder):
+    gathered = load(folder / "dynamic.nc")
+    assert gathered.attrs["fidelity"] == "dynamic"
+    assert gathered.sizes["ball"] == 9
+    assert not {"time", "state", "edge"} & set(gathered.dims)
+    assert "final_time" not in gathered and "history_ball_wear_rate" not in gathered
+    assert list(gathered["cage_wear_rate"].dims) == [
+        "preload_method",
+        "friction",
+        "ball_diameter_loss",
+    ]
+    failed = gathered.sel(preload_method=1, ball_diameter_loss=0.7)
+    assert np.all(failed["status"] == NOT_CONVERGED) and np.all(np.isnan(failed["cage_wear_rate"]))
+
+
+def test_steady_and_dynamic_cases_are_not_mixed(folder, tmp_path):
+    paths = make(tmp_path, DYNAMIC, "dynamic")
+    made_up_case(DYNAMIC.cases()[paths[3].stem]).to_netcdf(paths[3])
+    with pytest.raises(CaseFileError, match=f"{paths[3].name}: fidelity is not that of"):
+        study(paths)
+
+
+def test_verdict_names_the_files_of_both(folder, capsys, tmp_path):
+    checked, unsolved = verdict([folder / "study.nc", folder / "dynamic.nc"])
+    assert checked == 24 + 12
+    assert [line.partition(": ")[0] for line in unsolved] == [
+        str(folder / "cases" / f"{FAILED[0]}.nc"),
+        *(str(folder / "dynamic" / f"{case_id}.nc") for case_id in FAILED),
+    ]
+
+
+# beside the steady cases
+
+
+def test_comparison_tables(folder, tmp_path):
+    outputs = [tmp_path / "dynamic.csv", tmp_path / "dynamic.md"]
+    assert step(TABLES, *outputs, **both(folder)) == 0
+    with outputs[0].open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 12
+    first = rows[0]
+    steady = float(first["total_qv.steady (W)"])
+    assert_allclose(steady, 1.4 * 0.92, rtol=1e-8)
+    assert_allclose(float(first["total_qv.dynamic (W)"]), 1.01 * steady, rtol=1e-8)
+    assert_allclose(float(first["race_wear_rate.dynamic.outer (m3 s-1)"]), 3.03e-16 * 0.92)
+    assert first["status.steady"] == first["status.dynamic"] == "ok"
+    assert rows[-1]["status.steady"] == "ok" and rows[-1]["total_qv.steady (W)"]
+    assert rows[-1]["status.dynamic"] == "not_converged" and not rows[-1]["cage_wear_rate (m3 s-1)"]
+    text = outputs[1].read_text(encoding="utf-8")
+    assert "| constant force | 0.02 | 0 | 1288.0 | 1300.9 | 1.0100 | 7.000 | 7.000 |" in text
+    assert "nan" not in text + outputs[0].read_text(encoding="utf-8")
+    assert (
+        text.count(": the wear of all parts still drifts by +20 % over the turns averaged") == 4
+    )  # of those solved
+    assert text.count("in time: not_converged") == 2 and text.count("steady: not_converged") == 1
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("suffix", ["svg", "png"])
+def test_comparison_figure_twice(folder, tmp_path, suffix):
+    outputs = [tmp_path / f"{copy}.{suffix}" for copy in "ab"]
+    for output in outputs:
+        assert step(COMPARED, output, **both(folder)) == 0
+    assert outputs[0].read_bytes() == outputs[1].read_bytes()
+
+
+def test_comparison_figure_has_lines_and_marks(folder):
+    from bearingwear.studies.grid.dynamic_figures import beside_steady_figure
+
+    drawn = beside_steady_figure(load(folder / "study.nc"), load(folder / "dynamic.nc"))
+    assert len(drawn.axes) == 3 * 2
+    qv = [line for line in drawn.axes[0].lines if line.get_marker() != "x"]
+    assert [len(line.get_xdata()) for line in qv] == [4, 4, 3, 3]  # steady, in time; two methods
+    assert [line.get_linestyle() for line in qv] == ["-", "-", "None", "None"]
+    crosses = [line for line in drawn.axes[0].lines if line.get_marker() == "x"]
+    assert [line.get_xdata().tolist() for line in crosses] == [[0.7]]
+    title = drawn.get_suptitle().replace("\n", " ")
+    assert title.endswith("time with the cage differs from the steady one by 1 % at most")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("of", ["nothing solved", "no cage"])
+def test_comparison_of_little(folder, of, tmp_path):
+    grid = Grid.from_lists(PRELOAD_METHODS[:1], [0.08], [0.0])
+    failed = tuple(grid.cases()) if of == "nothing solved" else ()
+    (path,) = make(tmp_path, grid, "dynamic", failed)
+    if of == "no cage":
+        case = load(path)
+        path.unlink()
+        case.drop_vars([name for name in case if "cage" in name]).to_netcdf(path)
+    assert step(GATHER, tmp_path / "dynamic.nc", paths=[path]) == 0
+    files = {"study": folder / "study.nc", "dynamic": tmp_path / "dynamic.nc"}
+    assert step(COMPARED, tmp_path / "a.svg", **files) == 0
+    assert step(AVERAGE, tmp_path / "b.svg", case=path) == 0
+    assert step(TABLES, tmp_path / "a.csv", tmp_path / "a.md", **files) == 0
+    text = (tmp_path / "a.md").read_text(encoding="utf-8")
+    assert "cage" not in text and "nan" not in text
+
+
+def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
+    steady, dynamic = both(folder).values()
+    output = tmp_path / "a.svg"
+    assert step(COMPARED, output, study=steady, dynamic=steady) == 2
+    assert capsys.readouterr().err == f"{steady}: not cases solved in time\n"
+    paths = make(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
+    assert step(GATHER, tmp_path / "few.nc", paths=paths) == 0
+    assert step(COMPARED, output, study=tmp_path / "few.nc", dynamic=dynamic) == 2
+    assert "few.nc: friction: given 0.08; allowed 0.02" in capsys.readouterr().err
+    other = make(tmp_path / "other", DYNAMIC, "dynamic", scene="gyro_s1_drag")
+    assert step(GATHER, tmp_path / "other.nc", paths=other) == 0
+    assert step(COMPARED, output, study=steady, dynamic=tmp_path / "other.nc") == 2
+    assert capsys.readouterr().err.endswith(f"not of the scene of {steady}\n")
+    for path in (steady, folder / "cases" / f"{FAILED[1]}.nc"):
+        assert step(AVERAGE, output, case=path) == 2
+        assert capsys.readouterr().err == f"{path}: not a case solved in time\n"
+    assert not output.exists()
+
+
+# averages as they settle
+
+
+def test_mean_so_far():
+    rate = xr.DataArray([3.0, 5.0, 1.0, 7.0], {"time": [0.1, 0.2, 0.3, 0.4]}, ("time",))
+    assert_allclose(mean_so_far(rate), [3.0, 4.0, 3.0, 4.0], rtol=1e-14)
+
+
+@pytest.mark.filterwarnings("error")
+def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path):
+    from bearingwear.studies.grid.dynamic_figures import running_average_figure
+
+    case = load(folder / "dynamic" / "constant_force-mu0.080-loss0.00.nc")
+    empty = running_average_figure(case, ROOT / "config" / "reference" / "gupta_no2.csv")
+    labels = [text.get_text() for text in empty.legends[0].get_texts()]
+    assert labels == ["ball 1", "cage, pockets and land", "pockets", "land"]
+    file = tmp_path / "values.csv"
+    file.write_text("# a comment\npart,time_s,wear_rate_m3_s\nball_1,0.02,2e-17\ncage,0.01,5e-15\n")
+    drawn = running_average_figure(case, file)
+    assert drawn.legends[0].get_texts()[-1].get_text() == "reference: values"
+    ball = drawn.axes[0].lines
+    assert_allclose(ball[-1].get_xydata(), [[20.0, 20.0]])  # ms, 1e-18 m3/s
+    rate = case["history_ball_wear_rate"].isel(ball=0)
+    assert_allclose(ball[0].get_ydata()[-1], 1e18 * rate.mean(), rtol=1e-5)
+    title = drawn.get_suptitle().replace("\n", " ")
+    assert title.startswith(
+        "gyro_s1: the last shaft turn changed the mean wear rate of ball 1 by −"
+    )
+
+
+def test_the_place_for_reference_values_is_empty():
+    values = reference_values(ROOT / "config" / "reference" / "gupta_no2.csv")
+    assert set(values) == {"ball_1", "cage"} and not any(map(len, values.values()))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "allowed a table with header part,time_s,wear_rate_m3_s"),
+        ("a,b\n", "allowed a table with header part,time_s,wear_rate_m3_s"),
+        ("part,time_s,wear_rate_m3_s\nball,1,2\n", "given ball,1,2; allowed ball_1 or cage"),
+        ("part,time_s,wear_rate_m3_s\ncage,1\n", "given cage,1; allowed"),
+        ("part,time_s,wear_rate_m3_s\ncage,1,x\n", "given cage,1,x; allowed"),
+    ],
+)
+def test_a_broken_reference_is_refused(folder, text, said, tmp_path, capsys):
+    file = tmp_path / "values.csv"
+    file.write_text(text)
+    given = {"case": folder / "dynamic" / f"{FAILED[0]}.nc", "reference": file}
+    assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{file}: ") and said in error and error.count("\n") == 1
+    file.unlink()
+    assert step(AVERAGE, tmp_path / "a.svg", **given) == 2
+    assert capsys.readouterr().err.startswith(f"{file}: cannot be read")

@@ -1,0 +1,181 @@
+"""The study's grid and plan: names of cases, and what is refused."""
+
+import copy
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from support import ROOT, scene_file
+
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.scene.variant import variant
+from bearingwear.studies.grid.grid import Case, Grid
+from bearingwear.studies.grid.plan import Plan
+
+CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+
+
+def test_id_of_a_case():
+    case = Case("fixed_position", 0.08, 0.5)
+    assert case.id == "fixed_position-mu0.080-loss0.50"
+    assert case.changes == {
+        "operation.preload_method": "fixed_position",
+        "friction.ball_race": 0.08,
+        "wear.ball_diameter_loss_um": 0.5,
+    }
+
+
+@given(
+    mus=st.lists(st.integers(0, 2000), min_size=1, max_size=5, unique=True),
+    losses=st.lists(st.integers(0, 5000), min_size=1, max_size=5, unique=True),
+)
+def test_ids_are_unique_and_say_the_case(mus, losses):
+    grid = Grid.from_lists(PRELOAD_METHODS, [k / 1000 for k in mus], [k / 100 for k in losses])
+    cases = grid.cases()
+    assert len(cases) == 2 * len(mus) * len(losses)
+    for case in cases.values():
+        method, friction, loss = case.changes.values()
+        assert Case(method, float(friction), float(loss)) == case
+
+
+def test_order_does_not_matter():
+    assert Grid.from_lists(PRELOAD_METHODS, [0.08, 0.02], [1, 0]) == Grid.from_lists(
+        PRELOAD_METHODS[::-1], [0.02, 0.08], [0.0, 1.0]
+    )
+
+
+@pytest.mark.parametrize(
+    ("methods", "mus", "losses", "said"),
+    [
+        (["constant_force"], [0.1 + 0.2], [0.0], "friction: given 0.30000000000000004"),
+        (["constant_force"], [0.0005], [0.0], "friction: given 0.0005"),
+        (["constant_force"], [-0.1], [0.0], "friction: given -0.1"),
+        (["constant_force"], [float("nan")], [0.0], "friction: given nan"),
+        (["constant_force"], [0.1], [0.001], "ball_diameter_loss_um: given 0.001"),
+        (["constant_force"], [0.1, 0.1], [0.0], "twice"),
+        (["constant_force"], [], [0.0], "friction: empty"),
+        (["rigid"], [0.1], [0.0], "preload_method: given rigid"),
+    ],
+)
+def test_grids_that_are_refused(methods, mus, losses, said):
+    with pytest.raises(ValueError, match="^[^\n]*$") as error:
+        Grid.from_lists(methods, mus, losses)
+    assert said in str(error.value)
+
+
+def test_a_scene_is_studied_once():
+    study = {**CONFIG["studies"][0], "scenes": ["gyro_s1"]}
+    with pytest.raises(ValueError, match=r"studies\[1\].scenes: given gyro_s1"):
+        Plan.from_config(CONFIG | {"studies": [study, study], "dynamic": []}).cases()
+
+
+def test_plan_of_the_study():
+    plan = Plan.from_config(CONFIG)
+    assert len(plan.cases("gyro_s1")) == 64
+    assert len(plan.slip_cases("gyro_s1")) == 4
+    assert plan.frictions("gyro_s1_drag") == [0.02]
+    figures = plan.figures()
+    assert len(figures) == len(set(figures))
+    assert "results/gyro_s1/figures/fig07_fresh.svg" in figures
+    assert "results/gyro_s1_drag/figures/fig07_fresh.svg" not in figures  # one coefficient only
+    assert "results/figures/fig10_wear.svg" in figures
+
+
+def test_plan_of_a_small_study():
+    """A grid without the worn state and without the compared coefficients still has figures."""
+    study = {
+        "scenes": ["mine"],
+        "preload_method": ["constant_force"],
+        "friction": [0.1],
+        "ball_diameter_loss_um": [0],
+    }
+    plan = Plan.from_config(
+        {"studies": [study], "figures": {"worn_loss_um": 0.5, "friction": [0.02]}}
+    )
+    names = [path.rpartition("/")[2] for path in plan.figures()]
+    assert names == ["fig10_wear.svg", "fig10_wear.png", "wear_life.svg", "wear_life.png"]
+
+
+@pytest.mark.parametrize(
+    ("column", "said"),
+    [
+        ({"scene": "other", "friction": 0.02}, "given scene other; allowed gyro_s1"),
+        ({"scene": "gyro_s1", "friction": 0.03}, "given gyro_s1, friction 0.03; allowed 0.02"),
+    ],
+)
+def test_a_figure_of_what_is_not_studied(column, said):
+    config = copy.deepcopy(CONFIG)
+    config["figures"]["wear_columns"] = [column]
+    with pytest.raises(ValueError, match="^config: figures.wear_columns: [^\n]*$") as error:
+        Plan.from_config(config)
+    assert said in str(error.value)
+
+
+def dynamic_config(**changes):
+    """The project's configuration with one block under `dynamic`, changed."""
+    block = {**CONFIG["dynamic"][0], **changes}
+    figures = {key: value for key, value in CONFIG["figures"].items() if key != "running_averages"}
+    return {"studies": CONFIG["studies"], "dynamic": [block], "figures": figures}
+
+
+def test_plan_of_what_is_solved_in_time():
+    plan = Plan.from_config(CONFIG)
+    assert len(plan.dynamic_cases("gyro_s1")) == 12
+    assert plan.dynamic_cases("turbine") == [
+        "results/turbine/dynamic/constant_force-mu0.090-loss0.00.nc"
+    ]
+    assert plan.compared == ["gyro_s1"]  # the turbine has no steady state to be compared with
+    figures = plan.figures()
+    assert "results/gyro_s1/figures/dynamic.png" in figures
+    assert "results/turbine/figures/dynamic.png" not in figures
+    name = "fig06_running_average-constant_force-mu0.090-loss0.00"
+    assert f"results/turbine/figures/{name}.svg" in figures
+    assert "results/gyro_s1/tables/dynamic.md" in plan.tables()
+    assert plan.reference("turbine") == ["config/reference/gupta_no2.csv"]
+    assert plan.reference("gyro_s1") == []
+
+
+def test_settings_of_what_is_solved_in_time():
+    plan = Plan.from_config(dynamic_config(model={"simulated_turns": 50, "tolerance": 1e-5}))
+    case = plan.dynamic["gyro_s1"].cases()["fixed_position-mu0.020-loss0.00"]
+    changes = plan.dynamic_changes("gyro_s1", case)
+    assert changes == case.changes | {"model.simulated_turns": 50, "model.tolerance": 1e-5}
+    model = variant(scene_file("gyro_s1"), changes).model
+    assert (model.simulated_turns, model.tolerance) == (50.0, 1e-5)
+    plan = Plan.from_config(dynamic_config(model={}))
+    assert plan.dynamic_changes("gyro_s1", case) == case.changes
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"friction": [0.03]}, "dynamic: given gyro_s1, constant_force-mu0.030-loss0.00; allowed"),
+        ({"friction": [0.0201]}, "dynamic[0].friction: given 0.0201"),
+        ({"scenes": ["turbine", "turbine"]}, "dynamic[0].scenes: given turbine; it stands there"),
+    ],
+)
+def test_what_cannot_be_solved_in_time(changes, said):
+    with pytest.raises(ValueError, match="^config: [^\n]*$") as error:
+        Plan.from_config(dynamic_config(**changes))
+    assert said in str(error.value)
+
+
+def test_running_averages_of_what_is_not_solved_in_time():
+    config = dynamic_config()
+    config["figures"]["running_averages"] = {"turbine": None}
+    with pytest.raises(ValueError, match="running_averages: given scene turbine; allowed gyro_s1"):
+        Plan.from_config(config)
+
+
+def test_lives_that_cannot_be_spread(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    one = CONFIG["studies"][0] | {"scenes": ["turbopump"]}
+    figures = {"worn_loss_um": 0.5, "friction": [0.02]}
+    config = {"studies": [one], "figures": figures}
+    for scene, said in {
+        "turbine": "given turbine; allowed turbopump",
+        "turbopump": "given turbopump, whose file has no uncertainty; allowed scenes that have",
+    }.items():
+        with pytest.raises(ValueError, match=f"^config: uncertain_lives.scenes: {said}$"):
+            Plan.from_config(config | {"uncertain_lives": {"scenes": [scene]}}).check_scenes()

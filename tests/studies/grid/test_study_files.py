@@ -1,0 +1,500 @@
+"""Gathering of cases, wear life by interpolation, verdict, tables and figures."""
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+from support import scene_file, step, step_arguments
+
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.variables import CRITERIA
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.grid.gather import study
+from bearingwear.studies.grid.grid import Grid
+from bearingwear.studies.grid.life import interpolated_life
+from bearingwear.studies.grid.unsolved import verdict
+
+GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.02, 0.08], [0.0, 0.35, 0.7])
+UNDETERMINED = 5
+GATHER, LIFE = "studies.grid.gather.study", "studies.grid.life.study_life"
+TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.grid.unsolved.verdict_text"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Cases of a small study with a friction of zero, where nothing can be solved."""
+    from bearingwear.model.solve import solve
+    from bearingwear.results.netcdf import write_result
+    from bearingwear.scene.variant import variant
+
+    folder = tmp_path_factory.mktemp("study")
+    for case_id, case in GRID.cases().items():
+        scene = variant(scene_file("gyro_s1"), case.changes)
+        write_result(solve(scene), folder / "cases" / f"{case_id}.nc")
+    cases = [folder / "cases" / f"{case_id}.nc" for case_id in GRID.cases()]
+    assert step(GATHER, folder / "study.nc", paths=cases) == 0
+    made_from = {"scene": scene_file("gyro_s1"), "study": folder / "study.nc"}
+    assert step(LIFE, folder / "wear_life.nc", **made_from) == 0
+    return folder
+
+
+@pytest.fixture
+def cases(folder, tmp_path):
+    """Paths of a copy of the cases."""
+    shutil.copytree(folder / "cases", tmp_path / "cases")
+    return [tmp_path / "cases" / f"{case_id}.nc" for case_id in GRID.cases()]
+
+
+def test_study_holds_every_case(folder):
+    gathered = load(folder / "study.nc")
+    assert list(gathered["total_qv"].dims) == ["preload_method", "friction", "ball_diameter_loss"]
+    assert gathered["ball_diameter_loss"].attrs["units"] == "um"
+    for (case_id, case), index in zip(GRID.cases().items(), np.ndindex(2, 3, 3), strict=True):
+        one, alone = (
+            gathered.isel(
+                dict(zip(("preload_method", "friction", "ball_diameter_loss"), index, strict=True))
+            ),
+            load(folder / "cases" / f"{case_id}.nc"),
+        )
+        assert PRELOAD_METHODS[int(one["preload_method"])] == case.preload_method
+        assert float(one["friction"]) == case.friction
+        assert int(one["status"]) == int(alone["status"])
+        for name in ("total_qv", "contact_load", "ball_diameter_loss_rate"):
+            if name in alone:
+                assert one[name].attrs == alone[name].attrs
+                assert np.array_equal(one[name], alone[name], equal_nan=True)
+
+
+def test_failed_cases_are_missing_numbers_with_a_status(folder):
+    failed = load(folder / "study.nc").sel(friction=0.0)
+    assert np.all(failed["status"] == UNDETERMINED)
+    for name, variable in failed.data_vars.items():
+        assert name == "status" or np.all(np.isnan(variable)), name
+
+
+def test_flags_stay_whole_numbers_in_the_file(folder):
+    with xr.open_dataset(folder / "study.nc", mask_and_scale=False) as raw:
+        assert raw["status"].dtype == raw["steady_state_branch"].dtype == np.int8
+        assert all("_FillValue" not in raw[name].attrs for name in raw.coords)
+
+
+def test_gathering_twice_gives_the_same_bytes(folder, cases, tmp_path):
+    for name in ("a.nc", "b.nc"):
+        step(GATHER, tmp_path / name, paths=cases)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+    assert (tmp_path / "a.nc").read_bytes() == (folder / "study.nc").read_bytes()
+
+
+def truncated(paths):
+    paths[3].write_bytes(paths[3].read_bytes()[:2000])
+    return paths, paths[3]
+
+
+def empty(paths):
+    paths[3].write_bytes(b"")
+    return paths, paths[3]
+
+
+def foreign(paths):
+    xr.Dataset({"status": 0}).to_netcdf(paths[3])
+    return paths, paths[3]
+
+
+def missing(paths):
+    paths[3].unlink()
+    return paths, paths[3]
+
+
+def not_given(paths):
+    return paths[:3] + paths[4:], paths[3]
+
+
+def given_twice(paths):
+    return [*paths, paths[3]], paths[3]
+
+
+def misnamed(paths):
+    shutil.copy(paths[2], paths[3])
+    return [*paths[:2], *paths[3:]], paths[3]
+
+
+def changed(path, **attributes):
+    with xr.open_dataset(path) as opened:
+        dataset = opened.load()
+    path.unlink()
+    dataset.assign_attrs(attributes).to_netcdf(path)
+
+
+def of_another_scene(paths):
+    scene = load(paths[3]).attrs["scene"]
+    changed(paths[3], scene=scene.replace('"ball_count": 9', '"ball_count": 8'))
+    return paths, paths[3]
+
+
+def of_another_solver(paths):
+    changed(paths[3], source_hash="0" * 16)
+    return paths, paths[3]
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        truncated, empty, foreign, missing, not_given, given_twice, misnamed, of_another_scene,
+        of_another_solver,
+    ],
+)  # fmt: skip
+def test_damage_is_named_and_refused(cases, damage, tmp_path, capsys):
+    paths, culprit = damage(cases)
+    with pytest.raises(CaseFileError, match="^[^\n]*$") as error:
+        study(paths)
+    assert str(culprit) in str(error.value)
+    output = tmp_path / "study.nc"
+    assert step(GATHER, output, paths=paths) == 2
+    assert capsys.readouterr().err == f"{error.value}\n"
+    assert not output.exists()
+
+
+# wear life
+
+
+def line_of(losses, rate, preload, share=0.0, skid=0.0, status=None):
+    """A line of a study whose rate and criteria are known functions of the loss."""
+    n = len(losses)
+    full = np.broadcast_to
+    return xr.Dataset(
+        {
+            "status": ("ball_diameter_loss", np.zeros(n, int) if status is None else status),
+            "ball_diameter_loss_rate": (
+                ("ball_diameter_loss", "counts"),
+                np.stack([full(rate, n), 10.0 * full(rate, n)], axis=1),
+            ),
+            "residual_preload": ("ball_diameter_loss", full(preload, n)),
+            "skid_ratio": ("ball_diameter_loss", full(skid, n)),
+            "gyroscopic_slip_share": (
+                ("ball_diameter_loss", "ball", "race"),
+                np.stack([np.zeros(n), full(share, n)], axis=1)[:, None, :],
+            ),
+        },
+        {"ball_diameter_loss": losses, "counts": [0, 1]},
+    )
+
+
+LOSSES = np.linspace(0.0, 0.7, 8)
+HOUR = 3600.0
+
+
+def test_life_at_a_constant_rate():
+    found = interpolated_life(
+        line_of(LOSSES, 1e-12, 7.0), {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7}, 7.0
+    )
+    assert int(found["interpolated_end_criterion"]) == 3
+    assert_allclose(found["interpolated_loss_at_end"], 0.7e-6, rtol=1e-12)
+    assert_allclose(found["interpolated_life"], [0.7e-6 / 1e-12 / HOUR, 0.07e-6 / 1e-12 / HOUR])
+    assert_allclose(found["interpolated_history_time"][-1], found["interpolated_life"])
+
+
+def test_life_at_a_falling_rate_ends_where_the_preload_does():
+    # rate proportional to 1/(1 + x): time is the integral of (1 + x)
+    line = line_of(LOSSES, 1e-12 / (1.0 + LOSSES), 7.0 * (1.0 - LOSSES))
+    found = interpolated_life(line, {"preload_fraction": 0.4}, 7.0)
+    x = 0.6
+    assert int(found["interpolated_end_criterion"]) == 0
+    assert_allclose(found["interpolated_loss_at_end"], x * 1e-6, rtol=1e-9)
+    exact = (x + 0.5 * x * x) * 1e-6 / 1e-12 / HOUR
+    assert_allclose(found["interpolated_life"][0], exact, rtol=1e-3)  # that of the grid
+    assert_allclose(found["interpolated_history_residual_preload"][-1], 2.8, rtol=1e-9)
+
+
+def test_the_first_criterion_ends_the_life():
+    criteria = {
+        "preload_fraction": 0.4,
+        "gyroscopic_slip_share": 0.5,
+        "skid_ratio": 0.1,
+        "ball_diameter_loss_um": 0.65,
+    }
+    line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES), share=LOSSES, skid=-LOSSES / 4.0)
+    found = interpolated_life(line, criteria, 7.0)  # skid at 0.4, share at 0.5, preload at 0.6
+    assert int(found["interpolated_end_criterion"]) == 2
+    assert_allclose(found["interpolated_loss_at_end"], 0.4e-6, rtol=1e-9)
+
+
+def test_a_criterion_met_at_once_is_a_life_of_nothing():
+    found = interpolated_life(line_of(LOSSES, 1e-12, 2.0), {"preload_fraction": 0.4}, 7.0)
+    assert np.all(found["interpolated_life"] == 0.0)
+
+
+def test_life_of_race_control():
+    """That model knows no skidding: the criterion is never met."""
+    line = line_of(LOSSES, 1e-12, 7.0 * (1.0 - LOSSES)).drop_vars("skid_ratio")
+    criteria = {"skid_ratio": 0.1, "preload_fraction": 0.4}
+    found = interpolated_life(line, criteria, 7.0)
+    assert int(found["interpolated_end_criterion"]) == 0
+    assert_allclose(found["interpolated_loss_at_end"], 0.6e-6, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("line", "criteria"),
+    [
+        (line_of(LOSSES, 1e-12, 7.0), {"preload_fraction": 0.4}),  # never met
+        (line_of(LOSSES + 0.1, 1e-12, 7.0), {"ball_diameter_loss_um": 0.7}),  # no fresh case
+        (line_of(LOSSES[:1], 1e-12, 7.0), {"ball_diameter_loss_um": 0.7}),  # one case
+        (
+            line_of(LOSSES, 1e-12, 7.0, status=(LOSSES > 0.3).astype(int)),
+            {"ball_diameter_loss_um": 0.7},
+        ),  # not solved up to there
+    ],
+)
+def test_no_life_where_the_study_does_not_reach(line, criteria):
+    found = interpolated_life(line, criteria, 7.0)
+    assert np.all(np.isnan(found["interpolated_life"]))
+    assert int(found["interpolated_end_criterion"]) == CRITERIA.index("none")
+
+
+def test_both_routes_agree(folder):
+    lives = load(folder / "wear_life.nc")
+    solved = lives.sel(friction=0.08)
+    assert np.all(lives["status"].sel(friction=0.0) == UNDETERMINED)
+    assert np.all(solved["status"] == 0)
+    assert np.all(np.isfinite(solved["life"])) and np.all(solved["life"] > 0.0)
+    assert np.all(abs(solved["life_route_difference"].sel(preload_method=0)) < 1e-6)  # no change
+    assert np.all(abs(solved["life_route_difference"]) < 0.03)  # three states of wear only
+    assert "history_residual_preload" in lives
+
+
+# verdict, tables, figures
+
+
+def test_verdict(folder, tmp_path, capsys):
+    files = [str(folder / name) for name in ("study.nc", "wear_life.nc")]
+    checked, unsolved = verdict(files)
+    assert checked == 18 + 6 and len(unsolved) == 6 + 2
+    assert "cases/fixed_position-mu0.000-loss0.35.nc: undetermined" in unsolved[4]
+    assert step(VERDICT, tmp_path / "verdict.txt", paths=files) == 3
+    assert capsys.readouterr().err.startswith("8 of 24 not solved:\n")
+    assert not (tmp_path / "verdict.txt").exists()
+
+
+def test_a_case_has_no_verdict(cases, capsys):
+    assert step(VERDICT, "verdict.txt", paths=cases[:1]) == 2
+    assert capsys.readouterr().err.startswith(str(cases[0]))
+
+
+def test_tables(folder, tmp_path):
+    files = {"study": folder / "study.nc", "lives": folder / "wear_life.nc"}
+    outputs = [tmp_path / "cases.csv", tmp_path / "summary.md"]
+    assert step(TABLES, *outputs, **files) == 0
+    with outputs[0].open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 18
+    assert {row["status"] for row in rows} == {"ok", "undetermined"}
+    solved = load(folder / "cases" / "fixed_position-mu0.080-loss0.70.nc")
+    row = rows[-1]
+    assert float(row["qv.inner (W)"]) == pytest.approx(float(solved["qv"][0, 0]), rel=1e-8)
+    assert rows[0]["total_qv (W)"] == "" and "nan" not in outputs[0].read_text()
+    assert outputs[1].read_text().count(": undetermined") == 6
+
+
+FIGURES = {
+    "friction": ({"study": "study.nc"}, {"loss_um": 0.7}),
+    "wear": ({"studies": ["study.nc"]}, {"friction": [0, 0.08]}),
+    "life": ({"lives": "wear_life.nc"}, {"friction": [0, 0.08]}),
+    "overlay": ({"studies": ["study.nc", "study.nc"]}, {"friction": 0.08}),
+    "slip": (
+        {
+            "cases": [
+                f"cases/{method}-mu{mu}-loss0.70.nc"
+                for method in PRELOAD_METHODS
+                for mu in ("0.000", "0.080")
+            ]
+        },
+        {},
+    ),
+}
+
+
+def inside(folder, inputs):
+    """Inputs of a step, in a folder."""
+    return {
+        name: folder / given if isinstance(given, str) else [folder / one for one in given]
+        for name, given in inputs.items()
+    }
+
+
+def draw(name, *outputs, folder) -> int:
+    """Draw a figure of FIGURES."""
+    inputs, settings = FIGURES[name]
+    return step(
+        f"studies.grid.draw.draw_{name}", *outputs, settings=settings, **inside(folder, inputs)
+    )
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", FIGURES)
+def test_figures_are_drawn_with_failed_cases_and_the_same_bytes_twice(folder, name, tmp_path):
+    for copy in ("a", "b"):
+        outputs = [tmp_path / f"{copy}.{suffix}" for suffix in ("svg", "png")]
+        assert draw(name, *outputs, folder=folder) == 0
+    for suffix in ("svg", "png"):
+        assert (tmp_path / f"a.{suffix}").read_bytes() == (tmp_path / f"b.{suffix}").read_bytes()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", FIGURES)
+def test_figures_of_a_study_where_nothing_was_solved(folder, name, tmp_path, monkeypatch):
+    gathered = study(sorted((folder / "cases").glob("*-mu0.000-*.nc")))
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.grid.life import wear_life
+
+    write_dataset(gathered, tmp_path / "study.nc")
+    write_dataset(wear_life(scene_file("gyro_s1"), gathered), tmp_path / "wear_life.nc")
+    shutil.copytree(folder / "cases", tmp_path / "cases")
+    inputs, settings = FIGURES[name]
+    if name == "slip":
+        inputs = {"cases": [case for case in inputs["cases"] if "mu0.080" not in case]}
+    elif name != "friction":
+        none = [0, 0] if isinstance(settings["friction"], list) else 0
+        settings = {"friction": none}
+    monkeypatch.setitem(FIGURES, name, (inputs, settings))
+    assert draw(name, tmp_path / "figure.svg", folder=tmp_path) == 0
+
+
+def test_failed_cases_are_marked(folder):
+    from bearingwear.studies.grid import figures
+
+    drawn = figures.friction_figure(load(folder / "study.nc"), 0.7)
+    texts = [text.get_text() for text in drawn.legends[0].get_texts()]
+    assert "not solved" in texts
+    crosses = [line for line in drawn.axes[0].lines if line.get_marker() == "x"]
+    assert [line.get_xdata().tolist() for line in crosses] == [[0.0], [0.0]]
+
+
+WRITERS = {
+    GATHER: (["out.nc"], {"paths": [f"cases/{case_id}.nc" for case_id in GRID.cases()]}),
+    LIFE: (["out.nc"], {"scene": str(scene_file("gyro_s1")), "study": "study.nc"}),
+    "studies.grid.draw.draw_life": (["f.svg"], {"lives": "wear_life.nc"}),
+    TABLES: (["cases.csv", "summary.md"], {"study": "study.nc", "lives": "wear_life.nc"}),
+}
+
+
+@pytest.mark.parametrize("run", WRITERS)
+def test_no_room_leaves_nothing_half_written(folder, run, tmp_path):
+    resource = pytest.importorskip("resource")
+    outputs, inputs = WRITERS[run]
+    settings = {"friction": [0.08]} if run.endswith("draw_life") else {}
+    arguments = step_arguments(run, *outputs, settings=settings, **inside(folder, inputs))
+    for name in outputs:
+        (tmp_path / name).write_text("from before")
+
+    def no_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "bearingwear", *arguments],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        preexec_fn=no_room,
+    )
+    assert done.returncode == 2
+    assert done.stderr == f"{outputs[0]}: cannot be written (File too large)\n"
+    assert sorted(os.listdir(tmp_path)) == sorted(outputs)
+    assert all((tmp_path / name).read_text() == "from before" for name in outputs)
+
+
+HOSTILE = '$\\frac{$<script>alert("&")</script>--> x_1^2'
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_names_are_text_in_figures(folder, name, tmp_path, monkeypatch):
+    """Result files, too, may come from strangers; a scene of ours cannot have such a name."""
+    from xml.etree import ElementTree
+
+    from bearingwear.studies.grid import draw as steps
+
+    def renamed(path, **axes):
+        dataset = load(path)
+        scene = json.loads(dataset.attrs["scene"]) | {"name": HOSTILE}
+        return dataset.assign_attrs(scene=json.dumps(scene))
+
+    monkeypatch.setattr(steps, "loaded", renamed)
+    outputs = [tmp_path / f"figure.{suffix}" for suffix in ("svg", "png")]
+    assert draw(name, *outputs, folder=folder) == 0
+    drawn = ElementTree.parse(outputs[0])
+    assert not [node for node in drawn.iter() if str(node.tag).endswith("}script")]
+
+
+def test_description_is_text_in_the_summary(folder):
+    from bearingwear.studies.grid.tables import study_summary
+
+    hostile, lives = load(folder / "study.nc"), load(folder / "wear_life.nc")
+    scene = json.loads(hostile.attrs["scene"])
+    scene["description"] = "<script>x</script> [click](javascript:x) ![i](x) # `a` **b** | c\\"
+    hostile.attrs["scene"] = json.dumps(scene)
+    text = study_summary(hostile, lives)
+    assert (
+        "\n&lt;script&gt;x&lt;/script&gt; \\[click\\](javascript:x) !\\[i\\](x) "
+        "\\# \\`a\\` \\*\\*b\\*\\* \\| c\\\\\n"
+    ) in text
+
+
+def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):
+    path, output = folder / "study.nc", tmp_path / "figure.svg"
+    wear, life = "studies.grid.draw.draw_wear", "studies.grid.draw.draw_life"
+    assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2
+    assert capsys.readouterr().err == f"{path}: friction: given 0.03; allowed 0, 0.02, 0.08\n"
+    assert step(life, output, lives=path, settings={"friction": [0.02]}) == 2
+    assert "interpolated_step" in capsys.readouterr().err
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("name", ["figure.foo", "figure", "figure.gif"])
+def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
+    case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
+    outputs = [tmp_path / "figure.svg", tmp_path / name]
+    assert step("studies.grid.draw.draw_slip", *outputs, cases=[case]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(f"{outputs[1]}: given the suffix ") and told.count("\n") == 1
+    assert os.listdir(tmp_path) == []
+
+
+def test_no_clock_time_in_a_figure(folder, tmp_path):
+    case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
+    outputs = [tmp_path / f"figure.{suffix}" for suffix in ("svg", "png", "pdf")]
+    assert step("studies.grid.draw.draw_slip", *outputs, cases=[case]) == 0
+    for output in outputs:
+        assert b"Date" not in output.read_bytes() and b"dc:date" not in output.read_bytes()
+
+
+def test_labels_say_what_tells_scenes_apart():
+    from bearingwear.studies.grid.overlay import scene_labels
+
+    scenes = [
+        {"name": name, "bearing": {"pitch_diameter_mm": d, "ball_count": 9}}
+        for name, d in (("a", 7.5), ("b", 9.0))
+    ]
+    assert scene_labels(scenes) == ["a: pitch diameter 7.5 mm", "b: pitch diameter 9 mm"]
+
+
+def test_degrees_stand_close():
+    from bearingwear.studies.grid.overlay import scene_labels
+
+    scenes = [
+        {"name": n, "bearing": {"contact_angle_deg": a}} for n, a in (("a", 15.0), ("b", 18.5))
+    ]
+    assert scene_labels(scenes) == ["a: contact angle 15°", "b: contact angle 18.5°"]
+
+
+def test_lines_of_a_title_are_even():
+    from bearingwear.plotting.drawing import lines_of_a_title
+
+    assert lines_of_a_title("short enough", 20) == ["short enough"]
+    assert lines_of_a_title("four words in one line", 21) == ["four words", "in one line"]
+    assert lines_of_a_title("unbreakablylong", 5) == ["unbreakablylong"]
+    assert lines_of_a_title("", 20) == []

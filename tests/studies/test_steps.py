@@ -1,0 +1,72 @@
+"""Every step that a study needs calls its function with the arguments that it takes."""
+
+import importlib
+import inspect
+import re
+
+import pytest
+import yaml
+from support import ROOT
+
+from bearingwear import studies
+
+
+def pattern_of(step, output):
+    """Regular expression of an output, its wildcards as the workflow has them."""
+    matches = {"scene": r"[A-Za-z0-9_-]+", "case": r"[a-z_]+-mu\d+\.\d{3}-loss\d+\.\d{2}"}
+    matches |= step.matches
+    parts = re.split(r"\{(\w+)\}", output)
+    seen: set[str] = set()
+    text = ""
+    for name_or_text, is_name in zip(parts, [False, True] * len(parts), strict=False):
+        if not is_name:
+            text += re.escape(name_or_text)
+        elif name_or_text in seen:
+            text += f"(?P={name_or_text})"
+        else:
+            seen.add(name_or_text)
+            text += f"(?P<{name_or_text}>{matches.get(name_or_text, '[^/]+')})"
+    return re.compile(text)
+
+
+def jobs_behind(made):
+    """Steps and wildcards of every file that a study makes, and of those it is made from."""
+    steps = [step for study in made.values() for step in study.steps]
+    known = [(step, pattern_of(step, output)) for step in steps for output in step.outputs]
+    waiting = [path for study in made.values() for path in study.targets()]
+    seen = set()
+    while waiting:
+        path = waiting.pop()
+        if path in seen or not path.startswith("results/"):
+            continue
+        seen.add(path)
+        found = [(step, match) for step, p in known if (match := p.fullmatch(path))]
+        assert len(found) == 1, f"{path} is made by {[step.name for step, _ in found]}"
+        step, match = found[0]
+        wildcards = match.groupdict()
+        yield step, wildcards
+        for given in step.files(wildcards).values():
+            waiting += [given] if isinstance(given, str) else given
+        waiting += step.after
+
+
+@pytest.fixture
+def made(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    return studies.read(config)
+
+
+def test_steps_are_called_as_their_functions_are(made):
+    called = set()
+    for step, wildcards in jobs_behind(made):
+        module, _, name = step.run.rpartition(".")
+        function = getattr(importlib.import_module(f"bearingwear.{module}"), name)
+        try:
+            inspect.signature(function).bind(**step.files(wildcards), **step.given(wildcards))
+        except TypeError as error:
+            pytest.fail(f"{step.name} calls {step.run}: {error}")
+        assert step.text(wildcards)
+        called.add(step.run)
+    runs = {step.run for study in made.values() for step in study.steps}
+    assert called == runs

@@ -1,0 +1,126 @@
+"""Lives of the design map against the life itself, and uncertainty against closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy import stats
+from support import scene_file
+
+from bearingwear.model.life import life
+from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, quantiles_of
+from bearingwear.results.variables import HOURS_PER_SECOND
+from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.scene.scene import EndOfLife
+from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.design.map import life_point, scene_at
+from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty.perturbed import perturbed
+from bearingwear.studies.uncertainty.quantiles import indices, own_quantiles, quantiles
+from bearingwear.studies.uncertainty.sample import lives, sample, sample_part
+
+PLAN = Sampling(samples=1024, chunks=1, seed=1)
+
+
+def with_spread(**spread):
+    plain = load_scene(scene_file("gyro_s1")).to_dict()
+    return scene_from_dict(plain | {"uncertainty": spread})
+
+
+def test_life_of_the_map_is_the_life():
+    scene = scene_at(load_scene(scene_file("gyro_s1")), "fixed_position", 0.05, 25000.0, 6.0)
+    point, whole = life_point(scene, 0.25), life(scene).values
+    assert_allclose(point["life"], whole["life"], rtol=1e-12)
+    assert point["end_criterion"] == whole["end_criterion"]
+    assert point["gyroscopic_slip_share"] == whole["history_gyroscopic_slip_share"].max()
+    share = replace(scene.wear, end_of_life=EndOfLife(gyroscopic_slip_share=0.25))
+    until = life(replace(scene, wear=share)).values["life"]
+    assert_allclose(point["time_to_slip_limit"], until, rtol=1e-12)
+    assert np.all(until < whole["life"])
+
+
+def test_life_is_inverse_to_the_wear_coefficient():
+    """Known answer: with K_s alone uncertain, life is C/K_s, and K_s explains all of it."""
+    scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
+    sampled = sample_part(scene, PLAN, "constant_force")
+    y = sampled["life"].isel(loss_basis=1).values
+    K_s = sample(scene, PLAN)[..., 0]
+    constant = life(scene).values["life"][1] * HOURS_PER_SECOND * 5e-6
+    assert_allclose(y * K_s, constant, rtol=1e-12)
+    found = indices(scene, np.log(y), seed=1)
+    assert_allclose(found["first_index"], 1.0, atol=0.03)  # sampling error, a few/sqrt(1024)
+    assert_allclose(found["total_index"], 1.0, atol=0.03)
+    (l10, l50, l90), low, high = quantiles(np.concatenate([y[:, 0], y[:, -1]]))
+    exact = constant / np.array([8e-6 - 0.1 * 6e-6, 5e-6, 2e-6 + 0.1 * 6e-6])
+    assert_allclose([l10, l50, l90], exact, rtol=0.01)
+    assert np.all(low <= exact) and np.all(exact <= high)
+
+
+def test_scaled_lives_are_the_solved_ones():
+    """Rows that differ in K_s and H are solved once; solving them anyhow gives the same."""
+    scene = with_spread(
+        wear_coefficient={"distribution": "lognormal", "factor": 2.0},
+        brinell_hardness_GPa={"distribution": "uniform", "low": 5.0, "high": 8.0},
+        ball_race={"distribution": "normal", "standard_deviation": 0.01},
+    )
+    rows = sample(scene, Sampling(samples=1, chunks=1, seed=5))[0]
+    found = lives(scene, rows)
+    names = list(scene.uncertainty)
+    for row, hours, state in zip(rows, found.life, found.status, strict=True):
+        one = life(perturbed(scene, dict(zip(names, map(float, row), strict=True))))
+        assert state == 0
+        assert_allclose(hours, one.values["life"], rtol=1e-9)
+
+
+def test_indices_of_a_product_are_shares_of_log_variance():
+    """log life = log H - log K_s + constant: the indices are the shares of the variance."""
+    scene = with_spread(
+        wear_coefficient={"distribution": "lognormal", "factor": 1.5},
+        brinell_hardness_GPa={"distribution": "uniform", "low": 4.0, "high": 9.0},
+    )
+    sampled = sample_part(scene, Sampling(samples=4096, chunks=1, seed=1), "fixed_position")
+    found = indices(scene, np.log(sampled["life"].isel(loss_basis=0).values), seed=1)
+    of_hardness = np.var(np.log(stats.uniform(4.0, 5.0).ppf((np.arange(1e5) + 0.5) / 1e5)))
+    variance = np.array([np.log(1.5) ** 2, of_hardness])
+    share = variance / variance.sum()
+    for kind in ("first_index", "total_index"):
+        assert np.all(np.abs(found[kind] - share) <= 2.0 * found[f"{kind}_error"])
+        assert_allclose(found[kind], share, atol=0.03)
+
+
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+def test_same_seed_same_lives(method):
+    scene = load_scene(scene_file("gyro_s1"))
+    plan = Sampling(samples=2, chunks=2, seed=1)
+    first, again = (sample_part(scene, plan, method, chunk=1) for _ in range(2))
+    assert first.identical(again)
+    other = sample_part(scene, Sampling(samples=2, chunks=2, seed=2), method, chunk=1)
+    assert not np.array_equal(first["life"], other["life"])
+
+
+def test_spread_of_a_life_of_the_study(tmp_path):
+    """Known answer: K_s alone, so quantiles of life are the nominal life over those of K_s."""
+    scene = with_spread(wear_coefficient={"distribution": "uniform", "low": 2e-6, "high": 8e-6})
+    path = tmp_path / "mu0.080.nc"
+    write_dataset(
+        own_quantiles(scene, ["constant_force"], Sampling(samples=256, chunks=1, seed=1)), path
+    )
+    known, mu = load_quantiles(path), scene.friction.ball_race
+    found = quantiles_of([known], scene.to_dict(), "constant_force", mu)
+    middle = life(scene).values["life"] * HOURS_PER_SECOND  # K_s = 5e-6, the middle of its range
+    assert_allclose(known["nominal_life"].squeeze(), middle, rtol=1e-12)
+    for (l10, l50), hours in zip(found.values(), middle, strict=True):
+        assert l10.low < hours * 5.0 / 7.4 < l10.high and l50.low < hours < l50.high
+        assert_allclose([l10.hours, l50.hours], [hours * 5.0 / 7.4, hours], rtol=0.02)
+    for method, friction, which in (("fixed_position", mu, 0), ("constant_force", 0.05, 0),
+                                 ("constant_force", mu, RECOMMENDED)):  # fmt: skip
+        assert quantiles_of([known], scene.to_dict(), method, friction, which) is None
+
+
+def test_spread_of_a_life_is_that_of_the_design_study():
+    """Same base samples: the lives of the one are those of the other."""
+    scene, plan = load_scene(scene_file("gyro_s1")), Sampling(samples=4, chunks=1, seed=1)
+    sampled = sample_part(scene, plan, "fixed_position")["life"].values
+    found = own_quantiles(scene, ["fixed_position"], plan)["life_sample"].values[0, 0, 0]
+    assert_allclose(found, np.sort(sampled[:, [0, -1]].reshape(-1, 2), axis=0), rtol=1e-12)

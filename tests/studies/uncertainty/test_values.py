@@ -1,0 +1,132 @@
+"""The study of uncertainty: its plan, and uncertain values in a scene."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_allclose
+from support import ROOT, scene_file
+
+from bearingwear.cli import main
+from bearingwear.model import parameters
+from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
+from bearingwear.studies.uncertainty.perturbed import perturbed
+from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene
+from bearingwear.studies.uncertainty.sample import value_at
+
+PLAN_FILE = ROOT / "config" / "uncertainty.yaml"
+
+
+@pytest.fixture
+def scene():
+    return load_scene(scene_file("gyro_s1"))
+
+
+def test_plan_of_the_project():
+    plan = UncertaintyPlan.from_file(PLAN_FILE)
+    plan.check_scenes(ROOT / "config" / "scenes")
+    for name in plan.scenes:
+        scene = load_scene(scene_file(name))
+        assert plan.sampling.samples * (len(scene.uncertainty) + 2) >= 10_000
+
+
+@pytest.mark.parametrize(
+    "key, value, told",
+    [
+        ("samples", 1000, "sampling.samples: given 1000; allowed a power of two"),
+        ("seed", -1, "sampling.seed: given -1; allowed a whole number >= 0"),
+        ("chunks", 2048, "sampling.chunks: given 2048; allowed at most the samples"),
+    ],
+)
+def test_bad_plan_takes_one_line(tmp_path, key, value, told):
+    data = yaml.safe_load(PLAN_FILE.read_text())
+    data["sampling"][key] = value
+    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
+    with pytest.raises(ValueError) as error:
+        UncertaintyPlan.from_file(tmp_path / "plan.yaml")
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "spread, told",
+    [
+        ({"ball_race": {"distribution": "normal"}}, "ball_race.standard_deviation: given nothing"),
+        ({"ball_race": {"distribution": "uniform", "low": 0.2, "high": 0.1}}, "ball_race.high"),
+        ({"ball_race": {"distribution": "uniform", "low": -0.2, "high": 0.1}}, "ball_race.low"),
+        ({"ball_race": {"distribution": "lognormal", "factor": 1.0}}, "ball_race.factor"),
+        (
+            {"ball_race": {"distribution": "normal", "standard_deviation": 0.1, "factor": 2.0}},
+            "ball_race.factor: given 2 with the distribution normal",
+        ),
+        ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "given the name 'speed'"),
+    ],
+)
+def test_bad_uncertainty_takes_one_line(scene, spread, told):
+    with pytest.raises(SceneError) as error:
+        scene_from_dict(scene.to_dict() | {"uncertainty": spread})
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_lives_about_a_lognormal_of_nothing_cannot_be_perturbed(tmp_path):
+    plain = yaml.safe_load(scene_file("gyro_s1").read_text())
+    plain["uncertainty"] = {"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}
+    (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))
+    assert load_scene(tmp_path / "scene.yaml", ["friction.ball_race=0"]).uncertainty
+    with pytest.raises(ValueError, match="drag_density_kg_m3.median: given 0"):
+        uncertain_scene(tmp_path / "scene.yaml")
+
+
+def test_quantiles_of_the_values(scene):
+    p = np.array([0.1, 0.5, 0.9])
+    assert_allclose(value_at(scene, "preload_N", p), 7.0 + 0.35 * 1.2815516 * np.array([-1, 0, 1]))
+    middle = value_at(scene, "wear_coefficient", p)
+    assert_allclose(middle[1], 5e-6)
+    assert_allclose(middle[2] / middle[1], 3.0**1.2815516)
+    assert_allclose(value_at(scene, "brinell_hardness_GPa", p), [6.44, 6.6, 6.76])
+
+
+def test_impossible_values_are_cut_off(scene):
+    wide = {"inner_groove_factor": {"distribution": "normal", "standard_deviation": 0.5}}
+    scene = scene_from_dict(scene.to_dict() | {"uncertainty": wide})
+    values = value_at(scene, "inner_groove_factor", np.linspace(0.0, 1.0, 11))
+    assert values.min() >= 0.5 and values.max() <= 1.0 and np.all(np.diff(values) > 0.0)
+
+
+def test_other_balls_between_the_same_grooves(scene):
+    before = parameters.geometry(scene)
+    after = parameters.geometry(perturbed(scene, {"ball_diameter_mm": 2.0005}))
+    assert after.D0 == pytest.approx(2.0005e-3)
+    for name in ("r_i", "r_o", "R_i", "R_o"):
+        assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-12)
+    distance = [g.BD * math.cos(g.alpha0) for g in (before, after)]
+    assert distance[0] == pytest.approx(distance[1], rel=1e-12)
+    assert after.alpha0 < before.alpha0
+    assert perturbed(scene, {"ball_diameter_mm": 2.1}) is None
+
+
+def test_wear_values_of_both_materials_go_together(scene):
+    steel = scene.materials["bearing_steel"]
+    materials = dict(scene.materials) | {"ceramic": replace(steel, wear_coefficient=1e-6)}
+    hybrid = replace(
+        scene, materials=materials, bearing=replace(scene.bearing, ball_material="ceramic")
+    )
+    other = perturbed(hybrid, {"wear_coefficient": 1e-5})
+    assert other.materials["bearing_steel"].wear_coefficient == 1e-5
+    assert other.materials["ceramic"].wear_coefficient == pytest.approx(2e-6)
+    assert other.materials["phenolic"] == scene.materials["phenolic"]
+
+
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        (["--samples", "100"], "--samples: given 100; allowed a power of two"),
+        (["--samples", "0"], "--samples: given 0; allowed a whole number >= 1"),
+        (["--seed", "-1"], "--seed: given -1; allowed a whole number >= 0"),
+    ],
+)
+def test_samplings_that_are_refused(option, said, tmp_path, capsys):
+    out = tmp_path / "out.nc"
+    assert main(["uncertainty", str(scene_file("gyro_s1")), *option, "-o", str(out)]) == 2
+    assert capsys.readouterr().err.strip() == said and not out.exists()

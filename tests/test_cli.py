@@ -1,0 +1,439 @@
+"""Commands: what they print, write and exit with."""
+
+import inspect
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from support import step
+
+import bearingwear
+from bearingwear import cli
+from bearingwear.cli import main
+from bearingwear.kernels import status as code
+from bearingwear.model import life as life_model
+from bearingwear.model import solve as solve_model
+from bearingwear.model.fidelity import NotAvailable
+from bearingwear.model.result import Result
+from bearingwear.results.netcdf import load
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.read import SceneError, load_scene
+
+SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
+QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]
+
+
+def solve(output, *more) -> int:
+    return main(["solve", str(SCENE), "-o", str(output), *QUICK, *more])
+
+
+# solve
+
+
+def test_solve(tmp_path, capsys):
+    assert solve(tmp_path / "new" / "case.nc") == 0
+    assert capsys.readouterr() == ("", "")
+    assert os.listdir(tmp_path / "new") == ["case.nc"]
+    case = load(tmp_path / "new" / "case.nc")
+    assert int(case["status"]) == code.OK
+    assert case.sizes["strip"] == 10 and case.sizes["ball"] == 1
+    assert float(case["residual_preload"]) == pytest.approx(7.0)
+    assert "wall_time_s" not in case.attrs
+
+
+def test_solve_twice_gives_the_same_bytes(tmp_path):
+    assert solve(tmp_path / "a.nc") == solve(tmp_path / "b.nc") == 0
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_python_and_command_agree(tmp_path):
+    solve(tmp_path / "case.nc")
+    case = load(tmp_path / "case.nc")
+    scene = load_scene(SCENE, QUICK[1::2])
+    for given in (scene, scene.to_dict()):
+        made = bearingwear.solve(given)
+        assert made.attrs.pop("wall_time_s") > 0.0
+        xr.testing.assert_identical(made, case)
+
+
+def test_fidelity(tmp_path):
+    assert solve(tmp_path / "a.nc", "--fidelity", "race_control") == 0
+    assert load(tmp_path / "a.nc").attrs["fidelity"] == "race_control"
+    made = bearingwear.solve(SCENE, fidelity="race_control")
+    assert made.attrs["fidelity"] == "race_control"
+
+
+def test_settings_after_one_set(tmp_path):
+    argv = ["--set", "operation.preload_N=9", "friction.ball_race=0.05"]
+    assert solve(tmp_path / "a.nc", *argv) == 0
+    assert float(load(tmp_path / "a.nc")["residual_preload"]) == pytest.approx(9.0)
+    assert '"ball_race": 0.05' in load(tmp_path / "a.nc").attrs["scene"]
+
+
+def test_record_timing(tmp_path):
+    assert solve(tmp_path / "a.nc", "--record-timing") == 0
+    assert load(tmp_path / "a.nc").attrs["wall_time_s"] > 0.0
+
+
+def fails(status):
+    def solved(scene, fidelity=None, restart=None, progress=None):
+        return Result({"status": status}, {"fidelity": "steady"})
+
+    return solved
+
+
+@pytest.mark.parametrize("status", range(1, len(code.STATUS_NAMES)))
+def test_failed_solve(status, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(solve_model, "solve", fails(status))
+    assert solve(tmp_path / "a.nc") == 3
+    err = capsys.readouterr().err
+    name = code.STATUS_NAMES[status]
+    assert err.count("\n") == 1 and err.startswith(f"{SCENE}: {name}: ")
+    case = load(tmp_path / "a.nc")
+    assert int(case["status"]) == status and np.isnan(case["total_qv"])
+    assert solve(tmp_path / "b.nc", "--record-failures") == 0
+
+
+def test_interrupt(tmp_path, capsys, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(solve_model, "solve", interrupted)
+    assert solve(tmp_path / "a.nc") == 130
+    assert capsys.readouterr().err == "interrupted\n"
+    assert os.listdir(tmp_path) == []
+
+
+# life
+
+
+def test_life(tmp_path, capsys):
+    argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
+    assert main([*argv, "--set", "operation.preload_method=fixed_position"]) == 0
+    assert capsys.readouterr() == ("", "")
+    life = load(tmp_path / "life.nc")
+    assert int(life["status"]) == code.OK
+    assert life["life"].dims == ("counts",) and (life["life"] > 0.0).all()
+    assert life.sizes["step"] > 2
+    scene = load_scene(SCENE, [*QUICK[1::2], "operation.preload_method=fixed_position"])
+    made = bearingwear.life(scene)
+    assert made.attrs.pop("wall_time_s") > 0.0
+    xr.testing.assert_identical(made, life)
+
+
+def test_failed_life(tmp_path, monkeypatch):
+    def lived(scene, fidelity, progress):
+        return Result({"status": code.CRITERION_NOT_REACHED, "end_criterion": len(CRITERIA) - 1})
+
+    monkeypatch.setattr(life_model, "life", lived)
+    argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc")]
+    assert main(argv) == 3
+    assert main([*argv, "--record-failures"]) == 0
+    assert np.isnan(load(tmp_path / "life.nc")["life"]).all()
+
+
+def test_life_in_python_needs_a_criterion():
+    plain = load_scene(SCENE).to_dict()
+    del plain["wear"]["end_of_life"]
+    with pytest.raises(SceneError, match="wear.end_of_life"):
+        bearingwear.life(plain)
+
+
+# check, show, help
+
+
+def test_check(capsys):
+    assert main(["check", str(SCENE)]) == 0
+    out, err = capsys.readouterr()
+    assert "gyro_s1 would be solved with steady" in out.splitlines()[0] and not err
+    assert main(["check", str(SCENE), "--set", "operation.radial_load_N=[0, 1]"]) == 0
+    out = capsys.readouterr().out
+    assert "solved with dynamic" in out and "radial load" in out
+
+
+def test_show(tmp_path, capsys):
+    solve(tmp_path / "a.nc")
+    assert main(["show", str(tmp_path / "a.nc")]) == 0
+    out, err = capsys.readouterr()
+    assert "status ok" in out and "residual preload" in out and not err
+
+
+def test_show_refuses(tmp_path, capsys):
+    assert main(["show", str(tmp_path / "none.nc")]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and err.startswith(str(tmp_path / "none.nc"))
+
+
+def process(stdout, *argv, unbuffered=""):
+    """A command in a process of its own; an empty PYTHONUNBUFFERED is the same as none."""
+    return subprocess.run(
+        [sys.executable, "-m", "bearingwear", *argv],
+        stdout=stdout,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+    )
+
+
+# buffered text is written when Python shuts down, where nobody could catch what goes wrong
+@pytest.mark.parametrize("scene", ["{", "{}x", '{"name": 1}', "[" * 10_000])
+def test_show_refuses_a_scene_it_cannot_read(scene, tmp_path, capsys):
+    """Result files, too, may come from strangers."""
+    rewrite_scene(tmp_path / "a.nc", lambda text: scene)
+    assert main(["show", str(tmp_path / "a.nc")]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "damaged file" in err
+
+
+def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
+    rewrite_scene(tmp_path / "a.nc", lambda text: text.replace("gyro_s1", "a\\u001b[2Jb", 1))
+    assert main(["show", str(tmp_path / "a.nc")]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("a?[2Jb: 9 balls") and "\x1b" not in out
+
+
+def rewrite_scene(path, change):
+    import netCDF4
+
+    assert solve(path) == 0
+    with netCDF4.Dataset(path, "a") as file:
+        file.scene = change(file.scene)
+
+
+BUFFERING = pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
+
+
+@BUFFERING
+@pytest.mark.parametrize("command", ["show", "check", "help"])
+def test_print_into_a_closed_pipe(command, unbuffered, tmp_path):
+    solve(tmp_path / "a.nc")
+    argv = {"show": ["show", str(tmp_path / "a.nc")], "check": ["check", str(SCENE)]}
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        done = process(writer, *argv.get(command, ["--help"]), unbuffered=unbuffered)
+    finally:
+        os.close(writer)
+    assert done.returncode == 0 and done.stderr == ""
+
+
+@BUFFERING
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_print_on_a_full_disk(unbuffered):
+    with open("/dev/full", "w") as full:
+        done = process(full, "check", str(SCENE), unbuffered=unbuffered)
+    assert done.returncode == 2
+    assert done.stderr == "bearingwear: No space left on device\n"
+
+
+@pytest.mark.parametrize("argv", [["--help"], ["solve", "--help"], ["--version"]])
+def test_help(argv, capsys):
+    assert main(argv) == 0
+    out, err = capsys.readouterr()
+    assert out and not err
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        [],
+        ["prove"],
+        ["solve"],
+        ["solve", "a.yaml"],
+        ["solve", "a.yaml", "-o", "x.nc", "more"],
+        ["solve", "a.yaml", "-o", "x.nc", "--fidelity", "best"],
+        ["solve", "a.yaml", "-o", "x.nc", "--sets", "a=1"],
+        ["solve", "a.yaml", "-o", "x.nc", "b\nc"],
+        ["life", "a.yaml", "-o", "x.nc", "--fidelity", "best"],
+        ["check", "a.yaml", "--set", "a=1", "b"],
+    ],
+)
+def test_wrong_arguments(argv, capsys):
+    assert main(argv) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1
+    assert err.startswith("bearingwear") and "--help" in err
+
+
+# steps
+
+
+@pytest.mark.parametrize("old", [*cli.RENAMED, "tables-design", "gather-extremes"])
+def test_an_old_command_says_what_it_is_now(old, capsys):
+    assert main([old, "a.nc", "-o", "b.nc"]) == 2
+    out, err = capsys.readouterr()
+    new = cli.RENAMED.get(old) or cli.RENAMED[old.partition("-")[0]]
+    assert not out and err.count("\n") == 1 and f"{old} is now `bearingwear {new}`" in err
+
+
+def test_every_command_has_a_handler():
+    from bearingwear import commands
+
+    (choices,) = (action.choices for action in cli._parser()._actions if action.choices)
+    functions = inspect.getmembers(commands, inspect.isfunction)
+    own = {name for name, made in functions if made.__module__ == commands.__name__}
+    assert {name for name in own if not name.startswith("_")} == set(choices)
+
+
+def test_a_step_is_not_for_people(capsys):
+    assert main(["--help"]) == 0
+    assert "step" not in capsys.readouterr().out.replace("steps", "")
+
+
+@pytest.mark.parametrize(
+    "settings", [{"changes": {"model.strips": 10}}, {"changes": {}, "fidelity": "steady"}]
+)
+def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
+    assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
+    changes = settings["changes"].items()
+    more = [text for key, value in changes for text in ("--set", f"{key}={value}")]
+    if "fidelity" in settings:
+        more += ["--fidelity", settings["fidelity"]]
+    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), *more]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("run", "said"),
+    [
+        ("studies.grid.gather.nothing", "step: given studies.grid.gather.nothing, which is not"),
+        ("studies.nothing.gather.study", "step: given studies.nothing.gather.study, which is not"),
+        ("os.system", "step: given os.system; allowed studies.STUDY.MODULE.FUNCTION"),
+        ("model.solve.solve", "step: given model.solve.solve; allowed"),
+        ("study", "step: given study; allowed"),
+    ],
+)
+def test_a_step_that_is_not_there(run, said, tmp_path, capsys):
+    assert step(run, tmp_path / "a.nc") == 2
+    out, err = capsys.readouterr()
+    assert not out and err.startswith(said) and err.count("\n") == 1
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_step_refuses_a_broken_scene(tmp_path, capsys):
+    settings = {"changes": {"operation.preload_N": -1}}
+    assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1 and "operation.preload_N" in err
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_step_that_cannot_solve_says_so_and_goes_on(tmp_path, capsys):
+    """A study goes on without what could not be solved; its verdict fails."""
+    settings = {"changes": {"friction.ball_race": 0}}
+    assert step("studies.solve.solved_case", tmp_path / "a.nc", scene=SCENE, settings=settings) == 0
+    out, err = capsys.readouterr()
+    assert not out and err.startswith(f"{SCENE}: undetermined: ") and err.count("\n") == 1
+    assert int(load(tmp_path / "a.nc")["status"]) == code.UNDETERMINED
+
+
+@pytest.mark.parametrize(
+    "given", [["scene"], ["scene=a", "--settings", "{"], ["--settings", "[1]"], ["=a"]]
+)
+def test_wrong_arguments_of_a_step(given, tmp_path, capsys):
+    assert main(["step", "studies.solve.solved_case", *given, "-o", str(tmp_path / "a.nc")]) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1
+    assert os.listdir(tmp_path) == []
+
+
+# outputs that are refused
+
+
+def test_output_is_no_folder(tmp_path, capsys):
+    assert solve(tmp_path) == 2
+    assert "no file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["new/", ""])
+def test_output_is_the_name_of_a_file(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert solve(name) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and f"given {name!r}; allowed a file name" in err
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "x" * 250, "\udcff.nc"])
+def test_output_that_cannot_be_named(name, tmp_path, capsys):
+    assert solve(tmp_path / name) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "cannot be written" in err
+    assert os.listdir(tmp_path) == []
+
+
+def test_output_is_not_the_scene(tmp_path, capsys):
+    mine = tmp_path / "mine.yaml"
+    shutil.copy(SCENE, mine)
+    assert main(["solve", str(mine), "-o", str(mine)]) == 2
+    assert "the scene itself" in capsys.readouterr().err
+    assert mine.read_text() == SCENE.read_text()
+
+
+def test_output_is_no_device(capsys):
+    assert solve(os.devnull) == 2
+    assert "no file" in capsys.readouterr().err
+    assert not Path(os.devnull).is_file()
+
+
+def test_output_below_a_file(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert solve(tmp_path / "file" / "a.nc") == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "cannot be written" in err
+
+
+def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
+    if os.geteuid() == 0:
+        folder = Path("/proc")  # nobody can write there, root neither
+    else:
+        folder = tmp_path / "closed"
+        folder.mkdir(mode=0o500)
+    assert solve(folder / "a.nc") == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+# one line in all cases
+
+
+def test_errors_without_a_key_in_front(capsys, monkeypatch):
+    def refuse(*_):
+        raise NotAvailable("gyro_s1: something: given a\nb; allowed c")
+
+    monkeypatch.setattr(solve_model, "solve", refuse)
+    assert solve("x.nc") == 2
+    err = capsys.readouterr().err
+    assert err == f"{SCENE}: something: given a?b; allowed c\n"
+
+
+def test_fidelities_are_those_of_a_scene():
+    from bearingwear.scene.scene import FIDELITIES
+
+    assert cli.FIDELITIES == FIDELITIES
+
+
+def test_version():
+    assert re.fullmatch(r"\d+\.\d+\.\d+", bearingwear.__version__)
+    assert {"solve", "life"} <= set(dir(bearingwear))
+    with pytest.raises(AttributeError):
+        bearingwear.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("counts", ["ball", "ball_and_races"])
+def test_show_quotes_the_life_that_the_scene_counts(tmp_path, capsys, counts):
+    file = tmp_path / "life.nc"
+    assert main(["life", str(SCENE), "-o", str(file), "--set", f"wear.counts={counts}"]) == 0
+    capsys.readouterr()
+    assert main(["show", str(file)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    lines = [line.strip() for line in lines]
+    both = next(line for line in lines if line.startswith("life ")).split()
+    quoted = next(line for line in lines if line.startswith("counts: ")).split()
+    assert quoted[-1] == both[-2 if counts == "ball" else -1]

@@ -1,0 +1,66 @@
+"""One name, one meaning: no public name of the package is defined in two of its modules."""
+
+import ast
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import bearingwear
+
+PACKAGE = Path(bearingwear.__file__).parent
+
+# Files whose names repeat those of others on purpose.
+REPEATING = {
+    "api.py": "the Python interface: `solve` and `life` are those of the model, in xarray",
+    "commands.py": "a handler has the name of its command, which is what is typed",
+}
+PROTOCOL = {"study", "PLOTS", "SUMMARIES"}
+"""What each studies/NAME/study.py may define for the registry."""
+
+
+def public_names(body: Sequence[ast.stmt]) -> Iterator[str]:
+    """Functions, classes and constants that statements at the top of a module define."""
+    for node in body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names = [node.name]
+        elif isinstance(node, ast.Assign):
+            names = [
+                part.id
+                for target in node.targets
+                for part in ast.walk(target)
+                if isinstance(part, ast.Name)
+            ]
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names = [node.target.id]
+        else:
+            names = []
+            for part in ("body", "orelse", "finalbody"):
+                if isinstance(node, ast.If | ast.Try):
+                    yield from public_names(getattr(node, part, []))
+        yield from (name for name in names if not name.startswith("_"))
+
+
+def defined_twice(package: Path) -> dict[str, list[str]]:
+    """Names that more than one module defines, with the files."""
+    files: dict[str, list[str]] = {}
+    for path in sorted(package.rglob("*.py")):
+        place = path.relative_to(package)
+        if place.as_posix() in REPEATING or "__pycache__" in place.parts:
+            continue
+        for name in set(public_names(ast.parse(path.read_text(encoding="utf-8")).body)):
+            if not (name in PROTOCOL and place.match("studies/*/study.py")):
+                files.setdefault(name, []).append(place.as_posix())
+    return {name: places for name, places in sorted(files.items()) if len(places) > 1}
+
+
+def test_no_public_name_has_two_meanings():
+    twice = defined_twice(PACKAGE)
+    assert not twice, "\n".join(f"{name}: {', '.join(files)}" for name, files in twice.items())
+
+
+def test_a_name_with_two_meanings_is_found(tmp_path):
+    (tmp_path / "studies" / "grid").mkdir(parents=True)
+    (tmp_path / "a.py").write_text("try:\n    X = Y = 1\nexcept OSError:\n    pass\n_Z: int = 2\n")
+    (tmp_path / "b.py").write_text("class Y: ...\nX: int = 2\n_Z = 3\nlocal = lambda: (v := 1)\n")
+    (tmp_path / "studies" / "grid" / "study.py").write_text("def study(config): ...\n")
+    (tmp_path / "c.py").write_text("def study(): ...\ndef f():\n    X = 1\n")
+    assert defined_twice(tmp_path) == {"X": ["a.py", "b.py"], "Y": ["a.py", "b.py"]}

@@ -1,0 +1,118 @@
+"""Which sources decide a result: found from the import statements of the package itself."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+from support import ROOT
+
+from bearingwear import provenance, studies
+from bearingwear.provenance import PACKAGE, SOLVER, result_hash, sources, sources_hash
+
+
+def found(*modules) -> set[str]:
+    return {path.relative_to(PACKAGE).as_posix() for path in sources(*modules)}
+
+
+def test_sources_of_the_solver():
+    solver = found(SOLVER)
+    assert {"scene/read.py", "scene/accuracy.py", "model/life.py", "results/netcdf.py"} <= solver
+    assert {path for path in solver if path.startswith("kernels/")}
+    assert not [path for path in solver if path.startswith(("studies/", "page/", "plotting/"))]
+    assert not {"cli.py", "commands.py", "results/show.py", "results/compare.py"} & solver
+
+
+def test_data_belong_to_the_module_that_names_them():
+    assert "page/page.html" in found("bearingwear.page.page")
+    assert "plotting/style.mplstyle" in found("bearingwear.studies.grid.draw")
+    assert "scene/new_scene.yaml.j2" in found("bearingwear.scene.new")
+    assert not [path for path in found(SOLVER) if not path.endswith(".py")]
+
+
+def every_step():
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    return [(study, step) for study in studies.read(config).values() for step in study.steps]
+
+
+@pytest.fixture(autouse=True)
+def in_the_project(monkeypatch):
+    """Studies read their files below the present folder."""
+    monkeypatch.chdir(ROOT)
+
+
+def test_every_step_has_a_function_and_sources_of_its_own_study():
+    for study, step in every_step():
+        source = found(step.module)
+        assert f"{step.run.rpartition('.')[0].replace('.', '/')}.py" in source
+        assert not {"cli.py", "commands.py", "studies/launch.py"} & source, step.name
+        if study.name != "grid":
+            assert not {"studies/grid/figures.py", "studies/grid/draw.py"} & source, step.name
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.glob("studies/*/*.py")), ids=lambda p: p.name)
+def test_no_other_study_is_drawn_anew_with_the_figures_of_the_grid(path: Path):
+    module = ".".join(("bearingwear", *path.relative_to(PACKAGE).with_suffix("").parts))
+    if path.parent.name != "grid":
+        assert "studies/grid/figures.py" not in found(module.removesuffix(".__init__"))
+
+
+def test_what_solves_changes_with_all_sources_of_the_solver():
+    """Its results name them, and results that name different ones are not gathered."""
+    for module in ("bearingwear.studies.solve", "bearingwear.studies.grid.life"):
+        assert result_hash(module) == sources_hash(module, SOLVER)
+    for module in ("bearingwear.studies.grid.draw", "bearingwear.studies.grid.gather"):
+        assert result_hash(module) == sources_hash(module)
+    assert "results/netcdf.py" not in found("bearingwear.studies.solve")  # why it is added
+
+
+CACHED = (
+    provenance.sources,
+    provenance.sources_hash,
+    provenance._imported,
+    provenance._data,
+    provenance._file_hash,
+)
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package in place of this one: {path: text} -> hash of a module's sources."""
+
+    def hash_of(module, files):
+        for cached in CACHED:
+            cached.cache_clear()
+        for name, text in files.items():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / name).write_text(text, encoding="utf-8")
+        return provenance.sources_hash(f"bearingwear.{module}")
+
+    monkeypatch.setattr(provenance, "PACKAGE", tmp_path)
+    yield hash_of
+    for cached in CACHED:
+        cached.cache_clear()
+
+
+FILES = {
+    "a.py": "from bearingwear.part import b\nimport numpy\n",
+    "part/__init__.py": "",
+    "part/b.py": 'LOOK = "look.mplstyle"\n'
+    "def f():\n    try:\n        pass\n    except OSError:\n"
+    "        from bearingwear.part.c import x\n",
+    "part/c.py": "from bearingwear.a import b\nx = 1\n",  # a circle
+    "part/d.py": "",
+    "part/look.mplstyle": "",
+    "part/notes.txt": "",
+    "unused.py": "",
+    "typed.py": "",
+}
+
+
+@pytest.mark.parametrize("changed", [name for name in FILES if name != "part/__init__.py"])
+def test_a_hash_changes_with_what_is_imported_and_with_nothing_else(package, changed):
+    typed = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    import bearingwear.typed\n"
+    files = FILES | {"a.py": FILES["a.py"] + typed}
+    before = package("a", files)
+    assert package("a", files) == before
+    used = changed in ("a.py", "part/b.py", "part/c.py", "part/look.mplstyle")
+    after = package("a", files | {changed: files[changed] + "# changed\n"})
+    assert (after != before) == used

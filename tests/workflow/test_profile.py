@@ -1,0 +1,48 @@
+"""The Slurm profile says of each rule what its step says."""
+
+import pytest
+import yaml
+from support import ROOT
+
+from bearingwear import studies
+from bearingwear.studies.protocol import Step
+from bearingwear.studies.slurm import in_a_job, minutes, with_settings
+
+PROFILE = ROOT / "workflow" / "profiles" / "slurm" / "profile.yaml"
+
+
+def step(seconds):
+    return Step(name="a", run="studies.a.b", outputs=("c",), label="d", seconds=seconds)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "jobs", "limit"),
+    [
+        (0.1, 100, 1),
+        (1.5, 100, 1),
+        (8.5, 21, 6),
+        (14.0, 12, 9),
+        (29.0, 6, 19),
+        (30.0, 1, 20),
+        (1e4, 1, 6667),
+    ],
+)
+def test_a_slurm_job_takes_three_minutes_and_has_forty_times_that(seconds, jobs, limit):
+    assert in_a_job(step(seconds)) == jobs
+    assert minutes(step(seconds)) == limit
+
+
+def test_the_profile_is_current(monkeypatch):
+    """`python -m bearingwear.studies.slurm workflow/profiles/slurm/profile.yaml` renews it."""
+    monkeypatch.chdir(ROOT)
+    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    made = studies.read(config)
+    text = PROFILE.read_text(encoding="utf-8")
+    assert with_settings(text, made) == text
+    profile = yaml.safe_load(text)
+    rules = {f"{name}_{step.name}" for name, study in made.items() for step in study.steps}
+    grouped = dict(pair.split("=") for pair in profile["groups"])
+    sizes = dict(pair.split("=") for pair in profile["group-components"])
+    assert set(grouped) | set(profile["set-resources"]) <= rules
+    assert set(sizes) == set(grouped.values())
+    assert all(1 < int(size) <= 100 for size in sizes.values())

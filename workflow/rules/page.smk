@@ -1,0 +1,50 @@
+# The page of everything, for people, and the verdict. `snakemake --report` makes the report of the jobs.
+
+
+# One self-contained HTML page: the answer, figures, tables, verification, provenance.
+rule page:
+    input:
+        sections=[path for study in STUDIES.values() for path in study.page_sections()],
+        answers=[path for study in STUDIES.values() for path in study.page_answers()],
+        docs=DOCS,
+    output:
+        report(
+            PAGE,
+            caption="../report/page.rst",
+            category="the page of everything",
+            labels={"result": "page"},
+        ),
+    log:
+        "logs/page.log",
+    localrule: True
+    params:
+        made_from=sources_hash("bearingwear.page.page") + contents_hash(DOCS),
+        inputs=lambda wildcards, input: arguments(input),
+    message:
+        "the page of everything"
+    shell:
+        "bearingwear step page.page.page {params.inputs} -o {output} > {log} 2>&1"
+
+
+# Comes last and fails, each time anew, if a case or a life could not be solved.
+rule verdict:
+    input:
+        judged=[path for study in STUDIES.values() for path in study.judged()],
+        rest=[
+            path
+            for study in STUDIES.values()
+            if study.default
+            for path in study.targets()
+        ],
+        page=PAGE,
+    output:
+        VERDICT,
+    log:
+        "logs/verdict.log",
+    localrule: True
+    params:
+        inputs=lambda wildcards, input: arguments({"paths": input.judged}),
+    message:
+        "look for cases that could not be solved"
+    shell:
+        "bearingwear step studies.grid.unsolved.verdict_text {params.inputs} -o {output} 2>&1 | tee {log}"
