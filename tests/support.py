@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import yaml
+
 from bearingwear.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -11,6 +13,19 @@ ROOT = Path(__file__).resolve().parents[1]
 def scene_file(name: str) -> Path:
     """Path of a scene of the study."""
     return ROOT / "config" / "scenes" / f"{name}.yaml"
+
+
+def with_value(file: Path, path: str, value: object, folder: Path) -> Path:
+    """A copy of a YAML file in a folder, with one value replaced."""
+    data = yaml.safe_load(file.read_text(encoding="utf-8"))
+    *blocks, last = path.split(".")
+    block = data
+    for name in blocks:
+        block = block[name]
+    block[last] = value
+    changed = folder / "plan.yaml"
+    changed.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return changed
 
 
 def step_arguments(run: str, *outputs, settings: dict | None = None, **inputs) -> list[str]:

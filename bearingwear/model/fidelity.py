@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 
 from bearingwear.scene.scene import Scene
 
-TIERS = ("race_control", "steady", "dynamic")
-
 ASKED_FOR = "asked for by the scene or the command"
 
 # What a shaft turn takes, per ball, in milliseconds (docs/accuracy.md, gyro_s1 at standard), for a

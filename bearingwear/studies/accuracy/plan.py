@@ -9,11 +9,9 @@ import itertools
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Annotated, Any
 
 from bearingwear.scene.accuracy import NAMED_PRESETS
-from bearingwear.scene.checking import read_record
 from bearingwear.scene.errors import SceneError, yaml_number
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.records import NAME, Key
@@ -148,17 +146,6 @@ class AccuracyPlan:
     scenes: Annotated[Mapping[str, TradeScene], Key("Scenes, by a name of their own")]
     sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps")]
     table: Annotated[tuple[TableRow, ...], Key("Rows of the table in docs/accuracy.md")]
-
-    @classmethod
-    def from_file(cls, path: str | Path) -> AccuracyPlan:
-        """Read and check the file.
-
-        Raises
-        ------
-        SceneError
-            One line.
-        """
-        return read_record(cls, path)
 
     def __post_init__(self) -> None:
         for name, scene in self.scenes.items():

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
 from bearingwear.studies.protocol import Step, Study
 
@@ -24,7 +25,7 @@ PLOTS = {"accuracy against time": "bearingwear.studies.accuracy.figures:accuracy
 
 def study(config: Mapping[str, Any]) -> AccuracyStudy:
     """The study of config/accuracy.yaml."""
-    return AccuracyStudy(AccuracyPlan.from_file(ACCURACY_FILE))
+    return AccuracyStudy(read_record(AccuracyPlan, ACCURACY_FILE))
 
 
 class AccuracyStudy(Study):

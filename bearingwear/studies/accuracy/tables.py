@@ -11,6 +11,7 @@ import xarray as xr
 
 from bearingwear.plotting.markdown import cell_text
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.figures import points_where
 from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
 from bearingwear.studies.dataset import loaded
@@ -35,7 +36,7 @@ LOOSE, LOOSE_FLOOR = 10.0, 1e-3  # spread of single scenes: runs with a cage par
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
     """Step: every point as CSV, and what each simplification costs and saves as Markdown."""
     points = loaded(trade, point=())
-    return points_csv(points), markdown(points, AccuracyPlan.from_file(plan))
+    return points_csv(points), markdown(points, read_record(AccuracyPlan, plan))
 
 
 def points_csv(trade: xr.Dataset) -> str:
@@ -215,7 +216,7 @@ def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
 
 def docs_with_block(trade: Path, plan: Path, docs: Path) -> str:
     """Step: the docs with the block of this run in the place of the old one, or at the end."""
-    text = block(loaded(trade, point=()), AccuracyPlan.from_file(plan))
+    text = block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
     old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
     if _BEGIN in old and _END in old:
         before, _, rest = old.partition(_BEGIN)
@@ -231,7 +232,7 @@ def check_docs(trade: Path, plan: Path, docs: Path) -> str:
     NotSolved
         A line for each number that differs beyond the tolerance.
     """
-    lines = differences(loaded(trade, point=()), AccuracyPlan.from_file(plan), docs)
+    lines = differences(loaded(trade, point=()), read_record(AccuracyPlan, plan), docs)
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
     return f"{docs}: agrees\n"

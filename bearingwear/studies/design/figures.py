@@ -191,14 +191,6 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
         bar.set_label("preload (N)")
 
 
-def basis_keys() -> list[Any]:
-    """Legend of the ways to count wear."""
-    return [
-        key(f"counting {in_words(way)}", color="0.3", linestyle=dash)
-        for way, dash in LOSS_DASHES.items()
-    ]
-
-
 def _keys(has_limit: bool) -> list[Any]:
     """Legend of the lives."""
     limit = key("limit of stiffness", color="0.3", linewidth=0.8, linestyle=":")

@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from bearingwear.scene.checking import read_record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import Key
 from bearingwear.scene.scene import PRELOAD_METHODS
@@ -92,17 +91,6 @@ class DesignPlan:
     """Everything in config/design.yaml."""
 
     scenes: Annotated[Mapping[str, Design], Key("Scenes to choose a preload for", least=1)]
-
-    @classmethod
-    def from_file(cls, path: str | Path) -> DesignPlan:
-        """Read and check the file.
-
-        Raises
-        ------
-        SceneError
-            One line: file, key, what was given, what is allowed.
-        """
-        return read_record(cls, path)
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Read every scene and look whether its map can be solved.

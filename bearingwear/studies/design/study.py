@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from glob import glob
 from typing import Any
 
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.plan import CHECKED, CHECKED_FIDELITIES, DesignPlan
 from bearingwear.studies.protocol import Step, Study, Wildcards
@@ -33,7 +34,7 @@ PLOTS = {
 
 def study(config: Mapping[str, Any]) -> DesignStudy:
     """The study of config/design.yaml."""
-    return DesignStudy(DesignPlan.from_file(_PLAN))
+    return DesignStudy(read_record(DesignPlan, _PLAN))
 
 
 class DesignStudy(Study):

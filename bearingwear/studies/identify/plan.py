@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from bearingwear.scene.checking import read_record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import Key
 from bearingwear.studies.axis import RisingAxis, check_rising
@@ -55,17 +54,6 @@ class IdentifyPlan:
             check_rising(self.ball_count)
         except ValueError as error:
             raise SceneError("ball_count", str(error)) from None
-
-    @classmethod
-    def from_file(cls, path: str | Path) -> IdentifyPlan:
-        """Read and check the file.
-
-        Raises
-        ------
-        SceneError
-            One line: file, key, what was given, what is allowed.
-        """
-        return read_record(cls, path)
 
     @property
     def scene_names(self) -> list[str]:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from bearingwear.scene.checking import read_record
 from bearingwear.studies.identify.plan import IdentifyPlan
 from bearingwear.studies.protocol import Step, Study
 
@@ -25,7 +26,7 @@ PLOTS = {"candidates": "bearingwear.studies.identify.figures:ridge_and_lives"}
 
 def study(config: Mapping[str, Any]) -> IdentifyStudy:
     """The study of config/identify.yaml."""
-    return IdentifyStudy(IdentifyPlan.from_file(_PLAN))
+    return IdentifyStudy(read_record(IdentifyPlan, _PLAN))
 
 
 class IdentifyStudy(Study):

@@ -9,10 +9,9 @@ import math
 import random
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Annotated, Any
 
-from bearingwear.scene.checking import read_record, record
+from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import NAME, Key
 
@@ -203,17 +202,6 @@ class RobustnessPlan:
                     f"scene_classes.{name}.like", f"given {scene_class.like}; allowed {allowed}"
                 )
             before.append(name)
-
-    @classmethod
-    def from_file(cls, path: str | Path) -> RobustnessPlan:
-        """Read and check the file.
-
-        Raises
-        ------
-        SceneError
-            One line.
-        """
-        return read_record(cls, path)
 
     @property
     def scene_file(self) -> str:

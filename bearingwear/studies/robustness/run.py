@@ -11,6 +11,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model.solve import solved
 from bearingwear.results.netcdf import CaseFileError, common_attributes
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.studies.robustness.draw import drawn_scene
@@ -73,7 +74,7 @@ def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
     CaseFileError
         One line: the plan has no such class.
     """
-    classes = RobustnessPlan.from_file(plan)
+    classes = read_record(RobustnessPlan, plan)
     if name not in classes.scene_classes:
         allowed = ", ".join(classes.scene_classes)
         raise CaseFileError(f"{plan}: scene_classes: given {name}; allowed {allowed}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.protocol import Step, Study
 from bearingwear.studies.robustness.plan import ROBUSTNESS_FILE, RobustnessPlan
@@ -28,7 +29,7 @@ _NAMED = r"[A-Za-z0-9_-]+"
 
 def study(config: Mapping[str, Any]) -> RobustnessStudy:
     """The study of config/robustness.yaml."""
-    return RobustnessStudy(RobustnessPlan.from_file(ROBUSTNESS_FILE))
+    return RobustnessStudy(read_record(RobustnessPlan, ROBUSTNESS_FILE))
 
 
 class RobustnessStudy(Study):

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from bearingwear.scene.checking import read_record
 from bearingwear.scene.records import Key
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies.life_scene import life_scene
@@ -37,17 +36,6 @@ class UncertaintyPlan:
 
     scenes: Annotated[Mapping[str, SampledScene], Key("Scenes whose lives are sampled", least=1)]
     sampling: Annotated[Sampling, Key("How their uncertain values are sampled")]
-
-    @classmethod
-    def from_file(cls, path: str | Path) -> UncertaintyPlan:
-        """Read and check the file.
-
-        Raises
-        ------
-        SceneError
-            One line: file, key, what was given, what is allowed.
-        """
-        return read_record(cls, path)
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Read every scene and look whether its lives can be sampled.

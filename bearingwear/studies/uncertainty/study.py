@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.protocol import Files, Step, Study, Wildcards
 from bearingwear.studies.uncertainty.plan import AS_RECOMMENDED, PRELOAD_CHOICES, UncertaintyPlan
@@ -21,7 +22,7 @@ _FOLDER = "results/{scene}/design"  # beside the recommendation
 
 def study(config: Mapping[str, Any]) -> UncertaintyStudy:
     """The study of config/uncertainty.yaml."""
-    return UncertaintyStudy(UncertaintyPlan.from_file(_PLAN))
+    return UncertaintyStudy(read_record(UncertaintyPlan, _PLAN))
 
 
 class UncertaintyStudy(Study):

@@ -13,7 +13,7 @@ from support import ROOT
 from bearingwear.cli import main
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.accuracy import NAMED_PRESETS
-from bearingwear.scene.checking import record
+from bearingwear.scene.checking import read_record, record
 from bearingwear.studies.accuracy.figures import FRONT, integration_figure, steady_figure
 from bearingwear.studies.accuracy.gather import gathered_sweeps
 from bearingwear.studies.accuracy.plan import (
@@ -37,7 +37,7 @@ def step(run, *inputs, outputs, **settings):
 
 @pytest.fixture(scope="module")
 def plan():
-    return AccuracyPlan.from_file(PLAN_FILE)
+    return read_record(AccuracyPlan, PLAN_FILE)
 
 
 def made_up(plan, scene, name, failed=()):
@@ -150,7 +150,7 @@ def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
     file = tmp_path / "accuracy.yaml"
     file.write_text(json.dumps(data), encoding="utf-8")
     with pytest.raises(ValueError) as error:
-        AccuracyPlan.from_file(file)
+        read_record(AccuracyPlan, file)
     assert said in str(error.value) and "\n" not in str(error.value)
 
 

@@ -7,11 +7,12 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose
-from support import ROOT, scene_file
+from support import ROOT, scene_file, with_value
 
 from bearingwear.cli import main
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.netcdf import load
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.choice import ACTIVE, best_within, design_map, front
@@ -44,7 +45,7 @@ def scene():
 
 
 def test_plan_of_the_project():
-    plan = DesignPlan.from_file(PLAN_FILE)
+    plan = read_record(DesignPlan, PLAN_FILE)
     plan.check_scenes(ROOT / "config" / "scenes")
     for name, of in plan.scenes.items():
         scene = load_scene(scene_file(name))
@@ -71,15 +72,9 @@ def test_plan_of_the_project():
     ],
 )
 def test_bad_plan_takes_one_line(tmp_path, path, value, told):
-    data = yaml.safe_load(PLAN_FILE.read_text())
-    *blocks, last = path.split(".")
-    block = data
-    for name in blocks:
-        block = block[name]
-    block[last] = value
-    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
+    file = with_value(PLAN_FILE, path, value, tmp_path)
     with pytest.raises(ValueError) as error:
-        DesignPlan.from_file(tmp_path / "plan.yaml")
+        read_record(DesignPlan, file)
     assert told in str(error.value) and "\n" not in str(error.value)
 
 

@@ -5,10 +5,11 @@ from dataclasses import asdict, replace
 
 import pytest
 import yaml
-from support import ROOT, scene_file
+from support import ROOT, scene_file, with_value
 
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
+from bearingwear.scene.checking import read_record
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.identify.plan import IdentifyPlan
 from bearingwear.studies.identify.search import FIT_RESULTS, identified
@@ -17,7 +18,7 @@ PLAN_FILE = ROOT / "config" / "identify.yaml"
 
 
 def test_plan_of_the_project():
-    plan = IdentifyPlan.from_file(PLAN_FILE)
+    plan = read_record(IdentifyPlan, PLAN_FILE)
     plan.check_scenes(ROOT / "config" / "scenes")
     assert plan.scene in plan.scene_names
 
@@ -32,27 +33,21 @@ def test_plan_of_the_project():
     ],
 )
 def test_bad_plan_takes_one_line(tmp_path, path, value, told):
-    data = yaml.safe_load(PLAN_FILE.read_text())
-    *blocks, last = path.split(".")
-    block = data
-    for name in blocks:
-        block = block[name]
-    block[last] = value
-    (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
+    file = with_value(PLAN_FILE, path, value, tmp_path)
     with pytest.raises(ValueError) as error:
-        IdentifyPlan.from_file(tmp_path / "plan.yaml")
+        read_record(IdentifyPlan, file)
     assert told in str(error.value) and "\n" not in str(error.value)
 
 
 def test_a_scene_that_is_not_there_is_told():
-    plan = replace(IdentifyPlan.from_file(PLAN_FILE), marks=("nobody",))
+    plan = replace(read_record(IdentifyPlan, PLAN_FILE), marks=("nobody",))
     with pytest.raises(ValueError, match="there is no scene nobody"):
         plan.check_scenes(ROOT / "config" / "scenes")
 
 
 def test_the_scene_is_found_among_the_bearings(tmp_path):
     """gyro_s1 was chosen on the ridge: a grid of its own values alone finds it."""
-    plan = IdentifyPlan.from_file(PLAN_FILE)
+    plan = read_record(IdentifyPlan, PLAN_FILE)
     bearing = yaml.safe_load(scene_file("gyro_s1").read_text())["bearing"]
     angle = bearing["contact_angle_deg"]
     small = replace(

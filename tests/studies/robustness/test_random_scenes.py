@@ -13,6 +13,7 @@ from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.netcdf import load
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset
@@ -23,7 +24,7 @@ from bearingwear.studies.robustness.plan import KeyAxis, RobustnessPlan, draws
 from bearingwear.studies.robustness.run import solved_values, violations
 
 FILE = ROOT / "config" / "robustness.yaml"
-PLAN = RobustnessPlan.from_file(FILE)
+PLAN = read_record(RobustnessPlan, FILE)
 BASE = load_scene(ROOT / PLAN.scene_file).to_dict()
 FEW = {"model.strips": 20}  # points: what is tried here does not hang on them
 

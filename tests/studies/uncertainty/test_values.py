@@ -11,6 +11,7 @@ from support import ROOT, scene_file
 
 from bearingwear.cli import main
 from bearingwear.model import parameters
+from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene
@@ -25,7 +26,7 @@ def scene():
 
 
 def test_plan_of_the_project():
-    plan = UncertaintyPlan.from_file(PLAN_FILE)
+    plan = read_record(UncertaintyPlan, PLAN_FILE)
     plan.check_scenes(ROOT / "config" / "scenes")
     for name in plan.scenes:
         scene = load_scene(scene_file(name))
@@ -45,7 +46,7 @@ def test_bad_plan_takes_one_line(tmp_path, key, value, told):
     data["sampling"][key] = value
     (tmp_path / "plan.yaml").write_text(yaml.safe_dump(data))
     with pytest.raises(ValueError) as error:
-        UncertaintyPlan.from_file(tmp_path / "plan.yaml")
+        read_record(UncertaintyPlan, tmp_path / "plan.yaml")
     assert told in str(error.value) and "\n" not in str(error.value)
 
 
