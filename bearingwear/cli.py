@@ -72,9 +72,25 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _status(argv: Sequence[str]) -> int:
     try:
-        return _run(_parsed(argv))
+        # `step A ... -- B ...` runs one after the other; other commands have no `--`
+        calls = _split(argv[1:]) if argv[:1] == ["step"] else []
+        for call in calls:
+            if status := _run(_parsed(["step", *call])):
+                return status
+        return _OK if calls else _run(_parsed(argv))
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else BAD_INPUT
+
+
+def _split(arguments: Sequence[str]) -> list[list[str]]:
+    """Arguments in groups, parted by `--`."""
+    groups: list[list[str]] = [[]]
+    for text in arguments:
+        if text == "--":
+            groups.append([])
+        else:
+            groups[-1].append(text)
+    return groups
 
 
 def _drop_output() -> None:

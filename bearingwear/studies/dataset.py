@@ -19,7 +19,10 @@ LOSS_BASIS = Variable(
 
 
 def stacked(
-    datasets: Sequence[xr.Dataset], lengths: Mapping[str, int], leave_out: Sequence[str] = ()
+    datasets: Sequence[xr.Dataset],
+    lengths: Mapping[str, int],
+    leave_out: Sequence[str] = (),
+    along: str = "",
 ) -> xr.Dataset:
     """Datasets as one, along new leading dimensions.
 
@@ -32,6 +35,8 @@ def stacked(
         Names and lengths of the new dimensions.
     leave_out : sequence of str
         Variables to leave out, and dimensions whose variables to leave out.
+    along : str
+        A first dimension along which a dataset may hold several of what others hold one of.
 
     Returns
     -------
@@ -43,20 +48,28 @@ def stacked(
     sizes: dict[str, int] = {}
     for dataset in datasets:
         for name, variable in dataset.variables.items():
-            if not {name, *variable.dims} & set(leave_out):
-                target = coords if name in dataset.coords else templates
-                if name not in target or variable.size > target[str(name)].size:
-                    target[str(name)] = dataset[name].reset_coords(drop=True)
-                for dim, size in zip(variable.dims, variable.shape, strict=True):
-                    sizes[str(dim)] = max(size, sizes.get(str(dim), 0))
+            if {name, *variable.dims} & set(leave_out):
+                continue
+            if name in dataset.coords and along in variable.dims:
+                continue
+            one = dataset[name].isel({along: 0}) if along in variable.dims else dataset[name]
+            target = coords if name in dataset.coords else templates
+            if name not in target or one.size > target[str(name)].size:
+                target[str(name)] = one.reset_coords(drop=True)
+            for dim, size in zip(one.dims, one.shape, strict=True):
+                sizes[str(dim)] = max(size, sizes.get(str(dim), 0))
+    ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
     variables = {}
     for name, template in templates.items():
         inner = tuple(sizes[str(dim)] for dim in template.dims)
-        values = np.full((len(datasets), *inner), np.nan)
-        for k, dataset in enumerate(datasets):
+        values = np.full((ends[-1], *inner), np.nan)
+        for dataset, end in zip(datasets, ends, strict=True):
             if name in dataset:
-                filled: tuple = tuple(slice(size) for size in dataset[name].shape)
-                values[(k, *filled)] = dataset[name].values
+                held = dataset[name]
+                shape = tuple(held.sizes[dim] for dim in held.dims if dim != along)
+                filled = tuple(slice(size) for size in shape)
+                begin = end - dataset.sizes.get(along, 1)
+                values[(slice(begin, end), *filled)] = held.values
         if np.issubdtype(template.dtype, np.integer) and np.isfinite(values).all():
             values = values.astype(template.dtype)
         values = values.reshape((*lengths.values(), *inner))

@@ -9,7 +9,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 Wildcards = Mapping[str, str]
@@ -27,7 +27,7 @@ class Step:
     run : str
         The function that does it, from the package on: `studies.grid.gather.study`. It takes
         `inputs` and `settings` as keyword arguments and returns what is written: a Result, a
-        Dataset, a Figure, a text, or a tuple of these, one for each output.
+        Dataset, a Figure, a text, or several of these, one for each output.
     outputs : tuple of str
         Paths, with wildcards in braces. A figure is written to each of them.
     inputs : mapping, or function of the wildcards
@@ -96,6 +96,53 @@ class Step:
         """The label of one job."""
         return self.label(wildcards) if callable(self.label) else self.label.format(**wildcards)
 
+    def one(self, wildcards: Wildcards) -> Step:
+        """The step of one job alone, without wildcards."""
+        return replace(
+            self,
+            outputs=tuple(path.format(**wildcards) for path in self.outputs),
+            inputs=self.files(wildcards),
+            settings=self.given(wildcards),
+            label=self.text(wildcards),
+            matches={},
+        )
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """What one process does, as `Bundle` has it."""
+        return (self,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bundle:
+    """Steps without wildcards that one process does: a start of Python takes longer than a figure.
+
+    Attributes
+    ----------
+    name : str
+        What its rule is called, after the name of the study.
+    steps : tuple of Step
+    label : str
+    """
+
+    name: str
+    steps: tuple[Step, ...]
+    label: str
+    matches: Mapping[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+    priority: int = 0
+    alone: bool = False
+    after: Sequence[str] = ()
+
+    def one(self, wildcards: Wildcards) -> Bundle:
+        """Itself, since it has no wildcards."""
+        return self
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Paths of all of its steps."""
+        return tuple(path for step in self.steps for path in step.outputs)
+
 
 class Study:
     """A study, as `studies.NAME.study.study(config)` makes it from its configuration.
@@ -105,12 +152,18 @@ class Study:
     name : str
     default : bool
         Whether a plain `snakemake` runs it.
-    steps : sequence of Step
+    jobs : sequence of Step or Bundle
+        Each is a rule of the workflow.
     """
 
     name: str
     default = False
-    steps: Sequence[Step] = ()
+    jobs: Sequence[Step | Bundle] = ()
+
+    @property
+    def steps(self) -> list[Step]:
+        """Every step, those of bundles as well."""
+        return [step for job in self.jobs for step in job.steps]
 
     def targets(self) -> list[str]:
         """Every file that running the study makes."""
@@ -119,6 +172,10 @@ class Study:
     def inputs(self) -> list[str]:
         """Files that it is made from and nobody makes: scenes, values of others."""
         return []
+
+    def refused(self, path: str) -> str | None:
+        """Why the study does not make a file that looks like one of its own, on one line."""
+        return None
 
     def check(self) -> None:
         """Read every scene as the study changes it.

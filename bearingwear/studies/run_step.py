@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +50,7 @@ def run_step(
     except TypeError as error:
         raise StepError(f"step: given {step} with other arguments than it takes; {error}") from None
     made = function(*arguments.args, **arguments.kwargs)
-    if isinstance(made, tuple):
+    if isinstance(made, (tuple, Iterator)):
         for one, path in zip(made, outputs, strict=True):
             write_outputs(one, [path])
     else:

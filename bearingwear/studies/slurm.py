@@ -46,10 +46,10 @@ def minutes(step: Step) -> int:
 def settings(studies: Mapping[str, Study]) -> str:
     """Groups, their sizes and time limits of all steps that are worth a process on another node."""
     steps = {
-        f"{study.name}_{step.name}": step
+        f"{study.name}_{job.name}": job
         for study in studies.values()
-        for step in study.steps
-        if step.seconds > 0.0
+        for job in study.jobs
+        if isinstance(job, Step) and job.seconds > 0.0
     }
     grouped = {rule: in_a_job(step) for rule, step in steps.items() if in_a_job(step) > 1}
     limits = {rule: {"runtime": minutes(step)} for rule, step in steps.items()}

@@ -23,7 +23,7 @@ def solved_case(
     from bearingwear.model.solve import solve
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
-    return _told(solved, scene)
+    return told(solved, scene)
 
 
 def solved_life(
@@ -32,10 +32,11 @@ def solved_life(
     """The wear life of a scene. What could not be solved says so, as `case` has it."""
     from bearingwear.model.life import life
 
-    return _told(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
+    return told(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
 
 
-def _told(result: Result, scene: str | Path) -> Result:
+def told(result: Result, scene: str | Path) -> Result:
+    """The result; what could not be solved says so on standard error."""
     if result.status != "ok":
         _report(f"{scene}: {result.status}: {STATUS_SENTENCES[result.status]}")
     return result

@@ -26,7 +26,7 @@ CONFIG = {
         {
             "scenes": ["gyro_s1"],
             "preload_method": ["constant_force", "fixed_position"],
-            "friction": [0.08],
+            "friction": [0.05, 0.08],
             "ball_diameter_loss_um": [0, 0.5],
         }
     ],
@@ -153,9 +153,9 @@ def test_a_study_on_slurm(on_slurm, new_project):
     project, run = on_slurm
     assert run.status == 0, run.text
     assert run.jobs["grid_solve"] == 4 and run.jobs["grid_wear_life"] == 1
-    # four cases were one job, a life another; what takes a second stayed out of the queue
+    # four lines of cases were one job, a life another; what takes a second stayed out of the queue
     asked = [line.split() for line in queued("%T %l %C %m %j")]
-    # a minute a case is asked for, but memory and cores of one case
+    # a minute a line is asked for, but memory and cores of one
     assert [line[:-1] for line in asked] == [
         ["COMPLETED", "1:00", "1", "1000M"],
         ["COMPLETED", "4:00", "1", "1000M"],
@@ -184,9 +184,11 @@ def test_a_group_that_is_ended_keeps_its_finished_cases(on_slurm):
         assert run.wait(120) == 1
     finally:
         run.send_signal(signal.SIGINT)
-    assert 0 < len(done) < 4
+    lines = {path.stem.rpartition("-")[0] for path in done}
+    whole = [line for line in lines if sum(line in path.stem for path in done) == 2]
+    assert 0 < len(done) < 8
     # whatever else is there is of before, and must not pass for new
     rest = project.run()
     assert rest.status == 0, rest.text
-    assert rest.jobs["grid_solve"] == 4 - len(done)
+    assert rest.jobs["grid_solve"] == 4 - len(whole)
     assert done.items() <= {path: path.read_bytes() for path in project.cases()}.items()

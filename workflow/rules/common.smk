@@ -25,6 +25,12 @@ except ValueError as error:
 PAGE, VERDICT = "results/report/index.html", "results/verdict.txt"
 DOCS = list(filter(os.path.isfile, ["docs/verification.md", "docs/accuracy.md"]))
 
+# a file that is asked for and is none of the plan: Snakemake would say only that no rule makes it
+for target in sys.argv[1:] if workflow.is_main_process else ():
+    for study in STUDIES.values():
+        if reason := study.refused(target):
+            sys.exit(reason)
+
 # Jobs on a cluster read this file as well, while results come and go.
 if workflow.is_main_process:
     try:
@@ -53,32 +59,46 @@ wildcard_constraints:
     case=r"[a-z_]+-mu\d+\.\d{3}-loss\d+\.\d{2}",
 
 
-def of(wildcards):
-    return dict(wildcards.items())
+def one(job, wildcards):
+    return job.one(dict(wildcards.items()))
 
 
-def files_of(step):
-    return lambda wildcards: step.files(of(wildcards))
+def flat(files):
+    return [
+        path
+        for given in files.values()
+        for path in ([given] if isinstance(given, str) else given)
+    ]
 
 
-def outputs_of(step):
-    """Paths of a step; those a person reads stand in the report of the jobs."""
+def files_of(job):
+    return lambda wildcards: [
+        path for step in one(job, wildcards).steps for path in flat(step.inputs)
+    ]
+
+
+def outputs_of(job):
+    """Paths of a job; those a person reads stand in the report of the jobs."""
+    return [path for step in job.steps for path in shown(step)]
+
+
+def shown(step):
     if not step.caption:
         return step.outputs
-    shown = {
+    told = {
         "caption": f"../report/{step.caption}.rst",
         "category": step.category,
         "labels": {"result": step.result},
     }
     return [
-        in_report(path, **shown) if path.endswith((".svg", ".md")) else path
+        in_report(path, **told) if path.endswith((".svg", ".md")) else path
         for path in step.outputs
     ]
 
 
-def log_of(study, step):
-    stem = step.outputs[0].removeprefix("results/").rpartition(".")[0]
-    return f"logs/{study.name}/{step.name}/{stem}.log"
+def log_of(study, job):
+    stem = job.outputs[0].removeprefix("results/").rpartition(".")[0]
+    return f"logs/{study.name}/{job.name}/{stem}.log"
 
 
 @functools.cache
@@ -87,21 +107,21 @@ def files_behind(path):
     return scene_files(path) if path.startswith("config/scenes/") else [path]
 
 
-def made_from(step):
-    """Hash of what decides a result besides other results: the sources of its function, and the
+def made_from(job):
+    """Hash of what decides a result besides other results: the sources of its functions, and the
     contents of its inputs. Snakemake compares inputs only where they are newer than the result; an
     edited one is not, if it is a copy that kept its date or the clock was set back.
     """
 
     def contents(wildcards):
-        flat = [
+        given = [
             file
-            for given in step.files(of(wildcards)).values()
-            for path in ([given] if isinstance(given, str) else given)
+            for path in files_of(job)(wildcards)
             if not path.startswith("results/")
             for file in files_behind(path)
         ]
-        return result_hash(step.module) + contents_hash(flat)
+        modules = dict.fromkeys(step.module for step in job.steps)
+        return "".join(map(result_hash, modules)) + contents_hash(given)
 
     return contents
 
@@ -119,13 +139,19 @@ def arguments(files):
     ]
 
 
-def arguments_of(step):
-    return lambda wildcards: arguments(step.files(of(wildcards)))
+def calls_of(job):
+    """What `bearingwear step` is told; several steps are parted by `--`."""
+
+    def call(step):
+        inputs, settings = arguments(step.inputs), shlex.quote(
+            json.dumps(step.settings)
+        )
+        return " ".join(
+            [step.run, *inputs, "--settings", settings, "-o", *step.outputs]
+        )
+
+    return lambda wildcards: " -- ".join(map(call, one(job, wildcards).steps))
 
 
-def settings_of(step):
-    return lambda wildcards: json.dumps(step.given(of(wildcards)))
-
-
-def label_of(step):
-    return lambda wildcards: step.text(of(wildcards))
+def label_of(job):
+    return lambda wildcards: one(job, wildcards).label

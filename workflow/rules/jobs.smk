@@ -1,31 +1,29 @@
-# One rule for each step of each study, made from what the study says of it.
+# One rule for each step of each study, and for each bundle of steps, made from what the study says.
 
 
 for study in STUDIES.values():
-    for step in study.steps:
+    for job in study.jobs:
 
         rule:
             name:
-                f"{study.name}_{step.name}"
+                f"{study.name}_{job.name}"
             input:
-                unpack(files_of(step)),
-                after=step.after,
+                files_of(job),
+                after=job.after,
             output:
-                *outputs_of(step),
+                *outputs_of(job),
             log:
-                log_of(study, step),
+                log_of(study, job),
             wildcard_constraints:
-                **step.matches,
-            priority: step.priority
-            localrule: not step.seconds
-            threads: (workflow.resource_settings.cores or 1) if step.alone else 1
+                **job.matches,
+            priority: job.priority
+            localrule: not job.seconds
+            threads: (workflow.resource_settings.cores or 1) if job.alone else 1
             params:
-                made_from=made_from(step),
-                inputs=arguments_of(step),
-                settings=settings_of(step),
-                step=step.run,
-                label=label_of(step),
+                made_from=made_from(job),
+                calls=calls_of(job),
+                label=label_of(job),
             message:
                 "{params.label}"
             shell:
-                "bearingwear step {params.step} {params.inputs} --settings {params.settings:q} -o {output} > {log} 2>&1"
+                "bearingwear step {params.calls} > {log} 2>&1"

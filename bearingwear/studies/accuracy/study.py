@@ -35,7 +35,7 @@ class AccuracyStudy(Study):
 
     def __init__(self, plan: AccuracyPlan) -> None:
         self.plan = plan
-        self.steps = (
+        self.jobs = (
             Step(
                 name="sweep",
                 run=f"{_RUN}.run.solved_sweep",

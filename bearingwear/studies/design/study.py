@@ -44,7 +44,7 @@ class DesignStudy(Study):
 
     def __init__(self, plan: DesignPlan) -> None:
         self.plan = plan
-        self.steps = (*self._chosen(), *self._drawn(), *self._checked())
+        self.jobs = (*self._chosen(), *self._drawn(), *self._checked())
 
     def targets(self) -> list[str]:
         names = [

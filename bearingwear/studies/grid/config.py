@@ -130,6 +130,15 @@ class Config:
     dynamic: Annotated[
         tuple[DynamicBlock, ...], Key("Groups of scenes that are solved in time as well")
     ] = ()
+    points_per_job: Annotated[
+        int | None,
+        Key(
+            "Points of the grid that one job solves, each into a file of its own; above the points "
+            "of a line (all losses of a scene, method and friction) it solves whole lines into one "
+            "file. Null: a line, of at most 200",
+            minimum=1,
+        ),
+    ] = None
     uncertain_lives: Annotated[
         UncertainLives, Key("Scenes whose lives are quoted with L10 and L50")
     ] = UncertainLives()

@@ -1,7 +1,8 @@
 """Gathers the cases of a scene into one dataset over preload method, friction and wear."""
 
+import itertools
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,17 @@ _LEFT_OUT = (
 _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
 
 
+_AXES = ("preload_method", "friction", "ball_diameter_loss")
+
+
 def study(paths: Iterable[str | Path]) -> xr.Dataset:
-    """Gather case files of one scene.
+    """Gather the cases of one scene.
 
     Parameters
     ----------
     paths : iterable of path
-        One file for each point of the grid; the grid is what the files say it is.
+        Case files, or chunks of many cases: every point of a grid once. The grid is what the files
+        say it is.
 
     Returns
     -------
@@ -45,40 +50,44 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         One line naming the file that is missing, truncated, foreign, of another scene, of another
         version of the solver, or there twice; or the case that is missing.
     """
-    cases: dict[Case, xr.Dataset] = {}
     files: dict[Case, Path] = {}
     common: dict[str, Any] = {}
-    for path in map(Path, paths):
-        dataset = load(path)
-        case, shared = _identity(dataset, path)
-        if case in cases:
-            raise CaseFileError(f"{path}: holds the same case as {files[case]}")
-        if path.stem != case.id:
-            raise CaseFileError(f"{path}: holds the case {case.id}")
-        common = common or shared
-        for key, value in shared.items():
-            if value != common[key]:
-                raise CaseFileError(f"{path}: {key} is not that of {next(iter(files.values()))}")
-        cases[case], files[case] = dataset, path
-    if not cases:
-        raise CaseFileError("no case files given")
-    try:
-        grid = Grid.from_lists(
-            {case.preload_method for case in cases},
-            {case.friction for case in cases},
-            {case.ball_diameter_loss_um for case in cases},
-        )
-    except ValueError as error:
-        raise CaseFileError(f"{next(iter(files.values())).parent}: {error}") from None
-    for case_id, case in grid.cases().items():
-        if case not in cases:
-            raise CaseFileError(f"{next(iter(files.values())).with_stem(case_id)}: missing")
-    ordered = [_numbers_of_solved(cases[case]) for case in grid.cases().values()]
+    first: dict[str, Any] = {}
+
+    def read() -> Iterator[xr.Dataset]:
+        for path in map(Path, paths):
+            dataset = load(path)
+            cases, shared = _identity(dataset, path)
+            if "case" not in dataset.dims and path.stem != cases[0].id:
+                raise CaseFileError(f"{path}: holds the case {cases[0].id}")
+            for case in cases:
+                if case in files:
+                    raise CaseFileError(f"{path}: holds the same case as {files[case]}")
+                files[case] = path
+            common.update(common or shared)
+            first.update(first or dataset.attrs)
+            for key, value in shared.items():
+                if value != common[key]:
+                    other = next(iter(files.values()))
+                    raise CaseFileError(f"{path}: {key} is not that of {other}")
+            yield dataset
+
+    whole = _along_cases(read())
+    grid = _grid_of(files)
+    numbers = {case: number for number, case in enumerate(files)}
+    order = np.array([numbers[case] for case in grid.cases().values()])
     coords = axis_coordinates(grid)
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    first = ordered[0].attrs
+    on_the_grid = {
+        name: (
+            (*lengths, *array.dims[1:]),
+            array.values[order].reshape((*lengths.values(), *array.shape[1:])),
+            array.attrs,
+        )
+        for name, array in whole.data_vars.items()
+    }
     return (
-        stacked(ordered, lengths, leave_out=_LEFT_OUT)
+        xr.Dataset(on_the_grid, whole.coords)
         .assign_coords(coords)
         .assign_attrs(
             Conventions=first.get("Conventions", "CF-1.11"),
@@ -93,20 +102,96 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
     )
 
 
-def _identity(dataset: xr.Dataset, path: Path) -> tuple[Case, dict[str, Any]]:
-    """Which case a file holds, and what it must share with the others."""
+def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
+    """Cases of one scene along the dimension `case`, with their places on the axes of the study.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    datasets : iterable of Dataset
+        What the case files would hold, in the same order.
+    """
+    attributes: dict[str, Any] = {}
+
+    def read() -> Iterator[xr.Dataset]:
+        for dataset in datasets:
+            attributes.update(attributes or dataset.attrs | _identity(dataset, Path("chunk"))[1])
+            yield dataset
+
+    whole = _along_cases(read())
+    axes = ([PRELOAD_METHODS.index(case.preload_method) for case in cases],
+            [case.friction for case in cases],
+            [case.ball_diameter_loss_um for case in cases])  # fmt: skip
+    named = _axis_variables(*axes)
+    coords = {name: ("case", values, about) for name, (values, about) in named.items()}
+    for key in ("wall_time_s", "modelled", "residual"):
+        attributes.pop(key, None)
+    title = f"{len(cases)} cases of {json.loads(attributes['scene'])['name']}"
+    return whole.assign_coords(coords).assign_attrs(attributes | {"title": title})
+
+
+_AT_ONCE = 500
+"""Cases held as datasets of their own; each takes a hundred times the room of its numbers."""
+
+
+def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
+    """What is kept of cases and chunks, along the dimension `case`."""
+    parts: list[xr.Dataset] = []
+    left = iter(datasets)
+    while some := list(itertools.islice(left, _AT_ONCE)):
+        kept = [one if "case" in one.dims else _numbers_of_solved(one) for one in some]
+        parts.append(_joined(kept))
+    if not parts:
+        raise CaseFileError("no case files given")
+    return _joined(parts) if len(parts) > 1 else parts[0]
+
+
+def _joined(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
+    count = sum(dataset.sizes.get("case", 1) for dataset in datasets)
+    return stacked(datasets, {"case": count}, leave_out=_LEFT_OUT, along="case")
+
+
+def _grid_of(files: Mapping[Case, Path]) -> Grid:
+    """The grid that cases fill, each once."""
+    some = next(iter(files.values()))
+    try:
+        grid = Grid.from_lists(
+            {case.preload_method for case in files},
+            {case.friction for case in files},
+            {case.ball_diameter_loss_um for case in files},
+        )
+    except ValueError as error:
+        raise CaseFileError(f"{some.parent}: {error}") from None
+    for case_id, case in grid.cases().items():
+        if case not in files:
+            raise CaseFileError(f"{some.with_stem(case_id)}: missing")
+    return grid
+
+
+def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, Any]]:
+    """Which cases a file holds, and what it must share with the others."""
     try:
         scene = json.loads(dataset.attrs["scene"])
-        case = Case(
-            scene["operation"].pop("preload_method"),
-            float(scene["friction"].pop("ball_race")),
-            float(scene["wear"].pop("ball_diameter_loss_um")),
-        )
-        int(dataset["status"])
+        if "case" in dataset.dims:
+            cases = [
+                Case(PRELOAD_METHODS[int(method)], float(friction), float(loss))
+                for method, friction, loss in zip(
+                    *(dataset[name].values for name in _AXES), strict=True
+                )
+            ]
+        else:
+            cases = [
+                Case(
+                    scene["operation"].pop("preload_method"),
+                    float(scene["friction"].pop("ball_race")),
+                    float(scene["wear"].pop("ball_diameter_loss_um")),
+                )
+            ]
+            int(dataset["status"])
         shared = {key: dataset.attrs[key] for key in _SHARED_ATTRS}
     except (KeyError, TypeError, ValueError):
         raise CaseFileError(f"{path}: not a case of a study") from None
-    return case, {"scene": json.dumps(scene)} | shared
+    return cases, {"scene": json.dumps(scene)} | shared
 
 
 def _numbers_of_solved(dataset: xr.Dataset) -> xr.Dataset:
@@ -125,20 +210,17 @@ def axis_coordinates(grid: Grid) -> dict[str, tuple[str, np.ndarray, dict[str, A
     CF wants numbers along a dimension, so the preload methods are flags.
     """
     methods = [PRELOAD_METHODS.index(method) for method in grid.preload_method]
+    axes = _axis_variables(methods, grid.friction, grid.ball_diameter_loss_um)
+    return {name: (name, values, about) for name, (values, about) in axes.items()}
+
+
+def _axis_variables(
+    methods: Sequence[int], friction: Sequence[float], loss_um: Sequence[float]
+) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
+    """Values along the axes of a study, and their attributes."""
+    method_flags = flags("how the preload is applied", PRELOAD_METHODS)
     return {
-        "preload_method": (
-            "preload_method",
-            np.array(methods, dtype=np.int8),
-            flags("how the preload is applied", PRELOAD_METHODS),
-        ),
-        "friction": (
-            "friction",
-            np.array(grid.friction),
-            attrs("ball/race friction coefficient", "1"),
-        ),
-        "ball_diameter_loss": (
-            "ball_diameter_loss",
-            np.array(grid.ball_diameter_loss_um),
-            attrs("loss of ball diameter by wear", "um"),
-        ),
+        "preload_method": (np.array(methods, dtype=np.int8), method_flags),
+        "friction": (np.array(friction), attrs("ball/race friction coefficient", "1")),
+        "ball_diameter_loss": (np.array(loss_um), attrs("loss of ball diameter by wear", "um")),
     }

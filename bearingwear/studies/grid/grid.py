@@ -12,6 +12,9 @@ from typing import Any
 
 from bearingwear.scene.scene import PRELOAD_METHODS
 
+Line = tuple[str, float]
+"""A preload method and a friction coefficient, whose cases differ in wear alone."""
+
 
 @dataclass(frozen=True)
 class Case:
@@ -34,7 +37,17 @@ class Case:
     @property
     def id(self) -> str:
         """Name of the case and of its file; the same digits for every case."""
-        return f"{self.preload_method}-mu{self._friction}-loss{self._loss}"
+        return f"{self.line_id}-{self.loss_id}"
+
+    @property
+    def loss_id(self) -> str:
+        """Name of its state of wear."""
+        return f"loss{self._loss}"
+
+    @property
+    def line_id(self) -> str:
+        """Name of the line of the grid that the case is on."""
+        return f"{self.preload_method}-mu{self._friction}"
 
     @property
     def changes(self) -> dict[str, Any]:
@@ -105,6 +118,20 @@ class Grid:
     def cases(self) -> Mapping[str, Case]:
         """Every case of the grid by its id."""
         return _cases(self)
+
+    def lines(self) -> tuple[Line, ...]:
+        """Preload method and friction of each line of the grid, along which wear goes on."""
+        return tuple(itertools.product(self.preload_method, self.friction))
+
+    def every_value(self) -> list[Case]:
+        """So few cases that each value of each axis is in one of them."""
+        first = [values[0] for values in vars(self).values()]
+        places = [
+            (*first[:k], value, *first[k + 1 :])
+            for k, values in enumerate(vars(self).values())
+            for value in values
+        ]
+        return list(itertools.starmap(Case, dict.fromkeys(places)))
 
 
 @functools.cache  # the rules look up each of their jobs

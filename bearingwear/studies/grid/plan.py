@@ -4,6 +4,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
 import functools
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,10 @@ from typing import Any
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
 from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
-from bearingwear.studies.grid.grid import Case, Grid, grids
+from bearingwear.studies.grid.grid import Case, Grid, Line, grids
+
+MOST_FILES = 200
+"""Files that one job writes at the most: their names are a command, which the shell limits."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,7 @@ class Plan:
         return [scene for scene in self.dynamic if scene in self.grids]
 
     def check_scenes(self) -> None:
-        """Read every scene as it stands and as each of its cases changes it.
+        """Read every scene as it stands, and with each value of its grid.
 
         Raises
         ------
@@ -114,9 +118,9 @@ class Plan:
         for scene, grid in self.grids.items():
             path = _scene_file(scene)
             for_life(load_scene(path), path)
-            _check_cases(scene, {case: case.changes for case in grid.cases().values()})
+            _check_cases(scene, {case: case.changes for case in grid.every_value()})
         for scene, grid in self.dynamic.items():
-            cases = grid.cases().values()
+            cases = grid.every_value()
             load_scene(_scene_file(scene))
             _check_cases(scene, {case: self.dynamic_changes(scene, case) for case in cases})
         for scene in self.uncertain_lives.scenes:
@@ -149,6 +153,28 @@ class Plan:
             for scene in scenes or self.grids
             for case in self.grids[scene].cases().values()
         ]
+
+    def losses_of_jobs(self, grid: Grid) -> list[tuple[float, ...]]:
+        """Losses of ball diameter that each job of a line of a grid solves [um]."""
+        losses = grid.ball_diameter_loss_um
+        most = min(self.config.points_per_job or MOST_FILES, MOST_FILES)
+        return [losses[k : k + most] for k in range(0, len(losses), most)]
+
+    def chunks(self, scene: str) -> dict[str, tuple[Line, ...]]:
+        """Lines of each chunk of a scene by its file; none where a job is a line or less."""
+        grid = self.grids[scene]
+        lines = grid.lines()
+        most = (self.config.points_per_job or 0) // len(grid.ball_diameter_loss_um)
+        if most < 2:
+            return {}
+        return {
+            f"results/{scene}/chunks/{k:05d}.nc": lines[most * k : most * (k + 1)]
+            for k in range(-(-len(lines) // most))
+        }
+
+    def solved(self, scene: str) -> list[str]:
+        """Files that together hold every case of a scene."""
+        return list(self.chunks(scene)) or self.cases(scene)
 
     def dynamic_cases(self, *scenes: str) -> list[str]:
         """Files of the cases solved in time, of the given scenes or of all."""
@@ -188,56 +214,27 @@ class Plan:
             for mu in self.grids[scene].friction
         ]
 
-    def tables(self) -> list[str]:
-        """Tables and summaries of the scenes."""
-        names = [f"{scene}/tables/{n}" for scene in self.grids for n in ("cases.csv", "summary.md")]
-        names += [
-            f"{scene}/tables/{n}" for scene in self.compared for n in ("dynamic.csv", "dynamic.md")
-        ]
-        return [f"results/{name}" for name in names]
-
-    def figures(self) -> list[str]:
-        """Every figure, as SVG and PNG."""
-        names = [
-            f"{scene}/figures/{name}" for scene in self.grids for name in self._scene_figures(scene)
-        ]
-        names += [f"{scene}/figures/dynamic" for scene in self.compared]
-        names += [
-            f"{scene}/figures/fig06_running_average-{case_id}"
-            for scene in self.config.figures.running_averages
-            for case_id in self.dynamic[scene].cases()
-        ]
-        names += ["figures/fig10_wear"] if self.column_scenes else []
-        names += [f"figures/spread_{name}" for name in self.spreads]
-        return [f"results/{name}.{suffix}" for name in names for suffix in ("svg", "png")]
+    def refused(self, path: str) -> str | None:
+        """Why a case file cannot be made: its point is not on the grid; one line."""
+        found = re.fullmatch(r"results/([^/]+)/(cases|dynamic)/([^/]+)\.nc", path)
+        if not found:
+            return None
+        scene, folder, case = found.groups()
+        grids = self.grids if folder == "cases" else self.dynamic
+        if scene not in grids:
+            return f"{path}: given scene {scene}; allowed {', '.join(grids) or 'none'}"
+        if case in grids[scene].cases():
+            return None
+        axes = "; ".join(
+            f"{axis} {', '.join(map(str, values))}" for axis, values in vars(grids[scene]).items()
+        )
+        return f"{path}: given a point off the grid of config.yaml; allowed {axes}"
 
     def inputs(self) -> list[str]:
         """Files the cases and figures are made from, besides the program."""
         scenes = map(_scene_file, [*self.grids, *self.dynamic])
         files = dict.fromkeys(file for path in scenes for file in scene_files(path))
         return [*files, *(path for scene in self.dynamic for path in self.reference(scene))]
-
-    def results(self) -> list[str]:
-        """Every file of the study."""
-        parts = (self.cases, self.dynamic_cases, self.studies, self.dynamics, self.lives)
-        named = [path for part in parts for path in part()]
-        return [
-            *named,
-            *self.spreads_of_lives(),
-            *self.tables(),
-            *self.figures(),
-        ]
-
-    def _scene_figures(self, scene: str) -> list[str]:
-        grid = self.grids[scene]
-        names = ["fig10_wear", "wear_life"]
-        if len(grid.friction) > 1:
-            names += [
-                name for name, loss in self.losses.items() if loss in grid.ball_diameter_loss_um
-            ]
-        if self.slip_cases(scene):
-            names += ["fig09_slip"]
-        return sorted(names)
 
 
 def _scene_file(scene: str) -> str:

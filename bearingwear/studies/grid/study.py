@@ -5,14 +5,23 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from bearingwear.studies.grid.drawn import bundles
+from bearingwear.studies.grid.grid import Case
 from bearingwear.studies.grid.plan import Plan
 from bearingwear.studies.protocol import Step, Study, Wildcards
 
 _RUN = "studies.grid"
 _SCENE = "config/scenes/{scene}.yaml"
+
+START = 1.0
+"""What a process takes before it solves [s]."""
+
+SOLVE = 0.03
+"""What a point takes, with its file [s]."""
 
 PLOTS = {
     "case": "bearingwear.studies.grid.plots:case_plot",
@@ -36,13 +45,21 @@ class GridStudy(Study):
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
-        self.steps = (*self._solved(), *self._gathered(), *self._figures(), *self._tables())
+        self.drawn = bundles(plan)
+        self.jobs = (*self._solved(), *self._lived(), *self._gathered(), *self.drawn)
 
     def targets(self) -> list[str]:
-        return self.plan.results()
+        plan = self.plan
+        solved = [path for scene in plan.grids for path in plan.solved(scene)]
+        gathered = [*plan.studies(), *plan.dynamics(), *plan.lives(), *plan.spreads_of_lives()]
+        drawn = [path for bundle in self.drawn for path in bundle.outputs]
+        return [*solved, *plan.dynamic_cases(), *gathered, *drawn]
 
     def inputs(self) -> list[str]:
         return self.plan.inputs()
+
+    def refused(self, path: str) -> str | None:
+        return self.plan.refused(path)
 
     def check(self) -> None:
         self.plan.check_scenes()
@@ -51,25 +68,60 @@ class GridStudy(Study):
         return [*self.plan.studies(), *self.plan.dynamics(), *self.plan.lives()]
 
     def page_sections(self) -> list[str]:
-        tables = [table for table in self.plan.tables() if table.endswith(".md")]
+        drawn = [path for bundle in self.drawn for path in bundle.outputs]
+        tables = [path for path in drawn if path.endswith(".md")]
+        figures = [path for path in drawn if path.endswith((".svg", ".png"))]
         studies = [*self.plan.studies(), *self.plan.lives(), *self.plan.dynamics()]
-        return [*studies, *tables, *self.plan.figures()]
+        return [*studies, *tables, *figures]
 
     def page_answers(self) -> list[str]:
         return self.plan.spreads_of_lives()
 
     def _solved(self) -> list[Step]:
+        """A rule for each list of losses that a job solves; wildcards say scene and line."""
+        plan = self.plan
+        parts: dict[tuple[float, ...], list[str]] = {}
+        for scene, grid in plan.grids.items():
+            for losses in plan.losses_of_jobs(grid):
+                parts.setdefault(losses, []).append(re.escape(scene))
+        lines = [
+            Step(
+                name="solve" if number == 1 else f"solve_{number}",
+                run=f"{_RUN}.solve.solved_line",
+                inputs={"scene": _SCENE},
+                outputs=tuple(
+                    f"results/{{scene}}/cases/{{line}}-{Case('', 0.0, loss).loss_id}.nc"
+                    for loss in losses
+                ),
+                settings=_line_settings(losses),
+                matches={"scene": "|".join(scenes), "line": r"[a-z_]+-mu\d+\.\d{3}"},
+                label=_line_label(losses),
+                seconds=START + SOLVE * len(losses),
+            )
+            for number, (losses, scenes) in enumerate(parts.items(), 1)
+        ]
+        chunks = [
+            Step(
+                name="solve_chunk",
+                run=f"{_RUN}.chunks.solved_chunk",
+                inputs={"scene": _SCENE},
+                outputs=("results/{scene}/chunks/{chunk}.nc",),
+                settings=self._chunk_settings,
+                matches={"chunk": r"\d+"},
+                label="{scene}: chunk {chunk} of the grid",
+                seconds=START + SOLVE * (plan.config.points_per_job or 0),
+            )
+        ]
+        return [*lines, *(chunks if any(map(plan.chunks, plan.grids)) else [])]
+
+    def _chunk_settings(self, wildcards: Wildcards) -> dict[str, Any]:
+        scene = wildcards["scene"]
+        lines = self.plan.chunks(scene)[f"results/{scene}/chunks/{wildcards['chunk']}.nc"]
+        return {"lines": lines, "losses_um": self.plan.grids[scene].ball_diameter_loss_um}
+
+    def _lived(self) -> list[Step]:
         plan = self.plan
         return [
-            Step(
-                name="solve",
-                run="studies.solve.solved_case",
-                inputs={"scene": _SCENE},
-                outputs=("results/{scene}/cases/{case}.nc",),
-                settings=lambda w: {"changes": plan.grids[w["scene"]].cases()[w["case"]].changes},
-                label=lambda w: f"{w['scene']}: {plan.grids[w['scene']].cases()[w['case']].label}",
-                seconds=1.5,
-            ),
             Step(
                 name="solve_dynamic",
                 run="studies.solve.solved_case",
@@ -90,6 +142,21 @@ class GridStudy(Study):
                 label="{scene}: wear life",
                 seconds=1.7,
             ),
+            Step(
+                name="quantiles",
+                run="studies.uncertainty.quantiles.life_quantiles",
+                inputs={"scene": _SCENE},
+                outputs=("results/{scene}/spread/mu{mu}.nc",),
+                settings=lambda w: {
+                    "friction": float(w["mu"]),
+                    "methods": plan.grids[w["scene"]].preload_method,
+                    "samples": plan.uncertain_lives.samples,
+                    "seed": plan.uncertain_lives.seed,
+                },
+                matches={"mu": r"\d+\.\d{3}"},
+                label="{scene}: how its lives spread, mu {mu}",
+                seconds=9.0,
+            ),
         ]
 
     def _dynamic_settings(self, wildcards: Wildcards) -> dict[str, Any]:
@@ -102,7 +169,7 @@ class GridStudy(Study):
             Step(
                 name="gather",
                 run=f"{_RUN}.gather.study",
-                inputs=lambda w: {"paths": self.plan.cases(w["scene"])},
+                inputs=lambda w: {"paths": self.plan.solved(w["scene"])},
                 outputs=("results/{scene}/study.nc",),
                 label="{scene}: gather the cases",
             ),
@@ -113,145 +180,22 @@ class GridStudy(Study):
                 outputs=("results/{scene}/dynamic.nc",),
                 label="{scene}: gather the cases solved in time",
             ),
-            Step(
-                name="quantiles",
-                run="studies.uncertainty.quantiles.life_quantiles",
-                inputs={"scene": _SCENE},
-                outputs=("results/{scene}/spread/mu{mu}.nc",),
-                settings=lambda w: {
-                    "friction": float(w["mu"]),
-                    "methods": self.plan.grids[w["scene"]].preload_method,
-                    "samples": self.plan.uncertain_lives.samples,
-                    "seed": self.plan.uncertain_lives.seed,
-                },
-                matches={"mu": r"\d+\.\d{3}"},
-                label="{scene}: how its lives spread, mu {mu}",
-                seconds=9.0,
-            ),
-        ]
-
-    def _figures(self) -> list[Step]:
-        plan = self.plan
-        study, dynamic = "results/{scene}/study.nc", "results/{scene}/dynamic.nc"
-        return [
-            _figure(
-                "friction",
-                "{scene}/figures/{figure}",
-                {"study": study},
-                "{scene}: QV and load against friction, {figure}",
-                settings=lambda w: {"loss_um": plan.losses[w["figure"]]},
-                matches={"figure": "|".join(plan.losses)},
-                result="{figure}",
-            ),
-            _figure(
-                "slip",
-                "{scene}/figures/fig09_slip",
-                lambda w: {"cases": plan.slip_cases(w["scene"])},
-                "{scene}: slip over the contact ellipse",
-            ),
-            _figure(
-                "wear",
-                "{scene}/figures/fig10_wear",
-                {"studies": [study]},
-                "{scene}: QV, preload, angles and wear rate against wear",
-                settings=lambda w: {"friction": plan.frictions(w["scene"])},
-            ),
-            _figure(
-                "life",
-                "{scene}/figures/wear_life",
-                lambda w: {
-                    "lives": f"results/{w['scene']}/wear_life.nc",
-                    "uncertainty": plan.spreads_of_lives(w["scene"]),
-                },
-                "{scene}: wear and preload over the life",
-                settings=lambda w: {"friction": plan.frictions(w["scene"])},
-            ),
-            _figure(
-                "dynamic",
-                "{scene}/figures/dynamic",
-                {"study": study, "dynamic": dynamic},
-                "{scene}: solved in time, beside the steady state",
-            ),
-            _figure(
-                "running_average",
-                "{scene}/figures/fig06_running_average-{case}",
-                lambda w: {
-                    "case": f"results/{w['scene']}/dynamic/{w['case']}.nc",
-                    **dict(zip(("reference",), plan.reference(w["scene"]), strict=False)),
-                },
-                "{scene}: wear rates of ball 1 and of the cage as they settle",
-                result="fig06_running_average, {case}",
-            ),
-            _figure(
-                "wear_columns",
-                "figures/fig10_wear",
-                {"studies": plan.studies(*plan.column_scenes)} if plan.column_scenes else {},
-                "QV, preload, angles and wear rate against wear, across scenes",
-                run="wear",
-                caption="wear",
-                settings={
-                    "friction": [column.friction for column in plan.config.figures.wear_columns]
-                },
-                category="across scenes",
-            ),
-            _figure(
-                "overlay",
-                "figures/spread_{spread}",
-                lambda w: {"studies": plan.studies(*plan.spreads[w["spread"]].scenes)},
-                "scenes over each other: {spread}",
-                settings=lambda w: {"friction": plan.spreads[w["spread"]].friction},
-                category="across scenes",
-                result="spread_{spread}",
-            ),
-        ]
-
-    def _tables(self) -> list[Step]:
-        return [
-            Step(
-                name="tables",
-                run=f"{_RUN}.tables.study_tables",
-                inputs=lambda w: {
-                    "study": f"results/{w['scene']}/study.nc",
-                    "lives": f"results/{w['scene']}/wear_life.nc",
-                    "uncertainty": self.plan.spreads_of_lives(w["scene"]),
-                },
-                outputs=(
-                    "results/{scene}/tables/cases.csv",
-                    "results/{scene}/tables/summary.md",
-                ),
-                label="{scene}: tables",
-                caption="summary",
-                result="summary",
-            ),
-            Step(
-                name="dynamic_tables",
-                run=f"{_RUN}.dynamic_tables.comparison",
-                inputs={
-                    "study": "results/{scene}/study.nc",
-                    "dynamic": "results/{scene}/dynamic.nc",
-                },
-                outputs=(
-                    "results/{scene}/tables/dynamic.csv",
-                    "results/{scene}/tables/dynamic.md",
-                ),
-                label="{scene}: tables of cases solved in time",
-                caption="dynamic_tables",
-                result="dynamic, table",
-            ),
         ]
 
 
-def _figure(
-    name: str, path: str, inputs: Any, label: str, run: str = "", caption: str = "", **more: Any
-) -> Step:
-    """A step that draws one figure, as SVG and PNG."""
-    more.setdefault("result", path.rpartition("/")[2])
-    return Step(
-        name=f"figure_{name}",
-        run=f"{_RUN}.draw.draw_{run or name}",
-        inputs=inputs,
-        outputs=(f"results/{path}.svg", f"results/{path}.png"),
-        label=label,
-        caption=caption or name,
-        **more,
-    )
+def _line_settings(losses: Sequence[float]) -> Callable[[Wildcards], dict[str, Any]]:
+    def settings(wildcards: Wildcards) -> dict[str, Any]:
+        method, _, friction = wildcards["line"].partition("-mu")
+        return {"method": method, "friction": float(friction), "losses_um": losses}
+
+    return settings
+
+
+def _line_label(losses: Sequence[float]) -> Callable[[Wildcards], str]:
+    wear = f"loss {losses[0]:.2f} um" + (f" to {losses[-1]:.2f} um" if len(losses) > 1 else "")
+
+    def label(wildcards: Wildcards) -> str:
+        method, _, friction = wildcards["line"].partition("-mu")
+        return f"{wildcards['scene']}: {method.replace('_', ' ')}, mu {friction}, {wear}"
+
+    return label

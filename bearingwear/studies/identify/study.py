@@ -36,7 +36,7 @@ class IdentifyStudy(Study):
 
     def __init__(self, plan: IdentifyPlan) -> None:
         self.plan = plan
-        self.steps = (
+        self.jobs = (
             Step(
                 name="candidates",
                 run=f"{_RUN}.search.identified",

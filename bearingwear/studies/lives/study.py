@@ -29,7 +29,7 @@ class LivesStudy(Study):
 
     def __init__(self, plan: LivesPlan) -> None:
         self.plan = plan
-        self.steps = (
+        self.jobs = (
             Step(
                 name="solve",
                 run="studies.solve.solved_life",

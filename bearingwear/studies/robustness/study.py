@@ -39,7 +39,7 @@ class RobustnessStudy(Study):
 
     def __init__(self, plan: RobustnessPlan) -> None:
         self.plan = plan
-        self.steps = (*self._solved(), *self._told())
+        self.jobs = (*self._solved(), *self._told())
 
     def _solved(self) -> list[Step]:
         """Each is one long job: thousands of scenes in one process."""

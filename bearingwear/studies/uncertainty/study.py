@@ -33,7 +33,7 @@ class UncertaintyStudy(Study):
     def __init__(self, plan: UncertaintyPlan) -> None:
         self.plan = plan
         self.sampling = asdict(plan.sampling)
-        self.steps = (
+        self.jobs = (
             Step(
                 name="sample_lives",
                 run=f"{_RUN}.sample.sampled_lives",

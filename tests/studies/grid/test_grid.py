@@ -10,10 +10,19 @@ from support import ROOT, scene_file
 
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant
+from bearingwear.studies.grid.drawn import bundles
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.grid.plan import Plan
 
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+
+
+def drawn(plan):
+    return [path for bundle in bundles(plan) for path in bundle.outputs]
+
+
+def figures_of(plan):
+    return [path for path in drawn(plan) if path.endswith((".svg", ".png"))]
 
 
 def test_id_of_a_case():
@@ -75,7 +84,7 @@ def test_plan_of_the_study():
     assert len(plan.cases("gyro_s1")) == 64
     assert len(plan.slip_cases("gyro_s1")) == 4
     assert plan.frictions("gyro_s1_drag") == [0.02]
-    figures = plan.figures()
+    figures = figures_of(plan)
     assert len(figures) == len(set(figures))
     assert "results/gyro_s1/figures/fig07_fresh.svg" in figures
     assert "results/gyro_s1_drag/figures/fig07_fresh.svg" not in figures  # one coefficient only
@@ -93,8 +102,29 @@ def test_plan_of_a_small_study():
     plan = Plan.from_config(
         {"studies": [study], "figures": {"worn_loss_um": 0.5, "friction": [0.02]}}
     )
-    names = [path.rpartition("/")[2] for path in plan.figures()]
+    names = [path.rpartition("/")[2] for path in figures_of(plan)]
     assert names == ["fig10_wear.svg", "fig10_wear.png", "wear_life.svg", "wear_life.png"]
+
+
+def test_jobs_of_a_grid():
+    """A line a job; parts of it; or chunks of whole lines, which name every case once."""
+    grid = Plan.from_config(CONFIG).grids["gyro_s1"]
+    assert Plan.from_config(CONFIG).losses_of_jobs(grid) == [grid.ball_diameter_loss_um]
+    parts = Plan.from_config(CONFIG | {"points_per_job": 3}).losses_of_jobs(grid)
+    assert [len(part) for part in parts] == [3, 3, 2]
+    chunked = Plan.from_config(CONFIG | {"points_per_job": 31})
+    chunks = chunked.chunks("gyro_s1")
+    assert [len(lines) for lines in chunks.values()] == [3, 3, 2]
+    assert tuple(line for lines in chunks.values() for line in lines) == grid.lines()
+    assert chunked.solved("gyro_s1") == list(chunks)
+
+
+def test_every_value_of_a_grid_is_checked_once():
+    grid = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.2, 0.3])
+    cases = grid.every_value()
+    assert len(cases) == 2 + 2 + 3
+    for axis in ("preload_method", "friction", "ball_diameter_loss_um"):
+        assert {getattr(case, axis) for case in cases} == set(getattr(grid, axis))
 
 
 @pytest.mark.parametrize(
@@ -126,12 +156,12 @@ def test_plan_of_what_is_solved_in_time():
         "results/turbine/dynamic/constant_force-mu0.090-loss0.00.nc"
     ]
     assert plan.compared == ["gyro_s1"]  # the turbine has no steady state to be compared with
-    figures = plan.figures()
+    figures = figures_of(plan)
     assert "results/gyro_s1/figures/dynamic.png" in figures
     assert "results/turbine/figures/dynamic.png" not in figures
     name = "fig06_running_average-constant_force-mu0.090-loss0.00"
     assert f"results/turbine/figures/{name}.svg" in figures
-    assert "results/gyro_s1/tables/dynamic.md" in plan.tables()
+    assert "results/gyro_s1/tables/dynamic.md" in drawn(plan)
     assert plan.reference("turbine") == ["config/reference/gupta_no2.csv"]
     assert plan.reference("gyro_s1") == []
 
