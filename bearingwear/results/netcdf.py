@@ -7,6 +7,7 @@ is solved in a millisecond should not wait half a second for xarray to be import
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import os
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
@@ -61,8 +62,6 @@ class Entry(NamedTuple):
 
 def common_attributes() -> dict[str, Any]:
     """Global attributes of every file: conventions, origin, versions of what made it."""
-    import importlib.metadata as metadata
-
     return {
         "Conventions": "CF-1.11",
         "source": f"{SOURCE} {__version__}",
@@ -74,8 +73,15 @@ def common_attributes() -> dict[str, Any]:
         "package_version": __version__,
         "source_hash": source_hash(),
         "numpy_version": np.__version__,
-        "numba_version": metadata.version("numba"),
+        "numba_version": _numba_version(),
     }
+
+
+@functools.cache
+def _numba_version() -> str:
+    import importlib.metadata as metadata
+
+    return metadata.version("numba")
 
 
 def write_result(result: Result, path: str | os.PathLike[str]) -> None:

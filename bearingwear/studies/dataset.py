@@ -43,8 +43,8 @@ def stacked(
     Dataset
         With the coordinates of the inner dimensions, which the longest decides.
     """
-    templates: dict[str, xr.DataArray] = {}
-    coords: dict[str, xr.DataArray] = {}
+    templates: dict[str, xr.Variable] = {}
+    coords: dict[str, xr.Variable] = {}
     sizes: dict[str, int] = {}
     for dataset in datasets:
         for name, variable in dataset.variables.items():
@@ -52,10 +52,10 @@ def stacked(
                 continue
             if name in dataset.coords and along in variable.dims:
                 continue
-            one = dataset[name].isel({along: 0}) if along in variable.dims else dataset[name]
+            one = variable.isel({along: 0}) if along in variable.dims else variable
             target = coords if name in dataset.coords else templates
             if name not in target or one.size > target[str(name)].size:
-                target[str(name)] = one.reset_coords(drop=True)
+                target[str(name)] = one
             for dim, size in zip(one.dims, one.shape, strict=True):
                 sizes[str(dim)] = max(size, sizes.get(str(dim), 0))
     ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
@@ -64,8 +64,7 @@ def stacked(
         inner = tuple(sizes[str(dim)] for dim in template.dims)
         values = np.full((ends[-1], *inner), np.nan)
         for dataset, end in zip(datasets, ends, strict=True):
-            if name in dataset:
-                held = dataset[name]
+            if (held := dataset.variables.get(name)) is not None:
                 shape = tuple(held.sizes[dim] for dim in held.dims if dim != along)
                 filled = tuple(slice(size) for size in shape)
                 begin = end - dataset.sizes.get(along, 1)
