@@ -159,11 +159,7 @@ def _tried(path: str) -> list[str]:
         return [f"does not solve: {result.status}: {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
-    return told + [f"  warning: {line}" for line in _lines(result.attrs.get("warnings", ""))]
-
-
-def _lines(text: str) -> list[str]:
-    return [line for line in text.split("\n") if line]
+    return told + [f"  warning: {line}" for line in result.attrs.get("warnings", "").splitlines()]
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
