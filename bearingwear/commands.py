@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import shlex
 import sys
 from pathlib import Path
@@ -159,7 +160,8 @@ def _tried(path: str) -> list[str]:
         return [f"does not solve: {result.status}: {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
-    return told + [f"  warning: {line}" for line in result.attrs.get("warnings", "").splitlines()]
+    warned = json.loads(result.attrs.get("warnings", "[]"))
+    return told + [f"  warning: {one['sentence']}; {one['advice']}" for one in warned]
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

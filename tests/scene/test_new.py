@@ -1,5 +1,6 @@
 """`bearingwear new`: a scene from catalogue numbers; and what the shell completes."""
 
+import json
 import math
 import os
 import re
@@ -12,6 +13,7 @@ import pytest
 from bearingwear import provenance
 from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
+from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import load
 from bearingwear.scene.read import load_scene
 
@@ -237,6 +239,19 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
         assert main(argv) == 0, argv
     assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
     assert "does not solve: undetermined: " in told(capsys)
+
+
+def test_warnings_of_the_solve_are_told(tmp_path, capsys, monkeypatch):
+    """They stand in an attribute of the result, a list as JSON."""
+
+    def warned(scene):
+        result = solve(scene)
+        result.attrs["warnings"] = json.dumps([{"sentence": "too fast", "advice": "slow down"}])
+        return result
+
+    monkeypatch.setattr("bearingwear.model.solve.solve", warned)
+    assert new(tmp_path / "a.yaml", "608") == 0
+    assert "  warning: too fast; slow down\n" in told(capsys)
 
 
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
