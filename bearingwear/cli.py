@@ -19,6 +19,8 @@ from typing import Any, NoReturn
 
 from bearingwear import __version__
 from bearingwear.console import UsageError, one_line
+from bearingwear.scene.assumed import PRELOAD_CLASSES
+from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 from bearingwear.studies import NAMES
@@ -155,12 +157,33 @@ def _parser() -> argparse.ArgumentParser:
 
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument("file", metavar="MYBEARING.yaml", help="the scene to write; never replaced")
-    new.add_argument("--bore", required=True, type=float, metavar="MM", help="bore diameter")
-    new.add_argument("--outside", required=True, type=float, metavar="MM", help="outside diameter")
+    new.add_argument(
+        "designation",
+        nargs="?",
+        metavar="DESIGNATION",
+        help="70xx, 72xx, 719xx with C, AC, E, A or B; 60xx, 62xx, 6xx: 7008C, 608",
+    )
+    new.add_argument("--bore", type=float, metavar="MM", help="bore diameter, without designation")
+    new.add_argument("--outside", type=float, metavar="MM", help="outside diameter, likewise")
     for option, key, metavar, text in OPTIONS:
         kind = int if key == "bearing.ball_count" else float
         text = f"{text}; assumed if left out"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
+    new.add_argument(
+        "--preload-class",
+        choices=tuple(PRELOAD_CLASSES),
+        help="in place of --preload; light is assumed",
+    )
+    clearance = new.add_mutually_exclusive_group()
+    clearance.add_argument(
+        "--clearance",
+        choices=CLEARANCES,
+        help="group of radial clearance of a deep groove bearing, from which its free contact "
+        "angle comes; CN is assumed",
+    )
+    clearance.add_argument(
+        "--radial-clearance-um", dest="clearance", type=float, metavar="UM", help="or its size"
+    )
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument(
         "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,18 +23,28 @@ if TYPE_CHECKING:
 
 OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
 
+NEXT = (("check", ""), ("solve", ".nc"), ("life", "-life.nc"), ("uncertainty", "-uncertainty.nc"))
+"""What is typed after `new`: the command, and how the name of its output ends."""
+
 
 def new(args: argparse.Namespace) -> int:
     from bearingwear.scene.new import write_scene
 
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     known = {key: value for key, value in values.items() if value is not None}
-    assumed = write_scene(
-        args.file, args.bore, args.outside, known, args.ball_material, args.preload_method
-    )
+    names = "designation bore outside clearance ball_material preload_method preload_class"
+    others = {name: getattr(args, name) for name in names.split()}
+    assumed = write_scene(args.file, given=known, **others)
     print(f"{args.file}: written; assumed, and marked so in it:")
     for line in assumed:
         print(f"  {line}")
+    for line in _tried(args.file):
+        print(line)
+    print("next:")
+    stem = str(Path(args.file).with_suffix(""))
+    for name, output in NEXT:
+        words = ["bearingwear", name, args.file, *(["-o", f"{stem}{output}"] if output else [])]
+        print(f"  {shlex.join(words)}")
     return OK
 
 
@@ -134,6 +146,24 @@ def step(args: argparse.Namespace) -> int:
     return OK
 
 
+def _tried(path: str) -> list[str]:
+    """How the scene that was written solves: its status, and what is to be warned of."""
+    from bearingwear.provenance import kernel_cache_folder
+
+    if not any(Path(kernel_cache_folder()).glob("*/steady_solver.*.nbi")):
+        return ["not solved: the first solve compiles the kernels, for about a minute"]
+    from bearingwear.model.solve import solve as solved
+    from bearingwear.scene.read import load_scene
+
+    result = solved(load_scene(path))
+    if result.status != "ok":
+        return [f"does not solve: {result.status}: {result.reason}"]
+    pressure = 1e-9 * float(result.values["maximum_pressure"].max())
+    told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
+    warned = json.loads(result.attrs.get("warnings", "[]"))
+    return told + [f"  warning: {one['sentence']}; {one['advice']}" for one in warned]
+
+
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
     """What a run goes on from; the scene is asked first, whether it moves in time at all."""
     from bearingwear.model.fidelity import choice
@@ -178,7 +208,6 @@ def _check_output(path: Path, scene: str) -> None:
 
 def _finish(result: Result, args: argparse.Namespace) -> int:
     """Write the file; say so if the solver failed."""
-    from bearingwear.kernels.status import STATUS_SENTENCES
     from bearingwear.results.netcdf import write_result
 
     if args.record_timing:
@@ -186,8 +215,9 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
     write_result(result, args.output)
     if result.status == "ok":
         return OK
-    sentence = STATUS_SENTENCES[result.status]
-    sys.stderr.write(one_line(f"{args.scene}: {result.status}: {sentence} (see {args.output})"))
+    sys.stderr.write(
+        one_line(f"{args.scene}: {result.status}: {result.reason} (see {args.output})")
+    )
     return OK if args.record_failures else NOT_SOLVED
 
 

@@ -1,9 +1,13 @@
 """What a solve returns, before any file format sees it."""
 
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+
+WITHOUT_PRELOAD = "the scene sets none (operation.preload_N is 0): a ball carries no load at all"
 
 
 @dataclass
@@ -29,3 +33,15 @@ class Result:
     def status(self) -> str:
         """Name of the status code."""
         return STATUS_NAMES[int(self.values["status"])]
+
+    @property
+    def reason(self) -> str:
+        """The status in a sentence."""
+        return status_sentence(self.status, json.loads(self.attrs.get("scene", "{}")))
+
+
+def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
+    """What a status means for a scene, which may be empty where it is not known."""
+    if status == "preload_gone" and scene.get("operation", {}).get("preload_N") == 0.0:
+        return WITHOUT_PRELOAD
+    return STATUS_SENTENCES[status]

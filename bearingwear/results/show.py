@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bearingwear.kernels.status import OK, STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.model.result import status_sentence
 from bearingwear.results.kinds import (
     CASE_KIND,
     LIFE_KIND,
@@ -175,7 +176,7 @@ def _heading(file: Any) -> list[str]:
     code = int(values(file, "status"))
     name = STATUS_NAMES[code]
     fidelity = getattr(file, "fidelity", "?")
-    return [*lines, f"model {fidelity}, status {name}: {STATUS_SENTENCES[name]}", ""]
+    return [*lines, f"model {fidelity}, status {name}: {status_sentence(name, scene)}", ""]
 
 
 def _scene(scene: Mapping[str, Any]) -> list[str]:

@@ -145,7 +145,7 @@ def _faults(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Iterat
             yield Fault(_OUT_OF_RANGE, place, path, problem)
     elif part.kind not in ("own", "any"):
         if not _has_kind(value, part.kind):
-            hint = _number_hint(value, part)
+            hint = _number_hint(value, part) or _text_hint(value, part)
             problem = f"given {shown(value)}{hint}; allowed {part.allowed}"
             yield Fault(_WRONG_TYPE, place, path, problem)
         elif not (_text_fits if part.kind == "text" else _in_range)(value, part.key):
@@ -294,3 +294,10 @@ def _number_hint(value: Any, part: Part) -> str:
         return ", text, not a number"
     whole = number == int(number) and abs(number) < 1e9
     return f", text, not a number (write {int(number) if whole else yaml_number(number)})"
+
+
+def _text_hint(value: Any, part: Part) -> str:
+    """How a name that YAML takes for a number is written as one."""
+    if part.key.pattern != NAME or not _is_number(value) or not re.search(NAME, str(value)):
+        return ""
+    return f', a number, not text (write "{value}")'

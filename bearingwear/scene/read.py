@@ -13,7 +13,7 @@ from bearingwear.scene.accuracy import Model, accuracy_preset
 from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
 from bearingwear.scene.checking import DEEPEST, built, checked_data, fits, record
 from bearingwear.scene.errors import SceneError, shown
-from bearingwear.scene.records import NAME, NAME_RULE, Key, whole
+from bearingwear.scene.records import NAME, Key, whole
 from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene
 from bearingwear.scene.strict_yaml import data_of, text_of
 from bearingwear.scene.uncertain import uncertain_key
@@ -120,15 +120,11 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
 class BasedOn:
     """A scene file that is another one with some keys changed."""
 
-    name: Annotated[str, Key("Name of the scene", pattern=NAME, allowed=NAME_RULE)]
+    name: Annotated[str, Key("Name of the scene", pattern=NAME)]
     description: Annotated[str, Key("Replaces that of the other scene")] = ""
     based_on: Annotated[
         str,
-        Key(
-            "The other scene, a file beside this one, without its .yaml",
-            pattern=NAME,
-            allowed=NAME_RULE,
-        ),
+        Key("The other scene, a file beside this one, without its .yaml", pattern=NAME),
     ]
     changes: Annotated[
         Mapping[str, Any],

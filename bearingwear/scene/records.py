@@ -209,6 +209,8 @@ def _part(hint: Any, key: Key, **more: Any) -> Part:
 
 def _in_words(part: Part) -> str:
     key = part.key
+    if part.kind == "text" and key.pattern == NAME:
+        return NAME_RULE
     if part.kind in ("integer", "number"):
         return f"a {'whole ' if part.kind == 'integer' else ''}number{_range(key)}"
     if part.kind == "choice_or_number":

@@ -27,7 +27,7 @@ from bearingwear.scene.blocks import (
     Wear,
 )
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import NAME, NAME_RULE, Key, Part, part_at, whole
+from bearingwear.scene.records import NAME, Key, Part, part_at, whole
 from bearingwear.scene.uncertain import PARAMETERS, UNCERTAIN, WORN, Distribution
 
 __all__ = [
@@ -74,7 +74,7 @@ class Scene:
         that is not there, ...
     """
 
-    name: Annotated[str, Key("Name of the scene", pattern=NAME, allowed=NAME_RULE)]
+    name: Annotated[str, Key("Name of the scene", pattern=NAME)]
     description: Annotated[
         str,
         Key(

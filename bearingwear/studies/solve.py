@@ -8,7 +8,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from bearingwear.kernels.status import STATUS_SENTENCES
 from bearingwear.model.result import Result
 from bearingwear.scene.read import for_life
 from bearingwear.scene.variant import variant
@@ -38,7 +37,7 @@ def solved_life(
 def told(result: Result, scene: str | Path) -> Result:
     """The result; what could not be solved says so on standard error."""
     if result.status != "ok":
-        _report(f"{scene}: {result.status}: {STATUS_SENTENCES[result.status]}")
+        _report(f"{scene}: {result.status}: {result.reason}")
     return result
 
 

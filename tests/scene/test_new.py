@@ -1,15 +1,19 @@
 """`bearingwear new`: a scene from catalogue numbers; and what the shell completes."""
 
+import json
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 
 import pytest
 
+from bearingwear import provenance
 from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
+from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import load
 from bearingwear.scene.read import load_scene
 
@@ -51,12 +55,12 @@ def test_what_is_written_solves(size, tmp_path):
 def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
     given = {"--balls": 16, "--ball-diameter": 7.938, "--pitch-diameter": 53.5, "--speed": 24000,
              "--contact-angle": 18, "--preload": 120, "--friction": 0.05}  # fmt: skip
-    path = tmp_path / "Spindle 7008.yaml"
+    path = tmp_path / "Spindle-7008.yaml"
     argv = [part for pair in given.items() for part in pair]
     assert new(path, *SIZE, *argv, "--preload-method", "fixed_position") == 0
     told, text = capsys.readouterr().out, path.read_text(encoding="utf-8")
     scene = load_scene(path)
-    assert scene.name == "Spindle_7008" and scene.operation.preload_method == "fixed_position"
+    assert scene.name == "Spindle-7008" and scene.operation.preload_method == "fixed_position"
     plain = scene.to_dict()
     for option, key, *_ in OPTIONS:
         block, name = key.split(".")
@@ -69,10 +73,10 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
         assert re.search(rf"^  {key.split('.')[1]}: \S+  # assumed: ", text, re.M) and key in told
 
 
-@pytest.mark.parametrize("name", ["7008", "true", "null", "1.0e-5", "1e5"])
+@pytest.mark.parametrize("name", ["7008", "true", "null", "1e-5", "1e5", "my-spindle"])
 def test_names_that_yaml_takes_for_something_else(name, tmp_path):
     assert new(tmp_path / f"{name}.yaml", *SIZE) == 0
-    assert load_scene(tmp_path / f"{name}.yaml").name == name.replace(".", "_")
+    assert load_scene(tmp_path / f"{name}.yaml").name == name
 
 
 def test_ceramic_balls(tmp_path):
@@ -94,6 +98,20 @@ def test_nothing_is_replaced(tmp_path, capsys):
     ("argv", "said"),
     [
         (["--bore", "40"], "--outside"),
+        ([], "--bore: given nothing; allowed a designation as 7008C, or --bore and --outside"),
+        (["7008C", "--bore", "40"], "--bore: given 40; allowed only without a designation"),
+        (["7508"], "designation: given '7508'; allowed 70xx, 72xx, 719xx"),
+        (["6204C"], "designation: given '6204C'; allowed 6204 alone, or with C2, CN, C3"),
+        (["7008C3"], "designation: given '7008C3'; allowed 7008 alone, or with C, AC, E, A, B"),
+        (["7023"], "designation: given '7023'"),
+        (["681"], "designation: given '681'"),
+        (["7008C", "--clearance", "CN"], "--clearance: given CN; allowed only for a deep groove"),
+        (["6204C3", "--clearance", "CN"], "--clearance: given CN; allowed only without the suffix"),
+        ([*SIZE, "--contact-angle", "15", "--clearance", "CN"], "only without a contact angle"),
+        (["608", "--radial-clearance-um", "0"], "--radial-clearance-um: given 0; allowed a number"),
+        (["608", "--radial-clearance-um", "nan"], "--radial-clearance-um: given nan"),
+        (["--bore", "250", "--outside", "400", "--clearance", "CN"], "bores up to 200 mm"),
+        (["608", "--preload", "9", "--preload-class", "light"], "--preload-class: given light"),
         (["--bore", "0", "--outside", "9"], "--bore: given 0; allowed a number > 0"),
         (["--bore", "nan", "--outside", "9"], "--bore: given nan"),
         (["--bore", "40", "--outside", "inf"], "--outside: given inf"),
@@ -117,11 +135,126 @@ def test_bad_numbers_take_one_line(argv, said, tmp_path, capsys):
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.parametrize("name", ["a.txt", "a", ".yaml", "___.yaml", "no/such\0/a.yaml"])
+@pytest.mark.parametrize(
+    "name",
+    ["a.txt", "a", ".yaml", "___.yaml", "no/such\0/a.yaml", "a b.yaml", "1.0.yaml", "\u00e4.yaml"],
+)
 def test_bad_names_take_one_line(name, tmp_path, capsys):
     assert new(f"{tmp_path}/{name}", *SIZE) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert os.listdir(tmp_path) == []
+
+
+def told(capsys) -> str:
+    return capsys.readouterr().out
+
+
+def test_a_deep_groove_bearing_gets_its_angle_from_the_clearance(tmp_path, capsys):
+    """With a contact angle of 0 the preload was 0, and the reason said to be wear or load."""
+    path, case = tmp_path / "a.yaml", tmp_path / "a.nc"
+    assert new(path, "--bore", 8, "--outside", 22, "--contact-angle", 0) == 0
+    scene = load_scene(path)
+    b = scene.bearing
+    play = (b.inner_groove_factor + b.outer_groove_factor - 1.0) * b.ball_diameter_mm
+    clearance = 2e3 * play * (1.0 - math.cos(math.radians(b.contact_angle_deg)))
+    assert clearance == pytest.approx(7.5, rel=1e-3)  # um; CN of ISO 5753-1 is 2 to 13
+    assert scene.operation.preload_N > 0.0 and "CN" in told(capsys)
+    assert main(["solve", str(path), "-o", str(case)]) == 0
+
+
+def test_the_reason_of_no_preload_is_that_there_is_none(tmp_path, capsys):
+    path, case = tmp_path / "a.yaml", tmp_path / "a.nc"
+    assert new(path, "608", "--preload", 0) == 0
+    assert "operation.preload_N is 0" in told(capsys)
+    assert main(["solve", str(path), "-o", str(case)]) == 3
+    assert "operation.preload_N is 0" in capsys.readouterr().err
+    assert main(["show", str(case)]) == 0
+    assert "preload_gone: the scene sets none" in told(capsys)
+
+
+@pytest.mark.parametrize(
+    ("argv", "clearance"),
+    [
+        (["608"], 7.5),
+        (["6204"], 12.5),
+        (["6204-C3"], 20.5),
+        (["6204", "--clearance", "C2"], 5.0),
+        (["6204", "--radial-clearance-um", "9"], 9.0),
+        (["--bore", "20", "--outside", "47", "--clearance", "CN"], 12.5),
+    ],
+)
+def test_clearance(argv, clearance, tmp_path):
+    assert new(tmp_path / "a.yaml", *argv) == 0
+    b = load_scene(tmp_path / "a.yaml").bearing
+    play = 0.05 * b.ball_diameter_mm
+    free = math.degrees(math.acos(1.0 - 1e-3 * clearance / (2.0 * play)))
+    assert b.contact_angle_deg == pytest.approx(free, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("designation", "balls"),
+    [("608", 7), ("6204", 8), ("6205", 9), ("6206", 9), ("6208", 9), ("6008", 12)],
+)
+def test_balls_of_deep_groove_bearings(designation, balls, tmp_path):
+    """Counted in real bearings; the rule meets them within one."""
+    assert new(tmp_path / "a.yaml", designation) == 0
+    assert load_scene(tmp_path / "a.yaml").bearing.ball_count == pytest.approx(balls, abs=1)
+
+
+CATALOGUE = [
+    ("7015E", "heavy", 1970),
+    ("7016E", "heavy", 2240),
+    ("7019C", "heavy", 2260),
+    ("7024C", "heavy", 3640),
+    ("7216C", "heavy", 2580),
+    ("7218C", "medium", 1630),
+    ("7218C", "heavy", 3260),
+    ("7220E", "medium", 2740),
+    ("7220E", "heavy", 5480),
+    ("71921C", "heavy", 1710),
+]
+"""Axial preloads [N] M and H of spindle bearings (IBC, TI-I-5050.0 E, 2010, section 2.4)."""
+
+
+@pytest.mark.parametrize(("designation", "preload_class", "published"), CATALOGUE)
+def test_preload_classes_meet_a_catalogue_within_30_percent(
+    designation, preload_class, published, tmp_path
+):
+    assert new(tmp_path / "a.yaml", designation, "--preload-class", preload_class) == 0
+    preload = load_scene(tmp_path / "a.yaml").operation.preload_N
+    assert preload == pytest.approx(published, rel=0.3)
+
+
+def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path, capsys):
+    path = tmp_path / "my-spindle.yaml"
+    assert new(path, "7008C") == 0
+    lines = told(capsys).splitlines()
+    assert any(line.startswith("solved and verified: ") for line in lines)
+    commands = [shlex.split(line)[1:] for line in lines if line.startswith("  bearingwear ")]
+    assert [argv[0] for argv in commands] == ["check", "solve", "life", "uncertainty"]
+    for argv in commands:
+        assert main(argv) == 0, argv
+    assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
+    assert "does not solve: undetermined: " in told(capsys)
+
+
+def test_warnings_of_the_solve_are_told(tmp_path, capsys, monkeypatch):
+    """They stand in an attribute of the result, a list as JSON."""
+
+    def warned(scene):
+        result = solve(scene)
+        result.attrs["warnings"] = json.dumps([{"sentence": "too fast", "advice": "slow down"}])
+        return result
+
+    monkeypatch.setattr("bearingwear.model.solve.solve", warned)
+    assert new(tmp_path / "a.yaml", "608") == 0
+    assert "  warning: too fast; slow down\n" in told(capsys)
+
+
+def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(provenance, "kernel_cache_folder", lambda: str(tmp_path / "empty"))
+    assert new(tmp_path / "a.yaml", "608") == 0
+    assert "not solved: the first solve compiles" in told(capsys)
 
 
 @pytest.mark.parametrize("angle", [0, 80])

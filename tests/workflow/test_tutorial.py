@@ -1,4 +1,4 @@
-"""docs/tutorial.md and the Python of the README: what they say to run is run.
+"""docs/tutorial.md and the README: what they say to run is run.
 
 Of each block of output the lines must stand in what the block of commands before it printed,
 numbers to a part in a thousand.
@@ -83,3 +83,25 @@ def test_readme_python(run):
     python = [text for language, text in blocks(ROOT / "README.md") if language == "python"]
     assert python and "solve" in python[0]
     assert "life" in run("python", python[0])
+
+
+TAKES_MINUTES = (
+    "bearingwear life mine.yaml -o dynamic-life.nc",
+    "bearingwear life config/scenes/gyro_s1.yaml -o worn.nc",
+    "bearingwear plot worn.nc",  # which the line before makes
+    "bearingwear study",
+)
+"""Lines of the README that are not run here, as those of make, pip, git and Snakemake."""
+
+
+def test_readme_lines_as_typed(run):
+    (run.folder / "config").symlink_to(ROOT / "config")
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^    (bearingwear .*)$", readme, re.M)
+    outputs = re.findall(r" -o (\S+)", "\n".join(lines))
+    assert len(outputs) == len(set(outputs)), "a line overwrites what another one made"
+    typed = [line for line in lines if not line.startswith(TAKES_MINUTES)]
+    assert len(typed) >= 10
+    for line in typed:
+        differs = " || test $? = 1" if line.startswith("bearingwear compare") else ""
+        assert run("sh", line.partition("#")[0] + differs) or " -o " in line

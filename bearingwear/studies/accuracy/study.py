@@ -42,7 +42,10 @@ class AccuracyStudy(Study):
                 inputs=lambda w: {"scene": plan.scene_file(w["of_scene"])},
                 settings=lambda w: plan.sweep_settings(w["of_scene"], w["sweep"]),
                 outputs=(f"{_FOLDER}/points/{{of_scene}}-{{sweep}}.nc",),
-                matches={"of_scene": r"[A-Za-z0-9_]+", "sweep": r"[A-Za-z0-9_]+"},
+                matches={
+                    "of_scene": "|".join(plan.scenes),
+                    "sweep": "|".join([*plan.references, *plan.sweeps]),
+                },
                 label="accuracy against time: {of_scene}, {sweep}",
                 seconds=14.0,  # on the average; 3 minutes at most
                 alone=True,

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from bearingwear.studies.accuracy.plan import (
     AccuracyPlan,
     Tolerance,
 )
+from bearingwear.studies.accuracy.study import AccuracyStudy
 from bearingwear.studies.accuracy.tables import SECTIONS, agree, section, table_rows
 from bearingwear.studies.dataset import write_dataset
 
@@ -38,6 +40,16 @@ def step(run, *inputs, outputs, **settings):
 @pytest.fixture(scope="module")
 def plan():
     return read_record(AccuracyPlan, PLAN_FILE)
+
+
+def test_names_with_hyphens_are_told_apart():
+    """A file is named by its scene and its sweep, with a hyphen between them."""
+    text = PLAN_FILE.read_text(encoding="utf-8").replace("gyro_worn", "gyro_fresh-worn")
+    sweep = AccuracyStudy(record(AccuracyPlan, yaml.safe_load(text))).steps[0]
+    file = "(?P<of_scene>{of_scene})-(?P<sweep>{sweep})".format(**sweep.matches)
+    for scene in ("gyro_fresh", "gyro_fresh-worn"):
+        found = re.fullmatch(file, f"{scene}-long")
+        assert found and found.groupdict() == {"of_scene": scene, "sweep": "long"}
 
 
 def made_up(plan, scene, name, failed=()):

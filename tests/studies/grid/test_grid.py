@@ -127,6 +127,24 @@ def test_every_value_of_a_grid_is_checked_once():
         assert {getattr(case, axis) for case in cases} == set(getattr(grid, axis))
 
 
+def test_a_scene_may_be_named_as_any_scene_file():
+    studies = [{**CONFIG["studies"][0], "scenes": ["my-spindle", "7008", "B7008-C"]}]
+    figures = {"worn_loss_um": 0.5, "friction": [0.02]}
+    plan = Plan.from_config({"studies": studies, "figures": figures})
+    assert list(plan.grids) == ["my-spindle", "7008", "B7008-C"]
+
+
+@pytest.mark.parametrize("name", ["my spindle", "a/b", "-a", "", "a.b", 7008, None])
+def test_names_that_no_scene_has(name):
+    """One rule, in words, and how a number is written as a name."""
+    studies = [{**CONFIG["studies"][0], "scenes": [name]}]
+    with pytest.raises(ValueError, match="^[^\n]*$") as error:
+        Plan.from_config(CONFIG | {"studies": studies})
+    assert "studies[0].scenes[0]: given " in str(error.value)
+    assert "allowed a-z, A-Z, 0-9, _ and - (at most 64" in str(error.value)
+    assert ('write "7008"' in str(error.value)) == (name == 7008)
+
+
 @pytest.mark.parametrize(
     ("column", "said"),
     [

@@ -1,0 +1,194 @@
+"""What is assumed of a bearing of which little is known, each number with the rule it was made by.
+
+Importing this file imports nothing heavy: the command line takes its options from it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from bearingwear.scene.designations import Designation, clearance_range, designation_of
+from bearingwear.scene.errors import SceneError
+
+GROOVES = (0.52, 0.53)
+"""Groove radius of the inner and the outer race over the ball diameter that is assumed."""
+
+SPEED_FACTOR = 1.0e6
+"""Speed times pitch diameter [mm r/min] that is assumed: a fast spindle."""
+
+PRELOAD_CLASSES = {"light": 0.5, "medium": 1.0, "heavy": 2.0}
+"""Preload over (ball count x ball diameter squared x sine of the contact angle) [N/mm2] that is
+assumed; equal for all sizes, it means an equal pressure: light, about 1 GPa between steel parts.
+Medium and heavy lie within 30 % of classes M and H of a catalogue (tests/scene/test_new.py)."""
+
+CONRAD_FILL_DEG = 186.0
+"""Arc that the balls of a deep groove bearing fill when they are put between its rings."""
+
+LARGEST_ANGLE_DEG = 80.0
+
+
+@dataclass(frozen=True)
+class Origin:
+    """A number, and the rule it was made by; no rule where it was given."""
+
+    value: float
+    rule: str = ""
+
+    @property
+    def note(self) -> str:
+        """The comment beside it."""
+        return f"# assumed: {self.rule}" if self.rule else "# given"
+
+
+def size_of(designation: str | None, bore: float | None, outside: float | None) -> Designation:
+    """The size of a bearing, of which either the designation or the diameters [mm] are given.
+
+    Raises
+    ------
+    SceneError
+        Both or neither are given, or the diameters leave no room.
+    """
+    if designation is not None:
+        for option, given in (("--bore", bore), ("--outside", outside)):
+            if given is not None:
+                raise refused_option(
+                    option, given, f"only without a designation, here {designation}"
+                )
+        return designation_of(designation)
+    for option, given in (("--bore", bore), ("--outside", outside)):
+        if given is None:
+            problem = "given nothing; allowed a designation as 7008C, or --bore and --outside"
+            raise SceneError("", problem, source=option)
+    assert bore is not None and outside is not None
+    if not 0.0 < bore < math.inf:
+        raise refused_option("--bore", bore, "a number > 0")
+    if not bore < outside < math.inf:
+        raise refused_option("--outside", outside, f"a number > {bore:g}, the bore")
+    return Designation(bore, outside)
+
+
+def numbers_of(
+    size: Designation,
+    given: Mapping[str, float],
+    clearance: str | float | None = None,
+    preload_class: str | None = None,
+) -> dict[str, Origin]:
+    """Every number of `OPTIONS`, given or made by its rule.
+
+    Parameters
+    ----------
+    size : Designation
+        Of a bearing with a contact angle, unless it or a contact angle of 0 says otherwise.
+    given : mapping
+        By key of the scene, in its units.
+    clearance : str or float, optional
+        Group of radial clearance, or the clearance itself [um], of a deep groove bearing.
+    preload_class : str, optional
+        One of `PRELOAD_CLASSES`.
+
+    Raises
+    ------
+    SceneError
+        Numbers that leave no room, or contradict each other.
+    """
+    angle_key, preload_key = "bearing.contact_angle_deg", "operation.preload_N"
+    deep_groove = _is_deep_groove(size, given.get(angle_key), clearance)
+    if given.get(angle_key) == 0.0:  # the nominal angle of a deep groove bearing, not the free one
+        given = {key: value for key, value in given.items() if key != angle_key}
+    if preload_class is not None and preload_key in given:
+        raise refused_option("--preload-class", preload_class, "only without --preload")
+    found: dict[str, Origin] = {}
+
+    def decide(key: str, value: float, rule: str) -> float:
+        found[key] = Origin(given[key]) if key in given else Origin(value, rule)
+        return found[key].value
+
+    bore, outside = size.bore, size.outside
+    section = 0.5 * (outside - bore)
+    ball, pitch = rounded_to(0.6 * section), 0.5 * (bore + outside)
+    D = decide("bearing.ball_diameter_mm", ball, "0.3 of (outside diameter - bore)")
+    if not 0.0 < D < section:
+        allowed = f"a number > 0 and < {section:g}, half of the section"
+        raise refused_option("--ball-diameter", D, allowed)
+    dm = decide("bearing.pitch_diameter_mm", pitch, "mean of bore and outside diameter")
+    if not bore + D < dm < outside - D:
+        allowed = f"a number > {bore + D:g} and < {outside - D:g}"
+        raise refused_option("--pitch-diameter", dm, allowed)
+    Z = decide("bearing.ball_count", *_usual_balls(D, dm, deep_groove))
+    angle = decide(angle_key, *_free_angle(size, D, clearance, deep_groove))
+    speed = rounded_to(SPEED_FACTOR / dm)
+    decide("operation.shaft_speed_rpm", speed, "a million mm r/min over the pitch diameter")
+    preload_class = preload_class or "light"
+    density = PRELOAD_CLASSES[preload_class]
+    preload = rounded_to(density * Z * D**2 * math.sin(math.radians(angle)))
+    rule = f"{preload_class}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
+    decide(preload_key, preload, rule)
+    decide("friction.ball_race", 0.08, "starved or solid-lubricated steel")
+    return found
+
+
+def _is_deep_groove(size: Designation, angle: float | None, clearance: str | float | None) -> bool:
+    """Whether the free contact angle comes from a radial clearance."""
+    if clearance is None:
+        return size.deep_groove or angle == 0.0
+    option = "--clearance" if isinstance(clearance, str) else "--radial-clearance-um"
+    if angle:
+        raise refused_option(option, clearance, f"only without a contact angle, here {angle:g}")
+    if size.name and not size.deep_groove:
+        raise refused_option(option, clearance, f"only for a deep groove bearing, not {size.name}")
+    if size.clearance:
+        raise refused_option(option, clearance, f"only without the suffix {size.clearance}")
+    return True
+
+
+def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
+    """Number of balls, and the rule."""
+    half = math.asin(D / dm)
+    if deep_groove:
+        balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half)
+        return max(3, balls), f"balls that fill {CONRAD_FILL_DEG:g} degrees, put in from one side"
+    balls = round(0.75 * math.pi / half)
+    return max(3, balls), "three quarters of the balls that would touch each other"
+
+
+def _free_angle(
+    size: Designation, D: float, clearance: str | float | None, deep_groove: bool
+) -> tuple[float, str]:
+    """Free contact angle [degree], and the rule.
+
+    Of a deep groove bearing it is what the radial clearance leaves (Harris):
+    cos(angle) = 1 - clearance / (2 (inner + outer groove radius - ball diameter)).
+    """
+    if not deep_groove:
+        if size.angle is not None:
+            return size.angle, size.angle_rule
+        return 15.0, "usual of high-speed bearings"
+    if clearance is None or isinstance(clearance, str):
+        group = clearance or size.clearance or "CN"
+        ends = clearance_range(group, size.bore)
+        if ends is None:
+            raise refused_option(
+                "--clearance", group, "bores up to 200 mm; give --radial-clearance-um"
+            )
+        um, rule = 0.5 * sum(ends), f" (mean of {group}, before mounting)"
+    else:
+        um, rule = clearance, ""
+    play = 2e3 * (sum(GROOVES) - 1.0) * D
+    widest = play * (1.0 - math.cos(math.radians(LARGEST_ANGLE_DEG)))
+    if not 0.0 < um <= widest:
+        raise refused_option("--radial-clearance-um", um, f"a number > 0 and <= {widest:.4g}")
+    angle = math.degrees(math.acos(1.0 - um / play))
+    return rounded_to(angle, 4), f"what a radial clearance of {um:g} um{rule} leaves"
+
+
+def refused_option(option: str, value: float | str, what: str) -> SceneError:
+    """The error of an option of `bearingwear new`."""
+    given = value if isinstance(value, str) else f"{value:g}"
+    return SceneError("", f"given {given}; allowed {what}", source=option)
+
+
+def rounded_to(value: float, digits: int = 2) -> float:
+    """A number to so many significant digits."""
+    return float(f"{value:.{digits}g}")

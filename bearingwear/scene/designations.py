@@ -1,0 +1,148 @@
+"""What the designation of a common bearing says, and the radial clearance of deep groove bearings.
+
+Sizes are the boundary dimensions of ISO 15 (dimension series 10, 02, 19 and, of the smallest, 18),
+clearances those of ISO 5753-1 for deep groove bearings with a cylindrical bore, before they are
+mounted. The balls, the grooves and the preload are the maker's choice: no designation tells them.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from bearingwear.scene.errors import SceneError, shown
+
+# Outside diameter x width [mm] by bore code: 00 to 22, then every second one to 40.
+_CODES = (*range(23), *range(24, 41, 2))
+_SERIES = {
+    "10": "26x8 28x8 32x9 35x10 42x12 47x12 55x13 62x14 68x15 75x16 80x16 90x18 95x18 100x18 "
+    "110x20 115x20 125x22 130x22 140x24 145x24 150x24 160x26 170x28 180x28 200x33 210x33 225x35 "
+    "240x38 260x42 280x46 290x46 310x51",
+    "02": "30x9 32x10 35x11 40x12 47x14 52x15 62x16 72x17 80x18 85x19 90x20 100x21 110x22 120x23 "
+    "125x24 130x25 140x26 150x28 160x30 170x32 180x34 190x36 200x38 215x40 230x40 250x42 270x45 "
+    "290x48 310x52 320x52 340x55 360x58",
+    "19": "22x6 24x6 28x7 30x7 37x9 42x9 47x9 55x10 62x12 68x12 72x12 80x13 85x13 90x13 100x16 "
+    "105x16 110x16 120x18 125x18 130x18 140x20 145x20 150x20 165x22 180x24 190x24 210x28 220x28 "
+    "230x28 250x33 260x33 280x38",
+}
+_SERIES_OF = {"70": "10", "72": "02", "719": "19", "60": "10", "62": "02"}
+
+# The smallest: the last digit is the bore [mm]; from the first digit in brackets on.
+_SMALL = {
+    "60": (4, "12x4 14x5 17x6 19x6 22x7 24x7"),
+    "62": (3, "10x4 13x5 16x5 19x6 22x7 24x8 26x8"),
+    "68": (2, "5x1.5 7x2 9x2.5 11x3 13x3.5 14x3.5 16x4 17x4"),
+    "69": (2, "6x2.3 8x3 11x4 13x4 15x5 17x5 19x6 20x6"),
+}
+
+ANGLES = {"C": 15.0, "AC": 25.0, "E": 25.0, "A": 30.0, "B": 40.0}
+"""Contact angle [degree] by the suffix of an angular contact bearing."""
+
+_MAKERS_DIFFER = "EA"
+"""Suffixes that are not every maker's: 25 degrees are E, AC, A5 or AD, and 30 degrees A or none."""
+
+CLEARANCES = ("C2", "CN", "C3")
+"""Groups of radial clearance of deep groove bearings: small, normal, large."""
+
+# Bore up to [mm], then least and largest clearance [um] of each group.
+_CLEARANCE_TABLE = (
+    (10, (0, 7), (2, 13), (8, 23)),
+    (18, (0, 9), (3, 18), (11, 25)),
+    (24, (0, 10), (5, 20), (13, 28)),
+    (30, (1, 11), (5, 20), (13, 28)),
+    (40, (1, 11), (6, 20), (15, 33)),
+    (50, (1, 11), (6, 23), (18, 36)),
+    (65, (1, 15), (8, 28), (23, 43)),
+    (80, (1, 15), (10, 30), (25, 51)),
+    (100, (1, 18), (12, 36), (30, 58)),
+    (120, (2, 20), (15, 41), (36, 66)),
+    (140, (2, 23), (18, 48), (41, 81)),
+    (160, (2, 23), (18, 53), (46, 91)),
+    (180, (2, 25), (20, 61), (53, 102)),
+    (200, (2, 30), (25, 71), (63, 117)),
+)
+
+ALLOWED = (
+    "70xx, 72xx, 719xx (suffix C, AC, E, A or B), 60xx, 62xx (suffix C2, CN or C3), xx from 00 to "
+    "22 and even to 40, 604 to 609, 623 to 629, 682 to 689, 692 to 699"
+)
+
+
+class Designation(NamedTuple):
+    """What a designation says.
+
+    Attributes
+    ----------
+    bore, outside, width : float
+        Boundary dimensions [mm]; the width is 0 where it is not known.
+    name : str
+        The designation itself, empty for a bearing without one.
+    deep_groove : bool
+        Its nominal contact angle is zero.
+    angle : float, optional
+        Of an angular contact bearing [degree], where a suffix says it.
+    angle_rule : str
+        Why the angle is assumed, where makers mean different ones by the suffix.
+    clearance : str
+        Group of radial clearance, where a suffix says it.
+    """
+
+    bore: float
+    outside: float
+    width: float = 0.0
+    name: str = ""
+    deep_groove: bool = False
+    angle: float | None = None
+    angle_rule: str = ""
+    clearance: str = ""
+
+
+def designation_of(text: str) -> Designation:
+    """What a designation says: 7008C, 71914 E, 6204-C3, 608.
+
+    Raises
+    ------
+    SceneError
+        One line that says which are known.
+    """
+    plain = re.sub(r"[\s/_-]", "", text).upper()
+    match = re.fullmatch(r"(70|72|719|60|62)(\d\d)([A-Z]*\d?)", plain) or re.fullmatch(
+        r"(60|62|68|69)(\d)([A-Z]*\d?)", plain
+    )
+    size = match and _size(match[1], match[2])
+    if not match or not size:
+        raise _unknown(text, ALLOWED)
+    deep_groove, suffix = match[1].startswith("6"), match[3]
+    suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
+    if suffix and suffix not in suffixes:
+        raise _unknown(text, f"{match[1]}{match[2]} alone, or with {', '.join(suffixes)}")
+    if deep_groove:
+        return Designation(*size, plain, deep_groove, clearance=suffix)
+    rule = f"suffix {suffix}, of which makers differ" if suffix in tuple(_MAKERS_DIFFER) else ""
+    return Designation(*size, plain, deep_groove, ANGLES.get(suffix), rule)
+
+
+def clearance_range(group: str, bore: float) -> tuple[float, float] | None:
+    """Least and largest radial clearance [um] of a group; None above the bores of the table."""
+    place = 1 + CLEARANCES.index(group)
+    row = next((row for row in _CLEARANCE_TABLE if bore <= row[0]), None)
+    return None if row is None else row[place]  # type: ignore[return-value]
+
+
+def _size(series: str, code: str) -> tuple[float, float, float] | None:
+    """Bore, outside diameter and width [mm], or None where there is none in the table."""
+    if len(code) == 1:
+        first, sizes = _SMALL[series]
+        codes = tuple(range(first, 10))
+        bore = float(code)
+    else:
+        sizes, codes = _SERIES[_SERIES_OF[series]], _CODES
+        bore = {0: 10.0, 1: 12.0, 2: 15.0, 3: 17.0}.get(int(code), 5.0 * int(code))
+    if int(code) not in codes:
+        return None
+    outside, width = sizes.split()[codes.index(int(code))].split("x")
+    return bore, float(outside), float(width)
+
+
+def _unknown(text: str, allowed: str) -> SceneError:
+    return SceneError("", f"given {shown(text)}; allowed {allowed}", source="designation")
