@@ -158,27 +158,31 @@ def _solved_by(jobs: Sequence[Any], workers: int) -> Iterator[Result]:
         yield from map(_solved, jobs)
         return
     chunk = math.ceil(len(jobs) / (CHUNKS_PER_WORKER * workers))
+    pool = ProcessPoolExecutor(workers)
     try:
-        with ProcessPoolExecutor(workers) as pool:
-            yield from pool.map(_solved, jobs, chunksize=chunk)
+        yield from pool.map(_solved, jobs, chunksize=chunk)
     except BrokenProcessPool:
         raise RuntimeError(
             "sweep: a process has ended. A script calls this below `if __name__ == '__main__':`, "
             f"since processes are started by {multiprocessing.get_start_method()}; or workers=1"
         ) from None
+    except BaseException:  # Ctrl-C: nobody waits for what is still being solved
+        for process in list(pool._processes.values()):
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _told(results: Iterator[Result], count: int, progress: bool) -> Iterator[Result]:
     """The same results, with a word on how far they are."""
     if not progress:
-        yield from results
-        return
+        return results
     try:
         from tqdm.auto import tqdm
     except ImportError:
-        yield from _told_in_lines(results, count)
-    else:
-        yield from tqdm(results, total=count, desc="sweep", delay=LINE_EVERY)
+        return _told_in_lines(results, count)
+    return iter(tqdm(results, total=count, desc="sweep", delay=LINE_EVERY))
 
 
 def _told_in_lines(results: Iterator[Result], count: int) -> Iterator[Result]:

@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+import time
+import types
 
 import numpy as np
 import pytest
@@ -51,7 +53,7 @@ def test_processes_find_the_same(coarse):
     assert lives.dims == ("preload_N",) and (lives > 0.0).all() and lives.attrs["units"] == "h"
 
 
-def test_file_of_a_sweep(coarse, tmp_path, capsys):
+def test_file_of_a_sweep(coarse, tmp_path):
     made = bearingwear.sweep(coarse, {METHOD: ["fixed_position", "constant_force"]}, workers=1)
     bearingwear.save(made, tmp_path / "sweep.nc")
     with xr.open_dataset(tmp_path / "sweep.nc") as file:
@@ -123,6 +125,30 @@ def test_progress(monkeypatch, capsys):
     monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
     assert list(module._told_in_lines(iter("abcd"), 4)) == list("abcd")
     assert capsys.readouterr().err == "sweep: 2 of 4 points, about 6 s left\n"
+
+
+def test_progress_with_tqdm(monkeypatch):
+    """Only where that is installed; this stands in for it."""
+    asked = []
+
+    def tqdm(results, **how):
+        asked.append(how)
+        return results
+
+    monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
+    monkeypatch.setitem(sys.modules, "tqdm.auto", types.SimpleNamespace(tqdm=tqdm))
+    assert list(module._told(iter("ab"), 2, True)) == ["a", "b"]
+    assert asked == [{"total": 2, "desc": "sweep", "delay": module.LINE_EVERY}]
+    assert list(module._told(iter("ab"), 2, False)) == ["a", "b"] and len(asked) == 1
+
+
+def test_an_interrupt_waits_for_no_process(monkeypatch):
+    monkeypatch.setattr(module, "_solved", time.sleep)
+    results = module._solved_by([0.0, 60.0, 60.0, 60.0], 2)
+    next(results)
+    started = time.monotonic()
+    results.close()
+    assert time.monotonic() - started < 20.0
 
 
 SCRIPT = """
