@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import warnings
 from collections.abc import Callable
@@ -162,13 +163,11 @@ def save(data: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def new(
-    bore: float,
-    outside: float,
+    bore: float | None = None,
+    outside: float | None = None,
     *,
     name: str = "bearing",
-    ball_material: str | None = None,
-    preload_method: str | None = None,
-    **known: float,
+    **known: float | str,
 ) -> Scene:
     """A scene from the numbers of a catalogue, as `bearingwear new` makes it.
 
@@ -178,12 +177,10 @@ def new(
         Diameters [mm].
     name : str
         Of the scene.
-    ball_material : {"bearing_steel", "silicon_nitride"}, optional
-    preload_method : {"constant_force", "fixed_position"}, optional
-    **known : float
-        What else is known, by the options of the command: `balls`, `ball_diameter` [mm],
+    **known : float or str
+        What else is known, by the names of the command's options: `balls`, `ball_diameter` [mm],
         `pitch_diameter` [mm], `contact_angle` [degree], `speed` [r/min], `preload` [N],
-        `friction`.
+        `friction`, `ball_material`, `preload_method`.
 
     Returns
     -------
@@ -195,14 +192,21 @@ def new(
     SceneError
         A ValueError of one line.
     """
-    from bearingwear.scene.new import OPTIONS, scene_text
+    from bearingwear.scene.new import BALL_MATERIALS, OPTIONS, scene_text
 
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
-    if unknown := sorted(known.keys() - keys):
-        raise TypeError(f"new: given {unknown[0]!r}; allowed {', '.join(keys)}")
-    given = {keys[argument]: value for argument, value in known.items()}
+    own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
+    allowed = [*own, *keys]
+    if unknown := sorted(known.keys() - allowed):
+        raise TypeError(f"new: given {unknown[0]!r}; allowed {', '.join(sorted(allowed))}")
+    if (balls := known.get("ball_material")) not in (None, *BALL_MATERIALS):
+        problem = f"given {balls!r}; allowed {', '.join(BALL_MATERIALS)}"
+        raise SceneError("", problem, source="ball_material")
+    given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
+    others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
+    others |= {"bore": bore, "outside": outside}
     try:
-        text, assumed = scene_text(name, bore, outside, given, ball_material, preload_method)
+        text, assumed = scene_text(name, given=given, **others)
     except SceneError as error:
         source = _argument(error.source)
         raise SceneError(error.key, error.problem, error.involved, source) from None

@@ -72,6 +72,7 @@ def test_new_is_that_of_the_command(tmp_path):
     [
         ({"bore": 40, "outside": 30}, "outside: given 30; allowed a number > 40, the bore"),
         ({"bore": 40, "outside": 68, "contact_angle": 95}, "contact_angle: given 95; allowed"),
+        ({"bore": 40, "outside": 68, "ball_material": "wood"}, "ball_material: given 'wood'; all"),
     ],
 )
 def test_new_refuses(numbers, said):
@@ -81,8 +82,10 @@ def test_new_refuses(numbers, said):
 
 
 def test_new_knows_its_arguments():
-    with pytest.raises(TypeError, match="given 'balls_count'; allowed balls, ball_diameter"):
-        bearingwear.new(40, 68, balls_count=15)
+    with pytest.raises(TypeError, match="given 'balls_count'; allowed ball_diameter, "):
+        bearingwear.new(bore=40, outside=68, balls_count=15)
+    with pytest.raises(TypeError, match="given 'given'; allowed"):
+        bearingwear.new(bore=40, outside=68, given={})
 
 
 # results
