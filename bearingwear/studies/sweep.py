@@ -16,6 +16,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import TYPE_CHECKING, Any
 
+from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.scene.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
@@ -23,13 +24,17 @@ from bearingwear.scene.scene import Scene, key_of_scene
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bearingwear.model.result import Result
+Job = tuple[Scene, str, str | None]
+"""A scene, what is asked of it, and the fidelity."""
 
 LINE_EVERY = 5.0
 """Seconds between two lines of progress, and before the first."""
 
 CHUNKS_PER_WORKER = 8
 """How finely points are dealt out; a process asks for more when it has solved its share."""
+
+_POINT = "point"
+"""Dimension of the points of a chunk."""
 
 COARSEST = {
     "model.strips": 4,
@@ -90,13 +95,15 @@ def sweep(
     base = as_scene(scene)
     axes = {key: _values(key, values) for key, values in changes.items()}
     points = _points(base, axes, what, fidelity)
-    jobs = [(point, what, fidelity) for point, _ in points]
-    cores = min(len(jobs), _cores() if workers is None else workers)
+    cores = min(len(points), _cores() if workers is None else workers)
     if cores > 1:
-        _compile(points, fidelity)
-    results = list(_told(_solved_by(jobs, cores), len(jobs), progress))
-    made = _stacked(results, base, axes, what)
-    if any(result.status != "ok" for result in results):
+        _compile(points)
+    size = math.ceil(len(points) / (CHUNKS_PER_WORKER * max(cores, 1)))
+    jobs = [(point, what, fidelity) for point, _ in points]
+    chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
+    parts = list(_told(_solved_by(chunks, cores), len(jobs), progress))
+    made = _side_by_side(parts, base, axes, what)
+    if (made["status"] != OK).any():
         warnings.warn(f"{base.name}: {made.attrs['message']}", stacklevel=2)
     return made
 
@@ -134,33 +141,36 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _compile(points: Sequence[tuple[Scene, str]], fidelity: str | None) -> None:
+def _compile(points: Sequence[tuple[Scene, str]]) -> None:
     """Have the kernels of every model compiled once, before the processes need them."""
     first = {tier: scene for scene, tier in reversed(points)}
-    for scene in first.values():
-        _solved((scene.with_(COARSEST), "solve", fidelity))
+    for tier, scene in first.items():
+        _solved([(scene.with_(COARSEST), "solve", tier)])
 
 
-def _solved(job: tuple[Scene, str, str | None]) -> Result:
-    scene, what, fidelity = job
-    if what == "life":
-        from bearingwear.model.life import life
-
-        return life(scene, fidelity)
+def _solved(jobs: Sequence[Job]) -> xr.Dataset:
+    """Some points, along the dimension `point`."""
+    from bearingwear.model.life import life
     from bearingwear.model.solve import solve
+    from bearingwear.results.netcdf import dataset
+    from bearingwear.studies.dataset import stacked
 
-    return solve(scene, fidelity)
+    results = [
+        life(scene, fidelity) if what == "life" else solve(scene, fidelity)
+        for scene, what, fidelity in jobs
+    ]
+    made = stacked([dataset(result) for result in results], {_POINT: len(results)})
+    return made.assign_attrs(fidelity=[result.attrs["fidelity"] for result in results])
 
 
-def _solved_by(jobs: Sequence[Any], workers: int) -> Iterator[Result]:
-    """Results in the order of the jobs."""
+def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
+    """What becomes of chunks of jobs, in their order."""
     if workers <= 1:
-        yield from map(_solved, jobs)
+        yield from map(_solved, chunks)
         return
-    chunk = math.ceil(len(jobs) / (CHUNKS_PER_WORKER * workers))
     pool = ProcessPoolExecutor(workers)
     try:
-        yield from pool.map(_solved, jobs, chunksize=chunk)
+        yield from pool.map(_solved, chunks)
     except BrokenProcessPool:
         raise RuntimeError(
             "sweep: a process has ended. A script calls this below `if __name__ == '__main__':`, "
@@ -174,21 +184,30 @@ def _solved_by(jobs: Sequence[Any], workers: int) -> Iterator[Result]:
         pool.shutdown(cancel_futures=True)
 
 
-def _told(results: Iterator[Result], count: int, progress: bool) -> Iterator[Result]:
-    """The same results, with a word on how far they are."""
+def _told(parts: Iterator[xr.Dataset], count: int, progress: bool) -> Iterator[xr.Dataset]:
+    """The same parts, with a word on how far they are."""
     if not progress:
-        return results
+        return parts
     try:
         from tqdm.auto import tqdm
     except ImportError:
-        return _told_in_lines(results, count)
-    return iter(tqdm(results, total=count, desc="sweep", delay=LINE_EVERY))
+        return _told_in_lines(parts, count)
+    return _told_by_bar(parts, tqdm(total=count, desc="sweep", delay=LINE_EVERY))
 
 
-def _told_in_lines(results: Iterator[Result], count: int) -> Iterator[Result]:
+def _told_by_bar(parts: Iterator[xr.Dataset], bar: Any) -> Iterator[xr.Dataset]:
+    with bar:
+        for part in parts:
+            bar.update(part.sizes[_POINT])
+            yield part
+
+
+def _told_in_lines(parts: Iterator[xr.Dataset], count: int) -> Iterator[xr.Dataset]:
     started = last = time.monotonic()
-    for done, result in enumerate(results, 1):
-        yield result
+    done = 0
+    for part in parts:
+        yield part
+        done += part.sizes[_POINT]
         now = time.monotonic()
         if now - last > LINE_EVERY and done < count:
             left = (now - started) * (count - done) / done
@@ -196,28 +215,26 @@ def _told_in_lines(results: Iterator[Result], count: int) -> Iterator[Result]:
             last = now
 
 
-def _stacked(
-    results: Sequence[Result], base: Scene, axes: Mapping[str, list[Any]], what: str
+def _side_by_side(
+    parts: Sequence[xr.Dataset], base: Scene, axes: Mapping[str, list[Any]], what: str
 ) -> xr.Dataset:
     from bearingwear.results.labels import labelled
-    from bearingwear.results.netcdf import common_attributes, dataset
+    from bearingwear.results.netcdf import common_attributes
     from bearingwear.studies.dataset import stacked
 
-    solved = [dataset(result) for result in results]
-    taken = {str(name) for one in solved for name in one.variables}
-    names = _dimensions(axes, taken)
-    made = stacked(solved, {names[key]: len(values) for key, values in axes.items()})
-    coords = {names[key]: _axis(key, names[key], values) for key, values in axes.items()}
-    attrs = {
-        "title": f"{what} of {base.name} at {len(results)} points",
+    names = _dimensions(axes, {str(name) for part in parts for name in part.variables})
+    lengths = {names[key]: len(values) for key, values in axes.items()}
+    made = labelled(stacked(parts, lengths, along=_POINT))
+    made = made.assign_coords({names[key]: _axis(key, names[key], axes[key]) for key in axes})
+    fidelities = dict.fromkeys(name for part in parts for name in part.attrs["fidelity"])
+    made.attrs = common_attributes() | {
+        "title": f"{what} of {base.name} at {math.prod(lengths.values())} points",
         "kind": "sweep",
         "scene": json.dumps(base.to_dict()),
         "changed_keys": json.dumps({name: key for key, name in names.items()}),
-        "fidelity": ", ".join(dict.fromkeys(result.attrs["fidelity"] for result in results)),
+        "fidelity": ", ".join(fidelities),
+        "message": _message(made["status"].values.ravel().tolist()),
     }
-    made = labelled(made).assign_coords(coords)
-    made.attrs = common_attributes() | attrs
-    made.attrs["message"] = _message([result.status for result in results])
     return made
 
 
@@ -247,9 +264,9 @@ def _axis(key: str, dim: str, values: list[Any]) -> xr.Variable:
     return xr.Variable(dim, np.array(texts), attrs)
 
 
-def _message(statuses: Sequence[str]) -> str:
+def _message(statuses: Sequence[int]) -> str:
     """How many points were not solved, and why."""
-    failed = Counter(status for status in statuses if status != "ok")
+    failed = Counter(STATUS_NAMES[status] for status in statuses if status != OK)
     if not failed:
         return "all points solved and verified"
     reasons = ", ".join(f"{name} {count}" for name, count in failed.items())

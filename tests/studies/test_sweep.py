@@ -1,5 +1,6 @@
 """`bearingwear.sweep`: values of a scene side by side."""
 
+import contextlib
 import subprocess
 import sys
 import time
@@ -120,26 +121,35 @@ def test_loads_stand_as_text(coarse):
     assert np.isfinite(made.contact_load.sel(radial_load_N="[0.0, 1.0]")).all()
 
 
+def parts(*lengths):
+    return [xr.Dataset({"a": ("point", np.zeros(length))}) for length in lengths]
+
+
 def test_progress(monkeypatch, capsys):
     clock = iter(range(0, 100, 3))
     monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
-    assert list(module._told_in_lines(iter("abcd"), 4)) == list("abcd")
-    assert capsys.readouterr().err == "sweep: 2 of 4 points, about 6 s left\n"
+    assert len(list(module._told_in_lines(iter(parts(1, 2, 2)), 5))) == 3
+    assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
 
 
 def test_progress_with_tqdm(monkeypatch):
     """Only where that is installed; this stands in for it."""
-    asked = []
+    asked, told = [], []
 
-    def tqdm(results, **how):
-        asked.append(how)
-        return results
+    class Bar(contextlib.nullcontext):
+        def __init__(self, **how):
+            super().__init__()
+            asked.append(how)
+
+        def update(self, count):
+            told.append(count)
 
     monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
-    monkeypatch.setitem(sys.modules, "tqdm.auto", types.SimpleNamespace(tqdm=tqdm))
-    assert list(module._told(iter("ab"), 2, True)) == ["a", "b"]
-    assert asked == [{"total": 2, "desc": "sweep", "delay": module.LINE_EVERY}]
-    assert list(module._told(iter("ab"), 2, False)) == ["a", "b"] and len(asked) == 1
+    monkeypatch.setitem(sys.modules, "tqdm.auto", types.SimpleNamespace(tqdm=Bar))
+    assert len(list(module._told(iter(parts(1, 2)), 3, True))) == 2
+    assert asked == [{"total": 3, "desc": "sweep", "delay": module.LINE_EVERY}]
+    assert told == [1, 2]
+    assert len(list(module._told(iter(parts(1, 2)), 3, False))) == 2 and len(asked) == 1
 
 
 def test_an_interrupt_waits_for_no_process(monkeypatch):
