@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,9 @@ from bearingwear.results.labels import coded, labelled
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
+from bearingwear.scene.assumed import PRELOAD_CLASSES
+from bearingwear.scene.designations import CLEARANCES
+from bearingwear.scene.new import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.scene.strict_yaml import data_of
@@ -28,6 +31,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from bearingwear.model.result import Result
+
+
+CHOICES: Mapping[str, Collection[str]] = {
+    "ball_material": BALL_MATERIALS,
+    "preload_class": PRELOAD_CLASSES,
+    "clearance": CLEARANCES,
+}
+"""Names that `new` takes."""
 
 
 def solve(
@@ -173,14 +184,15 @@ def new(
 
     Parameters
     ----------
-    bore, outside : float
-        Diameters [mm].
+    bore, outside : float, optional
+        Diameters [mm], unless a designation says them.
     name : str
         Of the scene.
     **known : float or str
-        What else is known, by the names of the command's options: `balls`, `ball_diameter` [mm],
-        `pitch_diameter` [mm], `contact_angle` [degree], `speed` [r/min], `preload` [N],
-        `friction`, `ball_material`, `preload_method`.
+        What else is known, by the names of the command's options: `designation`, `balls`,
+        `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` [um or a
+        group], `speed` [r/min], `preload` [N], `preload_class`, `friction`, `ball_material`,
+        `preload_method`.
 
     Returns
     -------
@@ -192,25 +204,27 @@ def new(
     SceneError
         A ValueError of one line.
     """
-    from bearingwear.scene.new import BALL_MATERIALS, OPTIONS, scene_text
+    from bearingwear.scene.new import OPTIONS, scene_text
 
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
     allowed = [*own, *keys]
     if unknown := sorted(known.keys() - allowed):
         raise TypeError(f"new: given {unknown[0]!r}; allowed {', '.join(sorted(allowed))}")
-    if (balls := known.get("ball_material")) not in (None, *BALL_MATERIALS):
-        problem = f"given {balls!r}; allowed {', '.join(BALL_MATERIALS)}"
-        raise SceneError("", problem, source="ball_material")
+    for option, choices in CHOICES.items():
+        text = known.get(option)
+        if isinstance(text, str) and text not in choices:
+            problem = f"given {text!r}; allowed {', '.join(choices)}"
+            raise SceneError("", problem, source=option)
     given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
     others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
     others |= {"bore": bore, "outside": outside}
     try:
-        text, assumed = scene_text(name, given=given, **others)
+        written, assumed = scene_text(name, given=given, **others)
     except SceneError as error:
         source = _argument(error.source)
         raise SceneError(error.key, error.problem, error.involved, source) from None
-    made = scene_from_dict(data_of(text, name), name)
+    made = scene_from_dict(data_of(written, name), name)
     return replace(made, description=f"{made.description} Assumed: {'; '.join(assumed)}.")
 
 

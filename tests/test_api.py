@@ -73,12 +73,27 @@ def test_new_is_that_of_the_command(tmp_path):
         ({"bore": 40, "outside": 30}, "outside: given 30; allowed a number > 40, the bore"),
         ({"bore": 40, "outside": 68, "contact_angle": 95}, "contact_angle: given 95; allowed"),
         ({"bore": 40, "outside": 68, "ball_material": "wood"}, "ball_material: given 'wood'; all"),
+        (
+            {"designation": "7008C", "preload_class": "x"},
+            "preload_class: given 'x'; allowed light,",
+        ),
+        ({"designation": "6008", "clearance": "C9"}, "clearance: given 'C9'; allowed C2, CN, C3"),
+        ({"designation": "70"}, "designation: given '70'; allowed 70xx"),
+        ({}, "bore: given nothing; allowed a designation"),
     ],
 )
 def test_new_refuses(numbers, said):
     with pytest.raises(bearingwear.SceneError) as error:
         bearingwear.new(**numbers)
     assert str(error.value).startswith(said)
+
+
+def test_new_by_designation():
+    made = bearingwear.new(designation="7008C", preload_class="medium")
+    light = bearingwear.new(designation="7008C", preload_class="light")
+    assert "ISO 15" in made.description and made.bearing.contact_angle_deg == 15.0
+    assert made.operation.preload_N > light.operation.preload_N
+    assert bearingwear.new(designation="6008", clearance="C3").bearing.contact_angle_deg > 0.0
 
 
 def test_new_knows_its_arguments():
