@@ -1,25 +1,41 @@
 """Friction and wear of high-speed angular contact ball bearings.
 
-`solve(scene)` and `life(scene)` take the path of a scene file, a dict of the same shape or a
-`bearingwear.scene.scene.Scene`, and return an `xarray.Dataset`.
+    scene = bearingwear.new(bore=40, outside=68)  # or load("mine.yaml"), or example()
+    case = bearingwear.solve(scene.with_({"operation.preload_N": 200}))
+    lives = bearingwear.sweep(scene, {"operation.preload_N": [100, 200, 300]}, what="life")
+
+Results are `xarray.Dataset`s. docs/python.md shows it all, docs/variables.md lists what they hold.
 """
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "life", "solve"]
+__all__ = [
+    "Scene",
+    "SceneError",
+    "__version__",
+    "example",
+    "life",
+    "load",
+    "new",
+    "plot",
+    "save",
+    "solve",
+    "sweep",
+]
 
 if TYPE_CHECKING:
-    from bearingwear.api import life, solve
+    from bearingwear.api import example, life, load, new, plot, save, solve, sweep
+    from bearingwear.scene.scene import Scene, SceneError
 
 
 def __getattr__(name: str) -> Any:
     # numba and xarray take half a second to import: only who solves shall wait for them
-    if name in ("life", "solve"):
-        from bearingwear import api
-
-        return getattr(api, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = "scene.scene" if name.startswith("Scene") else "api"
+    return getattr(importlib.import_module(f"bearingwear.{home}"), name)
 
 
 def __dir__() -> list[str]:

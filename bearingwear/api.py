@@ -2,21 +2,47 @@
 
 from __future__ import annotations
 
+import inspect
 import os
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, kind_of
+from bearingwear.results.labels import coded, labelled
 from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
-from bearingwear.scene.read import as_scene, for_life
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.assumed import PRELOAD_CLASSES
+from bearingwear.scene.designations import CLEARANCES
+from bearingwear.scene.new import BALL_MATERIALS
+from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
+from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.scene.strict_yaml import data_of
+from bearingwear.studies.sweep import sweep
+
+__all__ = ["example", "life", "load", "new", "plot", "save", "solve", "sweep"]
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
+
+    from bearingwear.model.result import Result
+
+
+CHOICES: Mapping[str, Collection[str]] = {
+    "ball_material": BALL_MATERIALS,
+    "preload_class": PRELOAD_CLASSES,
+    "clearance": CLEARANCES,
+}
+"""Names that `new` takes."""
 
 
 def solve(
-    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+    scene: Source,
     fidelity: str | None = None,
     restart: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -38,8 +64,8 @@ def solve(
     Returns
     -------
     xarray.Dataset
-        What a case file holds, and the attribute `wall_time_s`. Its `status` is 0 where the
-        numbers may be used.
+        What a case file holds, its coordinates by name (`sel(race="inner")`), and the attributes
+        `message` and `wall_time_s`. Its `status` is 0 where the numbers may be used.
 
     Raises
     ------
@@ -47,16 +73,21 @@ def solve(
         Both are ValueErrors: the scene is wrong, or no model solves it.
     CaseFileError
         A ValueError, too: the file cannot be gone on from.
+
+    Warns
+    -----
+    UserWarning
+        The solver has not reached a verified answer; `status` and `message` say why.
     """
     checked = as_scene(scene)
     from bearingwear.model.solve import solve as solved
 
     state = None if restart is None else restart_from(restart, checked)
-    return dataset(solved(checked, fidelity, state, progress))
+    return _made(solved(checked, fidelity, state, progress), checked)
 
 
 def life(
-    scene: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+    scene: Source,
     fidelity: str | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
@@ -74,14 +105,160 @@ def life(
     Returns
     -------
     xarray.Dataset
-        What a life file holds, and the attribute `wall_time_s`.
+        What a life file holds, its coordinates by name, and the attributes `message` and
+        `wall_time_s`.
 
     Raises
     ------
     SceneError, NotAvailable
         Both are ValueErrors: the scene is wrong, or no model solves it.
+
+    Warns
+    -----
+    UserWarning
+        No life was found; `status` and `message` say why.
     """
     checked = for_life(as_scene(scene))
     from bearingwear.model.life import life as lived
 
-    return dataset(lived(checked, fidelity, progress))
+    return _made(lived(checked, fidelity, progress), checked)
+
+
+def _made(result: Result, scene: Scene) -> xr.Dataset:
+    """What `solve` and `life` return, and the warning that goes with it."""
+    made = dataset(result, by_name=True)
+    made.attrs["message"] = STATUS_SENTENCES[result.status]
+    if result.status != "ok":
+        text = f"{scene.name}: {result.status}: {STATUS_SENTENCES[result.status]}"
+        warnings.warn(text, stacklevel=3)
+    return made
+
+
+def load(path: str | os.PathLike[str]) -> xr.Dataset | Any:
+    """Read a file of this package.
+
+    Parameters
+    ----------
+    path : path
+        A result file of any kind, or a scene (`.yaml`, `.yml`).
+
+    Returns
+    -------
+    xarray.Dataset or Scene
+        The file's contents, its coordinates by name; a case or a life with its `message`.
+
+    Raises
+    ------
+    SceneError, CaseFileError
+        Both are ValueErrors of one line.
+    """
+    if Path(path).suffix in (".yaml", ".yml"):
+        return load_scene(path)
+    found = labelled(read_file(path))
+    if kind_of(found) in (CASE_KIND, LIFE_KIND):
+        found.attrs["message"] = STATUS_SENTENCES[STATUS_NAMES[int(found["status"])]]
+    return found
+
+
+def save(data: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a dataset of this package as the commands do: with codes for names.
+
+    Raises
+    ------
+    OutputError
+        An OSError of one line.
+    """
+    from bearingwear.studies.dataset import write_dataset
+
+    write_dataset(coded(data), Path(path))
+
+
+def new(
+    bore: float | None = None,
+    outside: float | None = None,
+    *,
+    name: str = "bearing",
+    **known: float | str,
+) -> Scene:
+    """A scene from the numbers of a catalogue, as `bearingwear new` makes it.
+
+    Parameters
+    ----------
+    bore, outside : float, optional
+        Diameters [mm], unless a designation says them.
+    name : str
+        Of the scene.
+    **known : float or str
+        What else is known, by the names of the command's options: `designation`, `balls`,
+        `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` [um or a
+        group], `speed` [r/min], `preload` [N], `preload_class`, `friction`, `ball_material`,
+        `preload_method`.
+
+    Returns
+    -------
+    Scene
+        Its `description` says what was assumed.
+
+    Raises
+    ------
+    SceneError
+        A ValueError of one line.
+    """
+    from bearingwear.scene.new import OPTIONS, scene_text
+
+    keys = {_argument(option): key for option, key, *_ in OPTIONS}
+    own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
+    allowed = [*own, *keys]
+    if unknown := sorted(known.keys() - allowed):
+        raise TypeError(f"new: given {unknown[0]!r}; allowed {', '.join(sorted(allowed))}")
+    for option, choices in CHOICES.items():
+        text = known.get(option)
+        if isinstance(text, str) and text not in choices:
+            problem = f"given {text!r}; allowed {', '.join(choices)}"
+            raise SceneError("", problem, source=option)
+    given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
+    others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
+    others |= {"bore": bore, "outside": outside}
+    try:
+        written, assumed = scene_text(name, given=given, **others)
+    except SceneError as error:
+        source = _argument(error.source)
+        raise SceneError(error.key, error.problem, error.involved, source) from None
+    made = scene_from_dict(data_of(written, name), name)
+    return replace(made, description=f"{made.description} Assumed: {'; '.join(assumed)}.")
+
+
+def _argument(option: str) -> str:
+    """`--ball-diameter` as Python has it."""
+    return option.replace("--", "").replace("-", "_")
+
+
+def example() -> Scene:
+    """The scene `gyro_s1`: an instrument bearing with balls of 2 mm at 30 000 r/min."""
+    from bearingwear.studies.launch import snakefile
+
+    return load_scene(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
+
+
+def plot(data: str | os.PathLike[str] | xr.Dataset) -> Figure:
+    """The figure of a result, as `bearingwear plot` draws it; nothing is saved or shown.
+
+    Parameters
+    ----------
+    data : path or Dataset
+        A result file of any kind, or what this package has made of it.
+
+    Raises
+    ------
+    CaseFileError
+        A ValueError of one line: a file that cannot be read, or of a kind that cannot be figure_of.
+    """
+    import matplotlib
+
+    from bearingwear.plotting.plot import figure_of
+    from bearingwear.studies import registry
+
+    with matplotlib.rc_context():  # figures have a style of their own
+        if isinstance(data, str | os.PathLike):
+            return figure_of(read_file(data), os.fspath(data), registry("PLOTS"))
+        return figure_of(coded(data), "plot", registry("PLOTS"))

@@ -16,8 +16,14 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent
 
-SOLVER = "bearingwear.api"
-"""Entry point of everything between a scene and its result file."""
+SOLVER = (
+    "bearingwear.scene.read",
+    "bearingwear.model.solve",
+    "bearingwear.model.life",
+    "bearingwear.results.netcdf",
+    "bearingwear.results.restart",
+)
+"""Entry points of everything between a scene and its result file."""
 
 
 @functools.cache
@@ -108,12 +114,12 @@ def result_hash(module: str) -> str:
     results of one study would name different ones when some of them are made again.
     """
     solves = any(path.parent.name == "model" for path in sources(module))
-    return sources_hash(module, SOLVER) if solves else sources_hash(module)
+    return sources_hash(module, *SOLVER) if solves else sources_hash(module)
 
 
 def source_hash() -> str:
     """Hash of the sources between a scene and its result file."""
-    return sources_hash(SOLVER)
+    return sources_hash(*SOLVER)
 
 
 @functools.cache

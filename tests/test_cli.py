@@ -54,7 +54,7 @@ def test_solve_twice_gives_the_same_bytes(tmp_path):
 
 def test_python_and_command_agree(tmp_path):
     solve(tmp_path / "case.nc")
-    case = load(tmp_path / "case.nc")
+    case = bearingwear.load(tmp_path / "case.nc")
     scene = load_scene(SCENE, QUICK[1::2])
     for given in (scene, scene.to_dict()):
         made = bearingwear.solve(given)
@@ -124,7 +124,7 @@ def test_life(tmp_path, capsys):
     scene = load_scene(SCENE, [*QUICK[1::2], "operation.preload_method=fixed_position"])
     made = bearingwear.life(scene)
     assert made.attrs.pop("wall_time_s") > 0.0
-    xr.testing.assert_identical(made, life)
+    xr.testing.assert_identical(made, bearingwear.load(tmp_path / "life.nc"))
 
 
 def test_failed_life(tmp_path, monkeypatch):

@@ -25,8 +25,8 @@ MAY_IMPORT = {
     "provenance": set(),
     "atomic": set(),
     "console": set(),
-    "__init__": {"api"},
-    "api": {"results", "model", "scene"},
+    "__init__": {"api", "scene"},
+    "api": {"studies", "plotting"} | READING,
     "commands": {"studies", "plotting", "console"} | READING,
     "cli": {"commands", "studies", "console"} | READING,
     "__main__": {"cli"},
@@ -51,7 +51,7 @@ LIBRARIES = {
     "commands": set(),
     "__init__": set(),
     "__main__": set(),
-    "api": {"xarray"},
+    "api": {"xarray", "matplotlib"},
     "cli": {"argcomplete"},  # only where the shell asks
 }
 

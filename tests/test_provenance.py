@@ -16,7 +16,7 @@ def found(*modules) -> set[str]:
 
 
 def test_sources_of_the_solver():
-    solver = found(SOLVER)
+    solver = found(*SOLVER)
     assert {"scene/read.py", "scene/accuracy.py", "model/life.py", "results/netcdf.py"} <= solver
     assert {path for path in solver if path.startswith("kernels/")}
     assert not [path for path in solver if path.startswith(("studies/", "page/", "plotting/"))]
@@ -27,7 +27,7 @@ def test_data_belong_to_the_module_that_names_them():
     assert "page/page.html" in found("bearingwear.page.page")
     assert "plotting/style.mplstyle" in found("bearingwear.studies.grid.draw")
     assert "scene/new_scene.yaml.j2" in found("bearingwear.scene.new")
-    assert not [path for path in found(SOLVER) if not path.endswith(".py")]
+    assert not [path for path in found(*SOLVER) if not path.endswith(".py")]
 
 
 def every_step():
@@ -87,7 +87,7 @@ def test_no_other_study_is_drawn_anew_with_the_figures_of_the_grid(path: Path):
 def test_what_solves_changes_with_all_sources_of_the_solver():
     """Its results name them, and results that name different ones are not gathered."""
     for module in ("bearingwear.studies.solve", "bearingwear.studies.grid.life"):
-        assert result_hash(module) == sources_hash(module, SOLVER)
+        assert result_hash(module) == sources_hash(module, *SOLVER)
     for module in ("bearingwear.studies.grid.draw", "bearingwear.studies.grid.gather"):
         assert result_hash(module) == sources_hash(module)
     assert "results/netcdf.py" not in found("bearingwear.studies.solve")  # why it is added

@@ -3,30 +3,33 @@
 from collections.abc import Iterable
 from pathlib import Path
 
+import xarray as xr
+
 from bearingwear.plotting.drawing import Figure, save
 from bearingwear.results.kinds import Registry, function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
 
 
-def figure_of(path: str | Path, figures: Registry) -> Figure:
-    """The figure of a result file.
+def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figure:
+    """The figure of a dataset as files have it.
 
     Parameters
     ----------
-    path : path
+    dataset : Dataset
+    name : path
+        What the error calls it.
     figures : Registry
         For each kind that can be drawn, a function that takes the dataset and returns a figure.
 
     Raises
     ------
     CaseFileError
-        A file that cannot be read, or of a kind that cannot be drawn.
+        A kind that cannot be drawn.
     """
-    dataset = load(path)
     kind = kind_of(dataset)
     if kind not in figures:
-        drawn = ", ".join(figures) or "none"
-        raise CaseFileError(f"{path}: given a file of the kind {kind}; allowed {drawn}")
+        known = ", ".join(figures) or "none"
+        raise CaseFileError(f"{name}: given a file of the kind {kind}; allowed {known}")
     figure: Figure = function(figures[kind])(dataset)
     return figure
 
@@ -38,4 +41,4 @@ def plot(path: str | Path, outputs: Iterable[str | Path], figures: Registry) -> 
     ------
     CaseFileError, OutputError
     """
-    save(figure_of(path, figures), outputs)
+    save(figure_of(load(path), path, figures), outputs)

@@ -18,6 +18,7 @@ import numpy as np
 from bearingwear import __version__
 from bearingwear.atomic import reason, whole_file
 from bearingwear.provenance import source_hash
+from bearingwear.results.labels import named
 from bearingwear.results.variables import (
     BALL_AXES,
     CASE,
@@ -122,8 +123,11 @@ def _is_compressed(entry: Entry) -> bool:
     return entry.data.size > COMPRESSED_ABOVE or entry.dims[: len(TIME)] == TIME
 
 
-def dataset(result: Result) -> xr.Dataset:
-    """The result as an `xarray.Dataset`: what `load` gives for its file, and `wall_time_s`."""
+def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
+    """The result as an `xarray.Dataset`: what `load` gives for its file, and `wall_time_s`.
+
+    With `by_name` its coordinates are names instead of codes, as `labelled` makes them.
+    """
     import xarray as xr
 
     entries, attrs = _entries(result)
@@ -132,9 +136,12 @@ def dataset(result: Result) -> xr.Dataset:
         own = {key: value for key, value in entry.attrs.items() if key != "coordinates"}
         encoding = {} if entry.fill is None else {"_FillValue": entry.fill}
         variables[name] = xr.Variable(entry.dims, entry.data, own, encoding)
-    coordinates = {*COORDINATES, STRIP_POSITION.name} & set(variables)
+    names = [*filter(variables.__contains__, (*COORDINATES, STRIP_POSITION.name))]
+    coordinates = {name: variables.pop(name) for name in names}
+    if by_name:
+        coordinates = {name: named(variable) for name, variable in coordinates.items()}
     attrs["wall_time_s"] = float(result.wall_time_s)
-    return xr.Dataset(variables, attrs=attrs).set_coords(sorted(coordinates))
+    return xr.Dataset(variables, coordinates, attrs)
 
 
 def data_array(variable: Variable, values: Any, along: Sequence[str] = ()) -> xr.DataArray:

@@ -49,7 +49,7 @@ def as_data(scene: Source) -> tuple[Mapping[str, Any], str]:
     """The data of a scene, not checked, and what error messages call it."""
     if isinstance(scene, Scene):
         # checked like any other: who builds one in Python skips the ranges
-        return scene.to_dict(), "scene"
+        return _undecided(scene), "scene"
     if isinstance(scene, Mapping):
         return scene, "scene"
     if isinstance(scene, str | os.PathLike):
@@ -183,6 +183,16 @@ def _check_spread(data: Mapping[str, Any]) -> None:
                 raise SceneError(
                     f"uncertainty.{name}.{end}", f"given {shown(value)}; allowed {part.allowed}"
                 )
+
+
+def _undecided(scene: Scene) -> dict[str, Any]:
+    """Data of a scene without what its accuracy has decided, so that another one may."""
+    plain = scene.to_dict()
+    for path, value in accuracy_preset(scene.model.accuracy).keys.items():
+        block, _, name = path.partition(".")
+        if plain[block][name] == value:
+            del plain[block][name]
+    return plain
 
 
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:

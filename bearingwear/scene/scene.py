@@ -153,6 +153,28 @@ class Scene:
         wear = replace(self.wear, end_of_life=end and end.without_cage)
         return replace(self, cage=None, wear=wear)
 
+    def with_(self, changes: Mapping[str, Any]) -> Scene:
+        """The scene with some of its values replaced, checked anew.
+
+        Parameters
+        ----------
+        changes : mapping
+            `{"operation.preload_N": 9.0}`, in the units of a scene file. Blocks that are not there
+            are made; None leaves out what a scene can do without.
+
+        Raises
+        ------
+        SceneError
+            One line that names the key.
+        """
+        from bearingwear.scene.variant import variant
+
+        try:
+            return variant(self, changes)
+        except SceneError as error:  # its text is for the command line
+            where = error.source.removeprefix("--set ")
+            raise SceneError(error.key, error.problem, error.involved, where) from None
+
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain nested data, in the order of a scene file, all defaults filled in.
 

@@ -94,7 +94,7 @@ def test_same_case_gives_same_bytes(case, tmp_path):
 def test_python_and_command_agree(case):
     made = bearingwear.solve(S1, fidelity="dynamic")
     assert made.attrs.pop("wall_time_s") > 0.0
-    read = load(case)
+    read = bearingwear.load(case)
     xr.testing.assert_identical(made, read)
     assert {n: v.dtype for n, v in made.variables.items()} == {
         n: v.dtype for n, v in read.variables.items()
@@ -215,7 +215,7 @@ def test_restart(case, tmp_path):
     scene = load_scene(S1, ["model.simulated_turns=5"])
     made = bearingwear.solve(scene, "dynamic", restart=case)
     del made.attrs["wall_time_s"]
-    xr.testing.assert_identical(made, more)
+    xr.testing.assert_identical(made, bearingwear.load(again))
 
 
 def test_restart_from(case):

@@ -7,10 +7,13 @@ import shutil
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from support import ROOT, scene_file, step
 
+import bearingwear
 from bearingwear.cli import main
+from bearingwear.results.netcdf import load
 from bearingwear.scene.checking import record
 from bearingwear.studies.accuracy.plan import AccuracyPlan
 
@@ -119,6 +122,18 @@ def test_a_file_is_the_same_as_itself(kinds, kind, tmp_path, capsys):
     capsys.readouterr()
     assert main(["compare", str(kinds[kind]), str(tmp_path / "copy.nc")]) == 0
     assert re.search(r"\nsame .*: the scene, and all \d+ variables\n$", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_comes_back_from_python(kinds, kind, tmp_path):
+    """Its codes are names in memory, and codes again in the file that is written."""
+    read = bearingwear.load(kinds[kind])
+    names = [n for n, c in read.coords.items() if "flag_meanings" in c.attrs]
+    assert all(read[name].dtype.kind == "U" for name in names)
+    assert names or kind in ("sweep", "trade study")
+    bearingwear.save(read, tmp_path / "back.nc")
+    xr.testing.assert_identical(load(tmp_path / "back.nc"), load(kinds[kind]))
+    assert main(["compare", str(kinds[kind]), str(tmp_path / "back.nc")]) == 0
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,4 +1,4 @@
-"""docs/tutorial.md and the README: what they say to run is run.
+"""docs/tutorial.md, docs/python.md and the README: what they say to run is run.
 
 Of each block of output the lines must stand in what the block of commands before it printed,
 numbers to a part in a thousand.
@@ -76,6 +76,15 @@ def test_tutorial(run):
     assert compared > 40
     drawn = (run.folder / "life_against_preload.svg").read_text(encoding="utf-8")
     assert "</svg>" in drawn
+
+
+def test_python_page(run):
+    (run.folder / "mine.yaml").symlink_to(ROOT / "config/scenes/gyro_s1.yaml")
+    found = blocks(ROOT / "docs/python.md")
+    printed = run("python", "".join(text for language, text in found if language == "python"))
+    said = [line for language, text in found if language == "text" for line in text.splitlines()]
+    assert len(said) >= 3 and not set(said) - set(printed.splitlines()), printed
+    assert {path.name for path in run.folder.iterdir()} == {"mine.yaml", "case.nc", "case.svg"}
 
 
 def test_readme_python(run):

@@ -1,0 +1,76 @@
+"""The page of all variables of a case and a life file.
+
+`python -m bearingwear.results.variables_page docs/variables.md` makes it anew.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.results.variables import (
+    ALWAYS,
+    COORDINATES,
+    DYNAMIC,
+    LIFE,
+    STATE,
+    STRIP_POSITION,
+    Variable,
+)
+
+INTRODUCTION = """\
+# Variables of a result
+
+<!-- made by `python -m bearingwear.results.variables_page docs/variables.md` -->
+
+What `bearingwear solve` and `life` write, and what `bearingwear.solve` and `life` return in Python.
+Each variable carries its meaning and unit as `long_name` and `units`; so do those of the studies'
+files, which are not listed here.
+Signs and axes: [conventions.md](conventions.md)."""
+
+COORDINATES_SAID = (
+    "In a file those with names are whole numbers 0, 1, ... with `flag_meanings`; in Python they "
+    'are the names, as in `case.contact_load.sel(race="inner")`.'
+)
+
+
+def page_of_variables() -> str:
+    """The page, in Markdown."""
+    others = [variable for name, variable in STATE.items() if name not in ALWAYS]
+    coordinates = [*COORDINATES.values(), STRIP_POSITION]
+    sections = (
+        ("Of every case", "NaN where it was not solved.", ALWAYS.values()),
+        ("Of a case, where its model finds them", "", others),
+        ("Of a dynamic case", "Histories hold values at instants of `time`.", DYNAMIC.values()),
+        ("Of a life", "Histories hold values at each `step` of the wear.", LIFE.values()),
+        ("Coordinates", COORDINATES_SAID, coordinates),
+    )
+    parts = [INTRODUCTION]
+    for heading, text, variables in sections:
+        parts += [f"## {heading}", *filter(None, [text]), _table(variables)]
+    rows = (f"| {k} | `{name}` | {STATUS_SENTENCES[name]} |" for k, name in enumerate(STATUS_NAMES))
+    parts += ["## Status", "\n".join(["| code | name | meaning |", "| --- | --- | --- |", *rows])]
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(variables: Iterable[Variable]) -> str:
+    lines = ["| variable | dimensions | unit | meaning |", "| --- | --- | --- | --- |"]
+    return "\n".join([*lines, *map(_row, variables)])
+
+
+def _row(variable: Variable) -> str:
+    meaning = variable.long_name
+    if variable.flags == STATUS_NAMES:
+        meaning += ": see [status](#status)"
+    else:
+        told = f"; {variable.comment}" if variable.comment else ""
+        named = f": {', '.join(variable.flags)}" if variable.flags else ""
+        meaning += named + told
+    cells = (f"`{variable.name}`", ", ".join(variable.dims), variable.units, meaning)
+    return f"| {' | '.join(cells)} |"
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(page_of_variables(), encoding="utf-8")

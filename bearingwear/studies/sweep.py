@@ -1,0 +1,273 @@
+"""One scene at every combination of some of its values, as one dataset: `bearingwear.sweep`."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import multiprocessing
+import os
+import sys
+import time
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.read import Source, as_scene, for_life
+from bearingwear.scene.scene import Scene, key_of_scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Job = tuple[Scene, str, str | None]
+"""A scene, what is asked of it, and the fidelity."""
+
+LINE_EVERY = 5.0
+"""Seconds between two lines of progress, and before the first."""
+
+CHUNKS_PER_WORKER = 8
+"""How finely points are dealt out; a process asks for more when it has solved its share."""
+
+_POINT = "point"
+"""Dimension of the points of a chunk."""
+
+COARSEST = {
+    "model.strips": 4,
+    "model.tolerance": 1e-2,
+    "model.simulated_turns": 0.02,
+    "model.evaluated_turns": None,
+}
+"""Changes with which a solve takes no time; it compiles the same kernels."""
+
+
+def sweep(
+    scene: Source,
+    changes: Mapping[str, Iterable[Any]],
+    what: str = "solve",
+    fidelity: str | None = None,
+    workers: int | None = None,
+    progress: bool = True,
+) -> xr.Dataset:
+    """Solve a scene, or find its life, at every combination of some of its values.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+    changes : mapping
+        The values of each key, in the units of a scene file:
+        `{"operation.preload_N": [5, 7, 9], "friction.ball_race": [0.05, 0.1]}`.
+    what : {"solve", "life"}
+    fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
+        Overrides `model.fidelity` of the scene.
+    workers : int, optional
+        Processes that share the points; all cores if left out. With 1 no process is started.
+        Where Python starts processes anew (macOS, Windows, Python 3.14 and later), a script has
+        to call this below `if __name__ == "__main__":`.
+    progress : bool
+        Whether what takes longer than some seconds says how far it is, on standard error (with
+        tqdm, if that is installed).
+
+    Returns
+    -------
+    xarray.Dataset
+        What a case or life file holds, along one more dimension for each key. It has the name of
+        the key's last part (`preload_N`), or of all its parts where that name is taken
+        (`operation_preload_N`). A point that was not solved has its `status`, and NaN.
+
+    Raises
+    ------
+    SceneError, NotAvailable
+        Both are ValueErrors: a value that is not allowed, or that no model solves. Nothing has
+        been solved then.
+
+    Warns
+    -----
+    UserWarning
+        Some points were not solved.
+    """
+    if what not in ("solve", "life"):
+        raise ValueError(f"what: given {what!r}; allowed solve, life")
+    base = as_scene(scene)
+    axes = {key: _values(key, values) for key, values in changes.items()}
+    points = _points(base, axes, what, fidelity)
+    cores = min(len(points), _cores() if workers is None else workers)
+    if cores > 1:
+        _compile(points)
+    size = math.ceil(len(points) / (CHUNKS_PER_WORKER * max(cores, 1)))
+    jobs = [(point, what, fidelity) for point, _ in points]
+    chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
+    parts = list(_told(_solved_by(chunks, cores), len(jobs), progress))
+    made = _side_by_side(parts, base, axes, what)
+    if (made["status"] != OK).any():
+        warnings.warn(f"{base.name}: {made.attrs['message']}", stacklevel=2)
+    return made
+
+
+def _values(key: str, values: Any) -> list[Any]:
+    """The values of one key as plain data."""
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise SceneError("", f"given {shown(values)}; allowed a list of values", source=key)
+    plain = values.tolist() if hasattr(values, "tolist") else list(values)
+    if not plain:
+        raise SceneError("", "given no value; allowed one or more", source=key)
+    return [value.item() if hasattr(value, "item") else value for value in plain]
+
+
+def _points(
+    base: Scene, axes: Mapping[str, list[Any]], what: str, fidelity: str | None
+) -> list[tuple[Scene, str]]:
+    """The scene of every point, checked, and the model that solves it."""
+    from bearingwear.model.fidelity import choice, choice_for_life
+
+    found = []
+    for point in itertools.product(*axes.values()):
+        scene = base.with_(dict(zip(axes, point, strict=True)))
+        if what == "life":
+            found.append((for_life(scene), choice_for_life(scene, fidelity).tier))
+        else:
+            found.append((scene, choice(scene, fidelity).tier))
+    return found
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _compile(points: Sequence[tuple[Scene, str]]) -> None:
+    """Have the kernels of every model compiled once, before the processes need them."""
+    first = {tier: scene for scene, tier in reversed(points)}
+    for tier, scene in first.items():
+        _solved([(scene.with_(COARSEST), "solve", tier)])
+
+
+def _solved(jobs: Sequence[Job]) -> xr.Dataset:
+    """Some points, along the dimension `point`."""
+    from bearingwear.model.life import life
+    from bearingwear.model.solve import solve
+    from bearingwear.results.netcdf import dataset
+    from bearingwear.studies.dataset import stacked
+
+    results = [
+        life(scene, fidelity) if what == "life" else solve(scene, fidelity)
+        for scene, what, fidelity in jobs
+    ]
+    made = stacked([dataset(result) for result in results], {_POINT: len(results)})
+    return made.assign_attrs(fidelity=[result.attrs["fidelity"] for result in results])
+
+
+def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
+    """What becomes of chunks of jobs, in their order."""
+    if workers <= 1:
+        yield from map(_solved, chunks)
+        return
+    pool = ProcessPoolExecutor(workers)
+    try:
+        yield from pool.map(_solved, chunks)
+    except BrokenProcessPool:
+        raise RuntimeError(
+            "sweep: a process has ended. A script calls this below `if __name__ == '__main__':`, "
+            f"since processes are started by {multiprocessing.get_start_method()}; or workers=1"
+        ) from None
+    except BaseException:  # Ctrl-C: nobody waits for what is still being solved
+        for process in list(pool._processes.values()):
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _told(parts: Iterator[xr.Dataset], count: int, progress: bool) -> Iterator[xr.Dataset]:
+    """The same parts, with a word on how far they are."""
+    if not progress:
+        return parts
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        return _told_in_lines(parts, count)
+    return _told_by_bar(parts, tqdm(total=count, desc="sweep", delay=LINE_EVERY))
+
+
+def _told_by_bar(parts: Iterator[xr.Dataset], bar: Any) -> Iterator[xr.Dataset]:
+    with bar:
+        for part in parts:
+            bar.update(part.sizes[_POINT])
+            yield part
+
+
+def _told_in_lines(parts: Iterator[xr.Dataset], count: int) -> Iterator[xr.Dataset]:
+    started = last = time.monotonic()
+    done = 0
+    for part in parts:
+        yield part
+        done += part.sizes[_POINT]
+        now = time.monotonic()
+        if now - last > LINE_EVERY and done < count:
+            left = (now - started) * (count - done) / done
+            print(f"sweep: {done} of {count} points, about {left:.0f} s left", file=sys.stderr)
+            last = now
+
+
+def _side_by_side(
+    parts: Sequence[xr.Dataset], base: Scene, axes: Mapping[str, list[Any]], what: str
+) -> xr.Dataset:
+    from bearingwear.results.labels import labelled
+    from bearingwear.results.netcdf import common_attributes
+    from bearingwear.studies.dataset import stacked
+
+    names = _dimensions(axes, {str(name) for part in parts for name in part.variables})
+    lengths = {names[key]: len(values) for key, values in axes.items()}
+    made = labelled(stacked(parts, lengths, along=_POINT))
+    made = made.assign_coords({names[key]: _axis(key, names[key], axes[key]) for key in axes})
+    fidelities = dict.fromkeys(name for part in parts for name in part.attrs["fidelity"])
+    made.attrs = common_attributes() | {
+        "title": f"{what} of {base.name} at {math.prod(lengths.values())} points",
+        "kind": "sweep",
+        "scene": json.dumps(base.to_dict()),
+        "changed_keys": json.dumps({name: key for key, name in names.items()}),
+        "fidelity": ", ".join(fidelities),
+        "message": _message(made["status"].values.ravel().tolist()),
+    }
+    return made
+
+
+def _dimensions(axes: Iterable[str], taken: set[str]) -> dict[str, str]:
+    """Name of the dimension of each key: its last part, if nothing else has that name."""
+    last = {key: key.rpartition(".")[2] for key in axes}
+    often = Counter(last.values())
+    return {
+        key: key.replace(".", "_") if often[name] > 1 or name in taken else name
+        for key, name in last.items()
+    }
+
+
+def _axis(key: str, dim: str, values: list[Any]) -> xr.Variable:
+    """The coordinate of a key; values that are neither numbers nor names stand in it as text."""
+    import numpy as np
+    import xarray as xr
+
+    part = key_of_scene(key)
+    assert part is not None  # a scene with it was built
+    attrs = {"long_name": part.key.meaning}
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return xr.Variable(dim, np.array(values), attrs | {"units": part.unit})
+    if part.kind == "choice":
+        attrs["flag_meanings"] = " ".join(part.key.choices)
+    texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
+    return xr.Variable(dim, np.array(texts), attrs)
+
+
+def _message(statuses: Sequence[int]) -> str:
+    """How many points were not solved, and why."""
+    failed = Counter(STATUS_NAMES[status] for status in statuses if status != OK)
+    if not failed:
+        return "all points solved and verified"
+    reasons = ", ".join(f"{name} {count}" for name, count in failed.items())
+    return f"{failed.total()} of {len(statuses)} points were not solved: {reasons}"

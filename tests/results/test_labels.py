@@ -1,0 +1,45 @@
+"""Names in memory, codes in files."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from bearingwear.results.labels import coded, labelled
+
+
+@pytest.fixture
+def of_files():
+    flags = {"flag_values": np.arange(2, dtype="i1"), "flag_meanings": "inner outer"}
+    race = xr.Variable("race", np.array([1, 0], dtype="i1"), {"long_name": "race", **flags})
+    ball = xr.Variable("ball", np.arange(3, dtype="i4"), {"units": "1"})
+    held = xr.Variable("ball", np.array([0, 1, 1], dtype="i1"), flags)
+    load = xr.Variable(("ball", "race"), np.arange(6.0).reshape(3, 2), {"units": "N"})
+    return xr.Dataset({"load": load, "held": held}, {"race": race, "ball": ball}, {"title": "a"})
+
+
+def test_coordinates_are_names(of_files):
+    made = labelled(of_files)
+    assert made["race"].values.tolist() == ["outer", "inner"]
+    assert made["load"].sel(race="inner").values.tolist() == [1.0, 3.0, 5.0]
+    xr.testing.assert_identical(made["held"].variable, of_files["held"].variable)
+    assert made["race"].attrs == {"long_name": "race", "flag_meanings": "inner outer"}
+
+
+def test_there_and_back(of_files):
+    for data in (of_files, of_files.isel(race=1), of_files.isel(race=[1, 0])):
+        back = coded(labelled(data))
+        xr.testing.assert_identical(back, data)
+        assert back["race"].dtype == np.int8
+    xr.testing.assert_identical(labelled(labelled(of_files)), labelled(of_files))
+
+
+def test_what_stands_in_memory_alone_goes(of_files):
+    made = labelled(of_files).assign_attrs(wall_time_s=1.0, message="solved and verified")
+    assert coded(made).attrs == {"title": "a"} and "message" in made.attrs
+
+
+def test_other_names_stay(of_files):
+    """A person may call the races anything."""
+    made = labelled(of_files).assign_coords(race=("race", ["left", "right"]))
+    made["race"].attrs["flag_meanings"] = "inner outer"
+    assert coded(made)["race"].values.tolist() == ["left", "right"]

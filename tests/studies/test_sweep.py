@@ -1,0 +1,192 @@
+"""`bearingwear.sweep`: values of a scene side by side."""
+
+import contextlib
+import subprocess
+import sys
+import time
+import types
+
+import numpy as np
+import pytest
+import xarray as xr
+from support import ROOT
+
+import bearingwear
+from bearingwear import SceneError
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.model.fidelity import NotAvailable
+from bearingwear.studies import sweep as module
+
+PRELOAD, FRICTION, METHOD = "operation.preload_N", "friction.ball_race", "operation.preload_method"
+COARSE = {"model.strips": 8, "model.tolerance": 1e-3}
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    return bearingwear.example().with_(COARSE)
+
+
+def not_to_be_solved(*_):
+    raise AssertionError("solved")
+
+
+def test_a_point_is_what_solve_finds(coarse):
+    made = bearingwear.sweep(coarse, {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}, workers=1)
+    assert made.total_qv.dims == ("preload_N", "ball_race")
+    assert made.preload_N.attrs["units"] == "N" and "preload" in made.preload_N.attrs["long_name"]
+    assert made.attrs["message"] == "all points solved and verified"
+    alone = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
+    point = made.sel(preload_N=7, ball_race=0.05, race="inner")
+    for name in ("contact_load", "qv", "total_qv", "status"):
+        there = alone[name].sel(race="inner") if "race" in alone[name].dims else alone[name]
+        np.testing.assert_array_equal(point[name], there)
+        assert {**made[name].attrs, "flag_values": 0} == {**alone[name].attrs, "flag_values": 0}
+    assert made.status.dtype == alone.status.dtype
+
+
+def test_processes_find_the_same(coarse):
+    changes = {METHOD: ["fixed_position", "constant_force"], PRELOAD: [5, 6, 7]}
+    alone, shared = (
+        bearingwear.sweep(coarse, changes, what="life", workers=workers) for workers in (1, 2)
+    )
+    xr.testing.assert_identical(alone, shared)
+    lives = shared.life.sel(counts="ball", preload_method="fixed_position")
+    assert lives.dims == ("preload_N",) and (lives > 0.0).all() and lives.attrs["units"] == "h"
+
+
+def test_file_of_a_sweep(coarse, tmp_path):
+    made = bearingwear.sweep(coarse, {METHOD: ["fixed_position", "constant_force"]}, workers=1)
+    bearingwear.save(made, tmp_path / "sweep.nc")
+    with xr.open_dataset(tmp_path / "sweep.nc") as file:
+        assert file.preload_method.values.tolist() == [1, 0] and file.race.values.tolist() == [0, 1]
+    del made.attrs["message"]
+    xr.testing.assert_identical(bearingwear.load(tmp_path / "sweep.nc"), made)
+
+
+def test_a_point_that_fails(coarse):
+    """Without friction the balls may spin in any way."""
+    with pytest.warns(UserWarning, match="1 of 2 points were not solved: undetermined 1") as told:
+        made = bearingwear.sweep(coarse, {FRICTION: [0.0, 0.08]}, workers=1)
+    assert told[0].filename == __file__
+    assert [STATUS_NAMES[status] for status in made.status.values] == ["undetermined", "ok"]
+    assert np.isfinite(made.total_qv).values.tolist() == [False, True]
+    assert "undetermined 1" in made.attrs["message"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({PRELOAD: [5, -1]}, "operation.preload_N: given -1; allowed"),
+        ({PRELOAD: 5}, "operation.preload_N: given 5; allowed a list of values"),
+        ({METHOD: "constant_force"}, "operation.preload_method: given 'constant_force'; allowed a"),
+        ({PRELOAD: []}, "operation.preload_N: given no value; allowed one or more"),
+        ({"operation.preload": [5]}, "operation.preload: "),
+        ({PRELOAD: [5], "wear.end_of_life": [None]}, "wear.end_of_life: given no criterion"),
+    ],
+)
+def test_nothing_is_solved_before_all_is_checked(coarse, changes, said, monkeypatch):
+    monkeypatch.setattr(module, "_solved", not_to_be_solved)
+    with pytest.raises(SceneError) as error:
+        bearingwear.sweep(coarse, changes, what="life", workers=1)
+    assert said in str(error.value) and "--set" not in str(error.value)
+
+
+def test_a_model_that_cannot_solve_a_point(coarse, monkeypatch):
+    monkeypatch.setattr(module, "_solved", not_to_be_solved)
+    with pytest.raises(NotAvailable):
+        changes = {"operation.rotating_load_N": [0.0, 1.0]}
+        bearingwear.sweep(coarse, changes, fidelity="steady", workers=1)
+    with pytest.raises(ValueError, match="solve, life"):
+        bearingwear.sweep(coarse, {PRELOAD: [5]}, what="lives")
+
+
+def test_names_of_the_dimensions():
+    def names(*keys, taken=()):
+        return list(module._dimensions(keys, set(taken)).values())
+
+    assert names(PRELOAD, FRICTION) == ["preload_N", "ball_race"]
+    assert names("wear.counts", taken=["counts"]) == ["wear_counts"]
+    assert names("materials.a.density_kg_m3", "materials.b.density_kg_m3") == [
+        "materials_a_density_kg_m3",
+        "materials_b_density_kg_m3",
+    ]
+
+
+def test_loads_stand_as_text(coarse):
+    loads = [[0.0, 0.0], [0.0, 1.0]]
+    changes = {"operation.radial_load_N": loads}
+    made = bearingwear.sweep(coarse, changes, fidelity="race_control", workers=1)
+    # a loaded bearing has nine unlike balls, a free one a single one that stands for all
+    assert made.sizes["ball"] == 9
+    assert np.isfinite(made.contact_load.sel(radial_load_N="[0.0, 1.0]")).all()
+
+
+def parts(*lengths):
+    return [xr.Dataset({"a": ("point", np.zeros(length))}) for length in lengths]
+
+
+def test_progress(monkeypatch, capsys):
+    clock = iter(range(0, 100, 3))
+    monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
+    assert len(list(module._told_in_lines(iter(parts(1, 2, 2)), 5))) == 3
+    assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
+
+
+def test_progress_with_tqdm(monkeypatch):
+    """Only where that is installed; this stands in for it."""
+    asked, told = [], []
+
+    class Bar(contextlib.nullcontext):
+        def __init__(self, **how):
+            super().__init__()
+            asked.append(how)
+
+        def update(self, count):
+            told.append(count)
+
+    monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
+    monkeypatch.setitem(sys.modules, "tqdm.auto", types.SimpleNamespace(tqdm=Bar))
+    assert len(list(module._told(iter(parts(1, 2)), 3, True))) == 2
+    assert asked == [{"total": 3, "desc": "sweep", "delay": module.LINE_EVERY}]
+    assert told == [1, 2]
+    assert len(list(module._told(iter(parts(1, 2)), 3, False))) == 2 and len(asked) == 1
+
+
+def test_an_interrupt_waits_for_no_process(monkeypatch):
+    monkeypatch.setattr(module, "_solved", time.sleep)
+    results = module._solved_by([0.0, 60.0, 60.0, 60.0], 2)
+    next(results)
+    started = time.monotonic()
+    results.close()
+    assert time.monotonic() - started < 20.0
+
+
+SCRIPT = """
+import multiprocessing
+import bearingwear
+
+def main():
+    scene = bearingwear.example().with_({"model.strips": 8})
+    found = bearingwear.sweep(scene, {"operation.preload_N": [5, 7, 9, 11]}, workers=2)
+    print(found.attrs["message"])
+
+"""
+
+
+def run_script(folder, end):
+    (folder / "script.py").write_text(SCRIPT + end)
+    environment = {"PYTHONPATH": str(ROOT), "PATH": ""}
+    command = [sys.executable, "script.py"]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+
+
+def test_where_processes_start_anew(tmp_path):
+    guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
+    done = run_script(tmp_path, guard)
+    assert done.stdout == "all points solved and verified\n", done.stderr
+
+
+def test_a_script_without_its_guard_is_told(tmp_path):
+    done = run_script(tmp_path, "multiprocessing.set_start_method('spawn', force=True)\nmain()")
+    last = done.stderr.rstrip().splitlines()[-1]
+    assert last.startswith("RuntimeError: sweep: ") and "if __name__ == '__main__':" in last

@@ -1,0 +1,75 @@
+"""The package as it is installed: what comes with it, and its types as a user's mypy sees them."""
+
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+from support import ROOT
+
+SHIPPED = ("bearingwear", "workflow", "config", "Snakefile", "README.md", "pyproject.toml")
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """Python of an environment with the package installed, not linked; no index is asked."""
+    pytest.importorskip("setuptools")
+    folder = tmp_path_factory.mktemp("installed")
+    source, environment = folder / "source", folder / "venv"
+    source.mkdir()
+    without = shutil.ignore_patterns("__pycache__")
+    for name in SHIPPED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, source / name, ignore=without)
+        else:
+            shutil.copy(ROOT / name, source / name)
+    venv.create(environment, symlinks=True)
+    setup = [sys.executable, "-c", "import setuptools; setuptools.setup()"]
+    install = ["install", "--single-version-externally-managed", "--record", str(folder / "files")]
+    done = subprocess.run(
+        [*setup, *install, "--prefix", str(environment)],
+        cwd=source,
+        env=os.environ | {"PYTHONPATH": ""},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    (site,) = environment.glob("lib/python*/site-packages")
+    (site / "libraries.pth").write_text(sysconfig.get_paths()["purelib"])
+    return environment / "bin" / "python"
+
+
+def run(command, folder):
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "MYPYPATH")}
+    return subprocess.run(
+        [str(part) for part in command], cwd=folder, env=environment, capture_output=True, text=True
+    )
+
+
+def test_the_example_comes_along(installed, tmp_path):
+    script = "import bearingwear as b; print(b.__file__, b.example().name)"
+    done = run([installed, "-c", script], tmp_path)
+    file, name = done.stdout.split()
+    assert Path(file).is_relative_to(installed.parents[1]) and name == "gyro_s1", done.stderr
+
+
+def test_types(installed, tmp_path):
+    """Two lines of a user are understood, and two wrong ones are found."""
+    (tmp_path / "right.py").write_text(
+        "import bearingwear\n"
+        "case = bearingwear.solve(bearingwear.example().with_({'operation.preload_N': 9.0}))\n"
+        "reveal_type(case)\n"
+    )
+    (tmp_path / "wrong.py").write_text(
+        "import bearingwear\nbearingwear.solve(7)\nbearingwear.sweep('a.yaml', 'operation')\n"
+    )
+    command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", installed]
+    cache = ["--cache-dir", tmp_path / "cache"]
+    right, wrong = (run([*command, *cache, file], tmp_path) for file in ("right.py", "wrong.py"))
+    assert 'Revealed type is "xarray.core.dataset.Dataset"' in right.stdout
+    assert right.returncode == 0, right.stdout
+    assert wrong.returncode == 1 and "Found 2 errors in 1 file" in wrong.stdout, wrong.stdout
