@@ -38,7 +38,9 @@ def solve(output, *more) -> int:
 
 def test_solve(tmp_path, capsys):
     assert solve(tmp_path / "new" / "case.nc") == 0
-    assert capsys.readouterr() == ("", "")
+    sheet, err = capsys.readouterr()
+    assert not err and main(["show", str(tmp_path / "new" / "case.nc")]) == 0
+    assert capsys.readouterr().out == sheet and "axial stiffness" in sheet
     assert os.listdir(tmp_path / "new") == ["case.nc"]
     case = load(tmp_path / "new" / "case.nc")
     assert int(case["status"]) == code.OK
@@ -115,7 +117,7 @@ def test_interrupt(tmp_path, capsys, monkeypatch):
 
 def test_life(tmp_path, capsys):
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
-    assert main([*argv, "--set", "operation.preload_method=fixed_position"]) == 0
+    assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     assert capsys.readouterr() == ("", "")
     life = load(tmp_path / "life.nc")
     assert int(life["status"]) == code.OK
@@ -201,7 +203,7 @@ def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
 def rewrite_scene(path, change):
     import netCDF4
 
-    assert solve(path) == 0
+    assert solve(path, "--quiet") == 0
     with netCDF4.Dataset(path, "a") as file:
         file.scene = change(file.scene)
 
@@ -245,7 +247,7 @@ def test_help(argv, capsys):
         [],
         ["prove"],
         ["solve"],
-        ["solve", "a.yaml"],
+        ["solve", "a.yaml", "--json", "--csv"],
         ["solve", "a.yaml", "-o", "x.nc", "more"],
         ["solve", "a.yaml", "-o", "x.nc", "--fidelity", "best"],
         ["solve", "a.yaml", "-o", "x.nc", "--sets", "a=1"],
@@ -295,7 +297,8 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
     more = [text for key, value in changes for text in ("--set", f"{key}={value}")]
     if "fidelity" in settings:
         more += ["--fidelity", settings["fidelity"]]
-    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), *more]) == 0
+    assert capsys.readouterr() == ("", "")  # rules print no sheets
+    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), "--quiet", *more]) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 

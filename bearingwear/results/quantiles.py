@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import CaseFileError, header, load
 from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
@@ -87,7 +87,9 @@ def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
     found = []
     for file in [path, *(file for place in PLACES_BESIDE for file in sorted(folder.glob(place)))]:
         with contextlib.suppress(CaseFileError):
-            found.append(load_quantiles(file))
+            # most files are of another kind, and need not wait for xarray
+            if header(file).get("kind") == KIND:
+                found.append(load_quantiles(file))
     return found
 
 
