@@ -440,3 +440,34 @@ def test_show_quotes_the_life_that_the_scene_counts(tmp_path, capsys, counts):
     both = next(line for line in lines if line.startswith("life ")).split()
     quoted = next(line for line in lines if line.startswith("counts: ")).split()
     assert quoted[-1] == both[-2 if counts == "ball" else -1]
+
+
+@pytest.mark.parametrize(
+    ("command", "meant"),
+    [("slove", "solve"), ("sovle", "solve"), ("plto", "plot"), ("checks", "check")],
+)
+def test_a_mistyped_command(command, meant, capsys):
+    assert main([command]) == 2
+    assert f"{command!r}; did you mean {meant}" in capsys.readouterr().err
+
+
+def test_the_hidden_command_is_not_offered(capsys):
+    assert main(["xyz"]) == 2
+    err = capsys.readouterr().err
+    assert "allowed new, check, solve, life" in err and "step" not in err
+
+
+def test_plot_in_any_order_of_arguments(tmp_path, capsys):
+    file, figure = tmp_path / "a.nc", tmp_path / "a.png"
+    assert solve(file, "--quiet") == 0
+    for argv in (["-o", figure, file], [file, "-o", figure], ["-o", file, figure]):
+        capsys.readouterr()
+        assert main(["plot", *map(str, argv)]) == 0
+        assert capsys.readouterr() == (f"{figure}: written\n", "")
+        assert figure.read_bytes().startswith(b"\x89PNG")
+        figure.unlink()
+    assert main(["plot", str(file)]) == 0
+    assert (tmp_path / "a.svg").is_file() and file.is_file()
+    for argv in ([], ["-o", str(figure)], ["-o", str(file), str(file)]):
+        assert main(["plot", *argv]) == 2
+        assert "result files; allowed one, FILE.nc" in capsys.readouterr().err

@@ -172,6 +172,22 @@ def test_compare_tells_scene_and_place(kinds, tmp_path, capsys):
     assert "\n2 keys of the scene and " in text
 
 
+def test_compare_lists_results_before_how_they_were_solved(kinds, tmp_path, capsys):
+    """The residuals differ by far more, and mean nothing; they stand apart."""
+    other = tmp_path / "other.nc"
+    made("solve", SCENE, "-o", other, "--set", "operation.preload_N=9")
+    capsys.readouterr()
+    assert main(["compare", str(kinds["steady case"]), str(other)]) == 1
+    text = capsys.readouterr().out
+    heads = ("  result ", "  scene ", "  how well it was solved ", "  how it was made ")
+    places = [text.index(head) for head in heads]
+    assert places == sorted(places)
+    results, _, numerics, _ = (text[a:b] for a, b in zip(places, [*places[1:], None], strict=True))
+    assert re.search(r"^  axial_stiffness +N/um +4\.48\d+ ", results, re.M)
+    assert "friction_residual" in numerics and "residual  " not in results
+    assert "error" not in results and "rounding" not in results
+
+
 def test_what_made_a_file_does_not_count(kinds, tmp_path, capsys):
     copy = tmp_path / "copy.nc"
     shutil.copy(kinds["steady case"], copy)
@@ -191,7 +207,7 @@ def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
     assert main(["compare", str(kinds["study"]), str(copy), "--tolerance", "0.9"]) == 1
     text = capsys.readouterr().out
     place = "preload_method fixed_position, ball_diameter_loss 0.5"
-    assert re.search(rf"^  total_qv +W +0\.\d+ +missing +- +{place}$", text, re.M), text
+    assert re.search(rf"^  total_qv +mW +\d+\.\d+ +missing +- +{place}$", text, re.M), text
     assert re.search(r"^  status +ok +\w+ +- +preload_method constant_force", text, re.M), text
 
 
