@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -109,14 +109,22 @@ def _plain(value: Any) -> Any:
 
 
 def _lines(block: Block) -> list[str]:
-    lines = [_line(block.title, block.unit, block.columns)] if block.title else []
-    for row in block.rows:
-        texts = [_shown(value, row.unit, block.given) for value in row.values]
+    cells = [[_shown(value, row.unit, block.given) for value in row.values] for row in block.rows]
+    longest = max((len(t) for texts in [block.columns, *cells] for t in texts), default=0)
+    label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
+    value_width = max(VALUE_WIDTH, longest + 2)
+
+    def line(label: str, unit: str, texts: Iterable[str]) -> str:
+        columns = "".join(f"{text:>{value_width}}" for text in texts)
+        return f"  {label:<{label_width}}{unit:<{UNIT_WIDTH}}{columns}"
+
+    lines = [line(block.title, block.unit, block.columns)] if block.title else []
+    for row, texts in zip(block.rows, cells, strict=True):
         limit = "" if row.limit is None else f"limit {digits(row.limit, row.unit)}"
         notes = ", ".join(filter(None, (limit, row.note)))
-        line = _line(row.label, row.unit, texts)
-        lines.append(f"{line}  {notes}" if notes else line)
-    return [*lines, *(f"  {line}" for line in block.lines)]
+        text = line(row.label, row.unit, texts)
+        lines.append(f"{text}  {notes}" if notes else text)
+    return [*lines, *(f"  {text}" for text in block.lines)]
 
 
 def _shown(value: Any, unit: str, given: bool) -> str:
@@ -125,8 +133,3 @@ def _shown(value: Any, unit: str, given: bool) -> str:
     if given:
         return f"{value:.6g}"
     return NOT_SOLVED if math.isnan(value) else digits(value, unit)
-
-
-def _line(label: str, unit: str, texts: Any) -> str:
-    columns = "".join(f"{text:>{VALUE_WIDTH}}" for text in texts)
-    return f"  {label:<{LABEL_WIDTH}}{unit:<{UNIT_WIDTH}}{columns}"

@@ -114,3 +114,8 @@ def in_print(unit: str) -> str:
     """A unit with its proper characters, in one piece: `N/um` as `N/µm`."""
     text = re.sub(r"u(?=[mNs])", "µ", unit).replace("m3", "m³").replace("degree", "°")
     return text.replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def in_ascii(text: str) -> str:
+    """A text with its units as a terminal has them: `N/µm` as `N/um`."""
+    return text.replace("µ", "u").replace("³", "3").replace("\N{NO-BREAK SPACE}", " ")

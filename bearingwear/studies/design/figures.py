@@ -30,17 +30,8 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, front, limit_margins, limits_of
 from bearingwear.studies.design.recommend import best_method
+from bearingwear.studies.design.words import LIMIT_WORDS
 
-LIMIT_WORDS = {
-    "gyroscopic_slip_share": "gyroscopic slip share",
-    "axial_stiffness_N_um": "axial stiffness",
-    "maximum_pressure_GPa": "contact pressure",
-    "friction_power_W": "friction power",
-    "none": "nothing: life is longest there",
-    "end_of_range": "end of the map",
-    "not_solved": "an unsolved neighbour",
-    "no_preload_within_limits": "no preload keeps to all limits",
-}
 LETTERS = dict(zip(ACTIVE, "GSPFLEU×", strict=True))
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}

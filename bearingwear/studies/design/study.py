@@ -25,6 +25,9 @@ _FILES = {
 }
 _FIGURES = ("design", "map", "uncertainty")
 
+SHEETS = {"recommendation": "bearingwear.studies.design.show:recommendation_sheet"}
+"""What `bearingwear show` says of the kinds of files that this study makes."""
+
 PLOTS = {
     "design map": "bearingwear.studies.design.figures:map_overview",
     "uncertainty": "bearingwear.studies.design.uncertainty_figure:uncertainty_figure",

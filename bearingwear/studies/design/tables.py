@@ -26,17 +26,11 @@ from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.draw import design_files
-from bearingwear.studies.design.figures import IN_GPA, IN_N_UM, LIMIT_WORDS, design_message
+from bearingwear.studies.design.figures import IN_GPA, IN_N_UM, design_message
 from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
-
-LIMIT_TEXT = {
-    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} in any contact",
-    "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
-    "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
-    "friction_power_W": "power of friction and drag at most {:g} W",
-}
+from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path) -> tuple[str, str]:

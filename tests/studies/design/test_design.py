@@ -1,6 +1,7 @@
 """The design study: its plan, the choice of a preload, and its steps on a map of a few lives."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from support import ROOT, scene_file, with_value
 from bearingwear.cli import main
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.netcdf import load
+from bearingwear.results.show import sheet
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
@@ -126,6 +128,26 @@ def test_choice_and_what_holds_it(line, limits, index, active):
     found, held = best_within(line, limits, basis=1)
     assert int(found) == index
     assert ACTIVE[int(held)] == active
+
+
+def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, capsys):
+    """Its status is -1, which must not be read as the last of the names."""
+    scene, parts = scene_file("gyro_s1"), []
+    for method in METHODS:
+        parts.append(tmp_path / f"{method}.nc")
+        part = map_part(scene, method, 0.08, [30000.0], [5.0, 7.0, 9.0], slip_limit=0.25)
+        write_dataset(part, parts[-1])
+    design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
+    write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.6}), design)
+    write_dataset(recommendation_of(scene, design), file)
+    assert load(file)["status"].values.tolist() == [0, -1]
+    assert main(["show", str(file)]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"held by +axial stiffness +no preload keeps to all limits\n", text)
+    assert re.search(r"least axial stiffness +N/um +4\.6 +–\n", text)
+    # and so it is where a file is shown like any other
+    several = sheet(file).text
+    assert "there was none to solve" in several and "jammed" not in several
 
 
 def test_front_leaves_out_what_is_beaten_or_unsolved():
