@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear.results.netcdf import CaseFileError, header, load
+from bearingwear.results.units import digits
 from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
@@ -58,7 +59,8 @@ class Quantile(NamedTuple):
     def text(self) -> str:
         """`L10 1.2 h [1.1, 1.3]`, which breaks into lines before the bracket only."""
         new = ", beyond a limit when new" if self.hours == 0.0 else ""
-        value, ends = f"{self.name} {self.hours:.3g} h", f"[{self.low:.3g}, {self.high:.3g}]"
+        value = f"{self.name} {digits(self.hours)} h"
+        ends = f"[{digits(self.low)}, {digits(self.high)}]"
         return " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in (value, ends)) + new
 
 

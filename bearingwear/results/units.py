@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -108,6 +109,13 @@ def digits(value: float, unit: str = "") -> str:
     if unit.startswith("%") and 0.0 < abs(value) < LEAST_PERCENT:
         return f"< {LEAST_PERCENT:g}"
     return f"{rounded(value) + 0.0:.7g}"
+
+
+def span(values: Iterable[float]) -> str:
+    """The least and the most of the values that are known: `1.2 to 3`; a dash without any."""
+    known = sorted(value for value in values if math.isfinite(value))
+    ends = [digits(value) for value in (known[0], known[-1])] if known else ["–"]
+    return " to ".join(dict.fromkeys(ends))
 
 
 def in_print(unit: str) -> str:

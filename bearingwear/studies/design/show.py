@@ -11,18 +11,7 @@ from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display, in_ascii
 from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS
-
-SHOWN = {
-    "preload": "preload",
-    "axial_stiffness": "least axial stiffness",
-    "maximum_pressure": "largest pressure",
-    "friction_power": "largest friction power",
-    "gyroscopic_slip_share": "largest gyroscopic slip share",
-    "residual_preload_at_end": "preload left at the end",
-}
-AS = {"gyroscopic_slip_share": "%"}
-"""What a share is shown as."""
+from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
 
 
 def recommendation_sheet(file: Any) -> Sheet:
@@ -37,7 +26,8 @@ def recommendation_sheet(file: Any) -> Sheet:
             Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
             for k, way in enumerate(COUNTS)
         ),
-        *(_row(file, name, label) for name, label in SHOWN.items() if name in file.variables),
+        _row(file, "preload", "preload", ""),
+        *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
     ]
     given = json.loads(getattr(file, "limits", "{}"))
     limits = [in_ascii(LIMIT_TEXT[name].format(value)) for name, value in given.items() if value]
@@ -62,7 +52,7 @@ def _known(value: Any) -> Any:
     return "–" if isinstance(value, float) and np.isnan(value) else value
 
 
-def _row(file: Any, name: str, label: str) -> Row:
+def _row(file: Any, name: str, label: str, shown: str) -> Row:
     found = values(file, name)
-    unit = display(str(file[name].units), found, shown=AS.get(name, ""))
+    unit = display(str(file[name].units), found, shown=shown)
     return Row(label, unit.unit, tuple(float(x) for x in np.atleast_1d(unit.of(found))), name)

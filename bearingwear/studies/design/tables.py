@@ -22,15 +22,16 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
+from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.draw import design_files
-from bearingwear.studies.design.figures import IN_GPA, IN_N_UM, design_message
+from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
-from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS
+from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path) -> tuple[str, str]:
@@ -105,7 +106,7 @@ def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
     method, one = methods(recommendation)[k]
     known = quantiles_of([uncertainty], scene, method, scene["friction"]["ball_race"], RECOMMENDED)
     said = [
-        f"{float(one['life'].isel(loss_basis=c)):.4g} h counting {in_words(way)} "
+        f"{digits(float(one['life'].isel(loss_basis=c)))} h counting {in_words(way)} "
         f"({quantiles_text((known or {}).get(way, ()))})"
         for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
     ]
@@ -115,23 +116,26 @@ def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
 def _choice(recommendation: xr.Dataset) -> list[str]:
     basis = counted(recommendation)
     rows: dict[str, list[str]] = {}
+    quantities = {
+        name: (label, display(recommendation[name].attrs["units"], recommendation[name], shown=as_))
+        for name, (label, as_) in RECOMMENDED_WORDS.items()
+    }
     for _, one in methods(recommendation):
         error = float(one["life_error_estimate"].isel(loss_basis=basis))
         cells = {
-            "preload (N)": f"{float(one['preload']):.3f}",
+            "preload (N)": digits(float(one["preload"])),
             "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
             **{
                 f"life counting {in_words(COUNTS[k])} (h)": (
-                    f"{float(one['life'].isel(loss_basis=k)):.4g}"
+                    digits(float(one["life"].isel(loss_basis=k)))
                 )
                 for k in (basis, 1 - basis)
             },
             "estimated numerical error of the life": f"{100 * error:.2g} %",
-            "largest gyroscopic slip share": f"{float(one['gyroscopic_slip_share']):.3f}",
-            "least stiffness (N/µm)": f"{IN_N_UM * float(one['axial_stiffness']):.3f}",
-            "largest pressure (GPa)": f"{IN_GPA * float(one['maximum_pressure']):.3f}",
-            "largest friction power (W)": f"{float(one['friction_power']):.4f}",
-            "preload left at the end (N)": f"{float(one['residual_preload_at_end']):.3f}",
+            **{
+                unit.label(label): unit.text(one[name])
+                for name, (label, unit) in quantities.items()
+            },
         }
         for label, cell in cells.items():
             rows.setdefault(label, []).append(cell)
@@ -162,17 +166,17 @@ def _quantile_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
     everything = one.sel(uncertain_inputs=ALL_INPUTS)
     columns = ("life_quantile", "life_quantile_low", "life_quantile_high")
     quantiles = [
-        f"{value:.3g} [{low:.3g}, {high:.3g}]"
+        f"{digits(value)} [{digits(low)}, {digits(high)}]"
         for value, low, high in zip(*(everything[name].values for name in columns), strict=True)
     ]
     known = one["life_quantile"].sel(uncertain_inputs=ALL_BUT_WEAR)
     low, high = float(known.sel(probability=0.1)), float(known.sel(probability=0.9))
     return [
-        f"{where}, {float(one['preload']):.3g} N",
+        f"{where}, {digits(float(one['preload']))} N",
         in_words(way),
-        f"{float(one['nominal_life']):.4g}",
+        digits(float(one["nominal_life"])),
         *quantiles,
-        f"{low:.3g} to {high:.3g}",
+        f"{digits(low)} to {digits(high)}",
         f"{100 * float(one['solved_share']):.4g} % of {int(one['evaluations'])}",
     ]
 

@@ -19,3 +19,12 @@ LIMIT_TEXT = {
     "friction_power_W": "power of friction and drag at most {:g} W",
 }
 """What a limit asks for."""
+
+RECOMMENDED_WORDS = {
+    "axial_stiffness": ("least axial stiffness", ""),
+    "maximum_pressure": ("largest pressure", ""),
+    "friction_power": ("largest friction power", ""),
+    "gyroscopic_slip_share": ("largest gyroscopic slip share", "%"),
+    "residual_preload_at_end": ("preload left at the end", ""),
+}
+"""Quantities beside a recommended life, and what they are shown as where a unit does not say."""

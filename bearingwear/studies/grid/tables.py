@@ -19,9 +19,11 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
+from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
+_LOSS = display("m")
 AXES = ("preload_method", "friction", "ball_diameter_loss")
 
 
@@ -89,12 +91,13 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     scene = scene_of(study)
     losses = study["ball_diameter_loss"].values
     first, last = f"{losses[0]:g} µm", f"{losses[-1]:g} µm"
+    power = display("W", study["total_qv"].isel(ball_diameter_loss=[0, -1]))
     wear = [
         [
             in_words(name),
             f"{mu:g}",
-            *(f"{1e3 * state['total_qv'].sel(friction=mu)[k]:.1f}" for k in (0, -1)),
-            *(f"{state['residual_preload'].sel(friction=mu)[k]:.3f}" for k in (0, -1)),
+            *(power.text(state["total_qv"].sel(friction=mu)[k]) for k in (0, -1)),
+            *(digits(float(state["residual_preload"].sel(friction=mu)[k])) for k in (0, -1)),
         ]
         for name, state in methods(study)
         for mu in study["friction"].values
@@ -113,10 +116,10 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
                     *(
                         cell
                         for hours, way in zip(one["life"].values, COUNTS, strict=True)
-                        for cell in (f"{hours:.4g}", quantiles_text(spread.get(way, ())))
+                        for cell in (digits(float(hours)), quantiles_text(spread.get(way, ())))
                     ),
                     in_words(ends[int(one["end_criterion"])]),
-                    f"{1e6 * one['loss_at_end']:.4f}",
+                    _LOSS.text(one["loss_at_end"]),
                     f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
                 ]
             )
@@ -125,7 +128,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
         plain_text(scene.get("description", "")),
         "## What wear does",
         markdown_table(
-            "preload method | friction | QV (mW) at " + first + " | at " + last
+            f"preload method | friction | {power.label('QV')} at " + first + " | at " + last
             + " | residual preload (N) at " + first + " | at " + last,
             wear,
         ),
@@ -133,7 +136,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
         "## Wear life",
         markdown_table(
             "preload method | friction | life (h), ball alone | its spread | balls and races "
-            "| its spread | ended by | at loss (µm) | interpolated against solved",
+            "| its spread | ended by | at a loss of (µm) | interpolated against solved",
             life,
         ),
         QUANTILES_TEXT if any(spreads) else "",

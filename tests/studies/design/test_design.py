@@ -14,6 +14,7 @@ from bearingwear.cli import main
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.netcdf import load
 from bearingwear.results.show import sheet
+from bearingwear.results.units import digits
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
@@ -330,7 +331,8 @@ def test_answer_stands_first(folder):
     )
     l10, l50 = (float(q) for q in spread["life_quantile"][:2])
     assert f"constant force at {float(found['preload']):.3g} N" in first
-    assert f"{float(found['life'][1]):.3g} h (L10 {l10:.2g} h, L50 {l50:.2g} h)" in first
+    life, l10, l50 = (digits(x) for x in (float(found["life"][1]), l10, l50))
+    assert f"{life} h (L10 {l10} h, L50 {l50} h)" in first
     assert first.endswith("held by axial stiffness")
 
 
