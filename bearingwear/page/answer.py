@@ -216,9 +216,7 @@ def _how_sure(lives: Sequence[Life]) -> list[str]:
     if said:
         said.append(QUANTILES_TEXT)
     if not all(life.spread for life in lives):
-        said.append(
-            _sentence(f"{NO_QUANTILES}{' for the others' if said else ''}, {SEE}".replace("`", ""))
-        )
+        said.append(_sentence(f"{NO_QUANTILES}{' for the others' if said else ''}, {SEE}"))
     return said
 
 

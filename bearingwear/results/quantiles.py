@@ -38,7 +38,7 @@ CONFIDENCE = 0.95
 """Of the intervals of quantiles and Sobol indices."""
 
 NO_QUANTILES = "no spread computed"
-SEE = "see `uncertain_lives` in config/README.md, or `bearingwear uncertainty`"
+SEE = "the command bearingwear uncertainty computes it"
 QUANTILES_TEXT = (
     "Spread: L10 is the life that 10 % of bearings do not reach, L50 the one that half of them do "
     f"not, with all that the scene calls uncertain; in brackets their {100 * CONFIDENCE:g} % "

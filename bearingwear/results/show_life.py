@@ -11,7 +11,7 @@ import numpy as np
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.rows import COUNTED, VARIABLES, mean, mean_rows, meaning, row_of, values
 from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import display
+from bearingwear.results.units import display, key_in_words
 from bearingwear.results.variables import RACES
 from bearingwear.scene.scene import COUNTS
 
@@ -96,7 +96,7 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
 
 
 def _words(file: Any, name: str) -> str:
-    return meaning(file, name).replace("_", " ")
+    return key_in_words(meaning(file, name))[0]
 
 
 def _steady_life(file: Any) -> list[Block]:

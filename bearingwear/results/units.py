@@ -124,6 +124,29 @@ def in_print(unit: str) -> str:
     return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
+KEY_UNITS = {
+    "_N_um": "N/um",
+    "_kg_m3": "kg/m3",
+    "_m_s": "m/s",
+    "_GPa": "GPa",
+    "_mrad": "mrad",
+    "_rpm": "r/min",
+    "_deg": "degree",
+    "_mm": "mm",
+    "_um": "um",
+    "_N": "N",
+    "_W": "W",
+}
+"""Units at the ends of the keys of scenes and limits."""
+
+
+def key_in_words(key: str) -> tuple[str, str]:
+    """The last part of a key in words, and its unit: `ball diameter`, `mm`."""
+    name = key.rpartition(".")[2]
+    end = next((end for end in KEY_UNITS if name.endswith(end)), "")
+    return name.removesuffix(end).replace("_", " "), KEY_UNITS.get(end, "")
+
+
 def in_ascii(text: str) -> str:
     """A text with its units as a terminal has them: `N/µm` as `N/um`."""
     return text.replace("µ", "u").replace("³", "3").replace("\N{NO-BREAK SPACE}", " ")

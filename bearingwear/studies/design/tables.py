@@ -22,7 +22,7 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import digits, display, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of
@@ -198,7 +198,7 @@ def _indices(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
             f"{float(one['total_index']):.3f} ± {float(one['total_index_error']):.3f}"
             for one in indices
         ]
-        rows.append([f"`{name}`", distribution_text(scene["uncertainty"][name]), *cells])
+        rows.append([key_in_words(name)[0], distribution_text(scene["uncertainty"][name]), *cells])
     names = [in_words(name) for name, _ in methods(uncertainty)]
     return [
         markdown_table(
@@ -229,9 +229,13 @@ def _statuses(design: xr.Dataset) -> list[str]:
     solves = int(design["solves"].sum())
     failed = int(design["failed_solves"].sum())
     count = np.bincount(status.ravel(), minlength=len(STATUS_NAMES))
-    rows = [[STATUS_NAMES[k], str(number)] for k, number in enumerate(count) if number or k == OK]
+    rows = [
+        [in_words(STATUS_NAMES[k]), str(number)]
+        for k, number in enumerate(count)
+        if number or k == OK
+    ]
     return [
-        f"{status.size} lives over preload, method, friction and speed (`map.csv`), made of "
+        f"{status.size} lives over preload, method, friction and speed (in map.csv), made of "
         f"{solves} steady states, of which {failed} were not found. A life that was not solved "
         "keeps its status and is never chosen.",
         markdown_table("status of the life | lives", rows),

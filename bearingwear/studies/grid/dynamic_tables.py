@@ -179,7 +179,7 @@ def _unsolved(both: xr.Dataset) -> Iterator[str]:
         for way, said in (("steady", "steady"), ("dynamic", "in time")):
             status = int(both[f"status.{way}"].transpose(*AXES).values[index])
             if status != OK:
-                yield f"- {_case_in_words(words)}, {said}: {STATUS_NAMES[status]}"
+                yield f"- {_case_in_words(words)}, {said}: {in_words(STATUS_NAMES[status])}"
 
 
 def _case_in_words(words: list[str]) -> str:

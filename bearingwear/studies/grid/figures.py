@@ -139,7 +139,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     """QV, residual preload, angles and wear rate against wear, a column each (Fig. 10)."""
     columns = len(frictions)
     figure, panels = new_figure(4, columns, max(4.4, 3.6 * columns), 8.6, sharex=True, sharey="row")
-    failed, ratios = False, []
+    failed = False
+    ratios: dict[str, list[str]] = {}
     pairs = zip(studies, frictions, strict=True)
     power = power_unit(*(study.sel(friction=mu) for study, mu in pairs))
     for column, study, mu in zip(panels.T, studies, frictions, strict=True):
@@ -155,7 +156,7 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
         column[0].set_title(f"{bearing}, {mu_is(mu)}")
-        ratios.append(f"{ratio} of QV at {mu_is(mu)} ({bearing})")
+        ratios.setdefault(bearing, []).append(f"{ratio} of QV at {mu_is(mu)}")
         column[-1].set_xlabel(LOSS_AXIS)
     labels = (
         power.label("QV"),
@@ -170,7 +171,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     at = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        f"{in_words(name)}: {at:g} µm of wear leaves {' and '.join(ratios)}",
+        f"{in_words(name)}, {at:g} µm of wear: "
+        + "; ".join(f"{bearing} keeps {' and '.join(of)}" for bearing, of in ratios.items()),
         method_keys(name for name, _ in states)
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],

@@ -20,12 +20,11 @@ from bearingwear.plotting.drawing import (
     percent,
     scene_of,
 )
-from bearingwear.results.units import display
+from bearingwear.results.units import display, in_print, key_in_words
 from bearingwear.studies.grid.figures import LOSS_AXIS
 
 MARKERS = "osd^vP"
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
-UNITS = {"mm": "mm", "deg": "°", "rpm": "r/min", "N": "N", "GPa": "GPa", "um": "µm"}
 MOST_DIFFERENCES = 4
 NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
 
@@ -102,16 +101,12 @@ def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _quantity(name: str, value: Any) -> str:
     """A key and its value in words: `pitch_diameter_mm`, 9.0 -> `pitch diameter 9 mm`."""
-    words, unit = name.removesuffix("_kg_m3").split("_"), ""
-    if name.endswith("_kg_m3"):
-        unit = "kg/m³"
-    elif words[-1] in UNITS:
-        unit = UNITS[words.pop()]
+    words, unit = key_in_words(name)
     if value is None:
-        return f"no {' '.join(words)}"
+        return f"no {words}"
     number = f"{value:g}" if isinstance(value, float) else str(value)
-    space = "" if unit == "°" else " "
-    return f"{' '.join(words)} {number}{space}{unit}".strip()
+    space = "" if unit == "degree" else " "
+    return f"{words} {number}{space}{in_print(unit)}".strip()
 
 
 def _flat(data: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:

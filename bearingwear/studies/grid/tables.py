@@ -19,7 +19,7 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import digits, display, key_in_words
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
@@ -118,7 +118,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
                         for hours, way in zip(one["life"].values, COUNTS, strict=True)
                         for cell in (digits(float(hours)), quantiles_text(spread.get(way, ())))
                     ),
-                    in_words(ends[int(one["end_criterion"])]),
+                    key_in_words(ends[int(one["end_criterion"])])[0],
                     _LOSS.text(one["loss_at_end"]),
                     f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
                 ]
@@ -140,7 +140,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
             life,
         ),
         QUANTILES_TEXT if any(spreads) else "",
-        f"Where no spread is computed: {SEE}." if not all(spreads) else "",
+        f"Where no spread is computed, {SEE}." if not all(spreads) else "",
         "## Not solved",
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
     ]  # fmt: skip
@@ -153,5 +153,5 @@ def _unsolved(study: xr.Dataset) -> Iterator[str]:
             one = state["status"][tuple(index)]
             yield (
                 f"- {in_words(name)}, friction {float(one['friction']):g}, "
-                f"loss {float(one['ball_diameter_loss']):g} µm: {STATUS_NAMES[int(one)]}"
+                f"loss {float(one['ball_diameter_loss']):g} µm: {in_words(STATUS_NAMES[int(one)])}"
             )
