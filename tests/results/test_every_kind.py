@@ -19,6 +19,7 @@ from bearingwear.studies.accuracy.plan import AccuracyPlan
 
 SCENE = str(scene_file("gyro_s1"))
 QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]
+NOT_DRAWN = ("sweep", "trade study")
 CASES = [
     f"{method}-mu0.080-loss{loss}"
     for method in ("constant_force", "fixed_position")
@@ -258,6 +259,23 @@ def test_a_life_in_time_is_drawn_and_tabulated(kinds, tmp_path, capsys):
         for run, given in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
             assert step(run, tmp_path / "no.svg", **given) == 2
             assert re.fullmatch(r".*: not a life followed in time\n", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k not in NOT_DRAWN])
+def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
+    copy = tmp_path / "a.nc"
+    shutil.copy(kinds[kind], copy)
+    assert main(["plot", str(copy)]) == 0
+    assert capsys.readouterr().out.endswith(f"{tmp_path / 'a.svg'}: written\n")
+    assert "<path" in (tmp_path / "a.svg").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", NOT_DRAWN)
+def test_what_cannot_be_drawn_says_so(kinds, kind, tmp_path, capsys):
+    """Parts of a study of accuracy are no results of their own."""
+    capsys.readouterr()
+    assert main(["plot", str(kinds[kind]), "-o", str(tmp_path / "a.svg")]) == 2
+    assert re.fullmatch(r"given .* sweeps?.*; allowed .*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -294,6 +294,10 @@ def _mapped(
 ) -> None:
     """A quantity of every method, a panel each."""
     drawn = values.where(np.isfinite(values) & (values > 0.0))
+    if not bool(drawn.notnull().any()):  # never solved, or nothing but zeros
+        for panel in row:
+            panel.axis("off")
+        return
     norm = LogNorm(float(drawn.min()), float(drawn.max()))
     axes = plane["preload"], plane["friction"]
     image = None

@@ -2,6 +2,7 @@
 
 import math
 import re
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
@@ -149,6 +150,25 @@ def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, cap
     # and so it is where a file is shown like any other
     several = sheet(file).text
     assert "there was none to solve" in several and "jammed" not in several
+
+
+def test_single_files_are_drawn(folder, tmp_path, capsys):
+    """A map of one friction as lines, a recommendation, the spread of one scene's life."""
+    spread = tmp_path / "spread.nc"
+    scene = str(scene_file("gyro_s1"))
+    assert main(["uncertainty", scene, "--samples", "16", "-o", str(spread)]) == 0
+    files = {
+        folder / "design.nc": "life, stiffness and slip over preload",
+        folder / "constant_force.nc": "life, stiffness and slip over preload",
+        folder / "recommendation.nc": "life at the recommended preload",
+        folder / "uncertainty.nc": "life spreads by a factor",
+        spread: "L10",
+    }
+    for path, said in files.items():
+        figure = tmp_path / f"{path.stem}.svg"
+        assert main(["plot", str(path), "-o", str(figure)]) == 0
+        title = ET.parse(figure).getroot().findtext("{http://www.w3.org/2000/svg}title")
+        assert said in title, title
 
 
 def test_front_leaves_out_what_is_beaten_or_unsolved():
