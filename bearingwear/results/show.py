@@ -143,8 +143,9 @@ def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
 
 
 def _warnings(file: Any) -> list[str]:
-    """What a result warns of, a sentence each."""
-    return [str(text) for text in json.loads(getattr(file, "warnings", "") or "[]")]
+    """What a result warns of and what to do, a line each."""
+    found = json.loads(getattr(file, "warnings", "[]"))
+    return [f"{one['sentence']}; {one['advice']}" for one in found]
 
 
 def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:

@@ -98,6 +98,15 @@ def test_show(kinds, kind, said, capsys):
     assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
 
 
+def test_a_life_in_time_shows_what_it_followed(kinds, capsys):
+    """It follows one way of counting wear; labels do not run into their units."""
+    assert main(["show", str(kinds["life in time"])]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"^  wear counted +ball \+ races$", text, re.M)
+    assert re.search(r"^  life +h +[\d.]+$", text, re.M) and "not solved" not in text
+    assert re.search(r"^  its time to the loss above +h +[\d.]+$", text, re.M)
+
+
 def test_show_scene(capsys):
     assert main(["show", SCENE]) == 0
     text = capsys.readouterr().out

@@ -115,11 +115,12 @@ def test_warnings_stand_at_the_head(tmp_path, capsys):
     file = tmp_path / "x.nc"
     printed(capsys, "solve", SCENE, "-o", file)
     with netCDF4.Dataset(file, "a") as case:
-        case.warnings = json.dumps(["the ellipse runs over the shoulder"])
+        warning = {"sentence": "the ellipse runs over the shoulder", "advice": "less load"}
+        case.warnings = json.dumps([warning])
     head = printed(capsys, "show", file).partition("\n\n")[0].splitlines()
-    assert head[-1] == "warning: the ellipse runs over the shoulder"
+    assert head[-1] == "warning: the ellipse runs over the shoulder; less load"
     assert json.loads(printed(capsys, "show", file, "--json"))["warnings"] == [
-        "the ellipse runs over the shoulder"
+        "the ellipse runs over the shoulder; less load"
     ]
 
 
