@@ -104,12 +104,7 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def in_memory(result: Result) -> Iterator[Any]:
-    """The file of a result, open for reading, that is nowhere on the disk.
-
-    Yields
-    ------
-    netCDF4.Dataset
-    """
+    """The `netCDF4.Dataset` of a result, open for reading, that is nowhere on the disk."""
     import netCDF4
 
     entries, attrs = _entries(result)

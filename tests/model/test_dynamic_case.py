@@ -324,7 +324,7 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
 
 def test_show(case, capsys):
     capsys.readouterr()
-    assert main(["show", str(case)]) == 0
+    assert main(["show", str(case), "--all"]) == 0
     lines = capsys.readouterr().out.splitlines()
     rows = {line[2:28].strip(): line.split()[-1] for line in lines if line.startswith("  ")}
     assert rows["turns simulated"] == "40" and rows["turns averaged"] == "20"

@@ -13,6 +13,7 @@ from support import ROOT, scene_file, with_value
 
 from bearingwear.cli import main
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import load
 from bearingwear.results.show import sheet
 from bearingwear.results.units import digits
@@ -332,11 +333,11 @@ def test_every_status_is_counted(folder, tmp_path):
     assert step("design.tables.tables", out, **files) == 0
     text = (tmp_path / "design.md").read_text()
     for name, count in (("ok", 8), ("not_converged", 1), ("beyond_groove", 1)):
-        assert f"| {name} | {count} |" in text
+        assert f"| {in_words(name)} | {count} |" in text
         assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
     solves = int(design["solves"].sum())
     assert (
-        f"10 lives over preload, method, friction and speed (`map.csv`), made of {solves}" in text
+        f"10 lives over preload, method, friction and speed (in map.csv), made of {solves}" in text
     )
 
 

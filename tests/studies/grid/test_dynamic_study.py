@@ -184,7 +184,7 @@ def test_comparison_tables(folder, tmp_path):
     assert (
         text.count(": the wear of all parts still drifts by +20 % over the turns averaged") == 4
     )  # of those solved
-    assert text.count("in time: not_converged") == 2 and text.count("steady: not_converged") == 1
+    assert text.count("in time: not converged") == 2 and text.count("steady: not converged") == 1
 
 
 @pytest.mark.filterwarnings("error")
