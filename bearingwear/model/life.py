@@ -99,7 +99,8 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
             angle=values["contact_angle"].mean(axis=0),
             qv=values["qv"].mean(axis=0),
             total_qv=float(values["total_qv"]),
-            skid=0.0,
+            share=np.full(2, np.nan),  # race control knows neither
+            skid=np.nan,
             pressure=float(values["maximum_pressure"].max()),
             stiffness=float(values["axial_stiffness"]),
             friction_power=float(values["shaft_torque"]) * slip_speed,
