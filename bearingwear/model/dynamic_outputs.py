@@ -42,6 +42,7 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
         "maximum_pressure": run.loads.largest_pressure(contacts[:, :, PRESSURE], count),
         "maximum_contact_load": run.loads.largest,
         "minimum_contact_load": run.loads.smallest,
+        "unloaded_share": run.loads.unloaded / count,
     }
     change = {key: value - then.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])

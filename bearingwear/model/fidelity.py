@@ -98,7 +98,7 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     if not unseen:
         return chosen
     names = ", ".join(unseen)
-    other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "model.cage_results true"
+    other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "fidelity dynamic"
     if scene.wear.end_of_life and unseen.keys() == scene.wear.end_of_life.criteria.keys():
         raise NotAvailable(
             f"{scene.name}: wear.end_of_life: given {names} alone, which a life of fidelity "

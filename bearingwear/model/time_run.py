@@ -90,17 +90,19 @@ def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
 
 
 class LoadRange:
-    """Largest and smallest load of each contact over the instants of a window."""
+    """Loads of each contact over the instants of a window: largest, smallest, how often none."""
 
     def __init__(self, balls: int) -> None:
         self.largest = np.zeros((balls, 2))
         self.smallest = np.full((balls, 2), np.inf)
+        self.unloaded = np.zeros((balls, 2))  # instants
         self.roots = np.zeros((balls, 2))  # sum of the loads' cube roots: pressure goes by them
 
     def add(self, loads: np.ndarray) -> None:
         """Add loads (instants, n, 2) [N]."""
         self.largest = np.maximum(self.largest, loads.max(axis=0))
         self.smallest = np.minimum(self.smallest, loads.min(axis=0))
+        self.unloaded += (loads == 0.0).sum(axis=0)
         self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
 
     def largest_pressure(self, mean: np.ndarray, count: int) -> np.ndarray:

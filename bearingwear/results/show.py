@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -36,6 +37,7 @@ from bearingwear.results.quantiles import (
     uncertainties_at,
 )
 from bearingwear.results.variables import CASE, EXTREMES, LIFE, RACES, of_all_balls
+from bearingwear.results.warnings import warning_lines
 from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
@@ -126,7 +128,7 @@ def summary(path: str | os.PathLike[str], more: Registry = MappingProxyType({}))
     with opened(path) as file:
         kind = kind_of(file)
         lines_of = function(more[kind]) if kind in more else SUMMARIES.get(kind, _several)
-        lines = [*lines_of(file), *_quantile_lines(file, Path(path))]
+        lines = [*lines_of(file), *_quantile_lines(file, Path(path)), *_warnings(file)]
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -242,6 +244,12 @@ def _contact_row(file: Any, name: str, balls: int) -> str:
     return row(label, VARIABLES[name].display_unit, *map(number, of_all_balls(name, of_both, 0)))
 
 
+def _warnings(file: Any) -> list[str]:
+    found = warning_lines({"warnings": getattr(file, "warnings", "[]")})
+    wrapped = [text for line in found for text in textwrap.wrap(line, 110, subsequent_indent="  ")]
+    return ["", *wrapped] if wrapped else []
+
+
 def _dynamics(file: Any) -> list[str]:
     """What a dynamic case says beyond a steady one."""
     lines = ["", row("in time", ""), *_mean_rows(file, INTEGRATION)]
@@ -259,6 +267,7 @@ def _life(file: Any) -> list[str]:
     counts = json.loads(file.scene)["wear"]["counts"]
     lines.append(row(f"counts: {counts}", "h", number(values(file, "life")[COUNTS.index(counts)])))
     lines += ["", row("ended by", "", _meaning(file, "end_criterion"))]
+    lines += [f"  {file.ended_by}"] if hasattr(file, "ended_by") else []
     lines.append(_variable_row("loss_at_end", [float(_shown(file, "loss_at_end"))]))
     if "step" in file.dimensions and file.dimensions["step"].size:
         lines += ["", row("along the life", "", "start", "end")]

@@ -74,6 +74,7 @@ def test_pressure_goes_by_the_cube_root():
     loads = LoadRange(1)
     loads.add(np.array([[[8.0, 0.0]], [[1.0, 0.0]]], dtype="f4"))
     assert_allclose(loads.largest_pressure(np.array([[1.5, 0.0]]), 2), [[2.0, 0.0]])
+    assert_array_equal(loads.unloaded, [[0.0, 2.0]])
 
 
 def test_names_say_what_a_number_is(solved):
