@@ -44,8 +44,8 @@ LEAST_PRELOAD = 1.5e-3
 FLAT_GROOVE = 0.1
 """Loss over the gap at the ellipse's edge from which on a worn groove is not Hertz' any more."""
 
-SPEED_ASSUMED = "speed assumed"
-"""What the description of a scene says whose speed nobody gave."""
+SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
+"""What the description of a scene says whose speed nobody gave; true until another is."""
 
 LARGEST_EXCESS = 1e6
 """What is stated of anything over nothing at all."""
@@ -193,8 +193,9 @@ def _unwatched(e: Evidence) -> Finding | None:
 
 
 def _assumed(e: Evidence) -> Finding | None:
-    told = SPEED_ASSUMED in e.scene.description.lower()
-    return (None, {"value": e.scene.operation.shaft_speed_rpm}) if told else None
+    speed = e.scene.operation.shaft_speed_rpm
+    told = SPEED_ASSUMED.format(speed) in e.scene.description
+    return (None, {"value": speed}) if told else None
 
 
 def _when_new(e: Evidence) -> Finding | None:

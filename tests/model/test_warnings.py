@@ -80,7 +80,7 @@ ABSURD = {
         {"bearing.outer_shoulder_mm": 61.9, "operation.preload_N": 2000}, {"ellipse_over_shoulder"},
     ),
     "radial load that unloads balls": (RADIAL, {"inner_load_lost", "pressure_above_practice"}),
-    "speed of `new`": ({"description": "Speed assumed."}, {"speed_assumed"}),
+    "speed of `new`": ({"description": "Speed assumed: 19000 r/min."}, {"speed_assumed"}),
 }  # fmt: skip
 
 
@@ -106,6 +106,17 @@ def test_absurd_scenes(spindle, name):
 )  # fmt: skip
 def test_lives(spindle, changes, fidelity, expected):
     assert ids(life(variant(spindle, changes), fidelity)) == expected
+
+
+def test_a_speed_is_assumed_until_another_is_given(tmp_path):
+    path = tmp_path / "mine.yaml"
+    assert main(["new", str(path), "7008C"]) == 0
+    for speed, expected in (
+        ({}, {"speed_assumed"}),
+        ({"operation.shaft_speed_rpm": 12_000}, set()),
+    ):
+        scene = variant(path, speed)
+        assert {one["id"] for one in warnings_of(scene, choice(scene))} == expected
 
 
 def test_contacts_without_load(spindle):
@@ -253,7 +264,9 @@ def test_check_tells_what_the_scene_alone_shows(spindle, capsys):
 
 def test_python_warns(spindle):
     scene = variant(spindle, {"operation.preload_N": 20_000})
-    with pytest.warns(UserWarning, match=r"^spindle_7008C: peak pressure 3\.3\d GPa above 2 GPa") as caught:
+    with pytest.warns(
+        UserWarning, match=r"^spindle_7008C: peak pressure 3\.3\d GPa above 2 GPa"
+    ) as caught:
         found = bearingwear.solve(scene)
     assert len(caught) == 1 and caught[0].filename == __file__
     assert json.loads(found.attrs["warnings"])[0]["id"] == "pressure_above_practice"
