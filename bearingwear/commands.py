@@ -11,6 +11,7 @@ import contextlib
 import json
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,7 +51,9 @@ def new(args: argparse.Namespace) -> int:
 
 
 def check(args: argparse.Namespace) -> int:
+    from bearingwear.model.cautions import warnings_of
     from bearingwear.model.fidelity import accuracy_told, choice, effort
+    from bearingwear.results.warnings import warning_line
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
@@ -59,6 +62,8 @@ def check(args: argparse.Namespace) -> int:
         print(f"  {reason}")
     print(f"  {accuracy_told(scene, chosen)}")
     print(f"  {effort(scene, chosen)}")
+    for warning in warnings_of(scene, chosen):
+        print(f"  {warning_line(warning)}")
     return OK
 
 
@@ -218,6 +223,7 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
         from bearingwear.results.netcdf import write_result
 
         write_result(result, args.output)
+    _warn(result.attrs)
     if not args.quiet:
         from bearingwear.results.show import sheet, sheet_of_result
 
@@ -231,6 +237,13 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
 
 def _print_sheet(sheet: Sheet, args: argparse.Namespace) -> None:
     _print(sheet.json if args.json else sheet.csv if args.csv else sheet.text)
+
+
+def _warn(attributes: Mapping[str, Any]) -> None:
+    from bearingwear.results.warnings import warning_lines
+
+    for line in warning_lines(attributes):
+        _tell(line)
 
 
 def _print(text: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import textwrap
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -27,14 +28,17 @@ from bearingwear.results.rows import (
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.show_life import life_blocks
 from bearingwear.results.units import digits, display
-from bearingwear.results.variables import DIAGNOSTICS, RACES
+from bearingwear.results.variables import DIAGNOSTICS, EXTREMES, RACES, of_all_balls
+from bearingwear.results.warnings import warning_lines
 
 if TYPE_CHECKING:
     from bearingwear.model.result import Result
 
 # Variables, in the order of their rows; labels and units are in the table of variables.
+LOAD_RANGE = ("maximum_contact_load", "minimum_contact_load")
 CONTACT = (
     "contact_load",
+    *LOAD_RANGE,
     "contact_angle",
     "maximum_pressure",
     "semi_major_axis",
@@ -125,33 +129,30 @@ def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     status = STATUS_NAMES[int(values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
     why = (json.loads(getattr(file, "modelled", "[]")) or [""])[0].partition(": ")[2]
-    warnings = _warnings(file)
+    warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
     lines = [
         *(operation_lines(scene) if scene else ()),
         f"model {fidelity}{f' ({why})' if why else ''}, status {status}: "
         f"{status_sentence(status, scene)}",
-        *(f"warning: {text}" for text in warnings),
+        *(part for text in warnings for part in textwrap.wrap(text, 110, subsequent_indent="  ")),
     ]
     facts = {
         "scene": scene.get("name"),
         "fidelity": fidelity,
         "why": why,
         "status": status,
-        "warnings": warnings,
+        "warnings": [text.removeprefix("warning: ") for text in warnings],
     }
     return tuple(lines), facts
 
 
-def _warnings(file: Any) -> list[str]:
-    """What a result warns of and what to do, a line each."""
-    found = json.loads(getattr(file, "warnings", "[]"))
-    return [f"{one['sentence']}; {one['advice']}" for one in found]
-
-
 def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
+    """Of all balls, the mean; of an extreme, the largest or the smallest."""
     found = values(file, name)
-    both = [mean(found[..., k]) if found.ndim else np.nan for k in range(len(RACES))]
-    return row_of(name, both, limits.get(name))
+    of_all = found.reshape(-1, len(RACES)) if found.ndim else np.full((1, len(RACES)), np.nan)
+    made = row_of(name, of_all_balls(name, of_all, 0), limits.get(name))
+    several = found.ndim > 1 and found.shape[0] > 1 and name in EXTREMES
+    return made._replace(label=f"{made.label}, of all") if several else made
 
 
 def _case(file: Any) -> list[Block]:
@@ -159,7 +160,8 @@ def _case(file: Any) -> list[Block]:
     limits = _limits(scene)
     balls = file.dimensions["ball"].size
     mean_of = f" (mean of {balls} balls)" if balls > 1 else ""
-    contact = tuple(_race_row(file, name, limits) for name in CONTACT)
+    names = [name for name in CONTACT if name not in LOAD_RANGE or name in file.variables]
+    contact = tuple(_race_row(file, name, limits) for name in names)
     power = _friction_power(file)
     unit = display("W", power)
     bearing = (

@@ -50,9 +50,10 @@ def life_blocks(file: Any) -> list[Block]:
     own = Row(f"counts: {COUNTED[counted]}", "h", (_life_of(file, counted),), "life_of_the_scene")
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
+    said = (str(file.ended_by),) if hasattr(file, "ended_by") else ()
     blocks = [
         Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
-        Block("life", (), (own, ended, loss)),
+        Block("life", (), (own, ended, loss), said),
     ]
     if "step" in file.dimensions and file.dimensions["step"].size:
         names = ("history_residual_preload", "history_total_qv")

@@ -103,6 +103,12 @@ def parsed(text):
     return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
 
 
+def test_warnings_of_a_scene_stand_once(results, made):
+    text = words(parsed(made(*results)))
+    (said,) = re.findall(r"Warning, at its worst: 0\.7 um lost is [\d.]+ times.*?\)\.", text)
+    assert said.endswith(f"({len(GRID.cases()) // 2} cases, 4 lives).")
+
+
 def words(node):
     return " ".join("".join(node.itertext()).replace("\N{NO-BREAK SPACE}", " ").split())
 
