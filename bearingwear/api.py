@@ -16,6 +16,7 @@ from bearingwear.results.labels import coded, labelled
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
+from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.assumed import PRELOAD_CLASSES
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS
@@ -77,7 +78,8 @@ def solve(
     Warns
     -----
     UserWarning
-        The solver has not reached a verified answer; `status` and `message` say why.
+        The solver has not reached a verified answer; `status` and `message` say why. Or there is
+        more to say of the result: the attribute `warnings`.
     """
     checked = as_scene(scene)
     from bearingwear.model.solve import solve as solved
@@ -116,7 +118,7 @@ def life(
     Warns
     -----
     UserWarning
-        No life was found; `status` and `message` say why.
+        No life was found; `status` and `message` say why. Or as `solve`.
     """
     checked = for_life(as_scene(scene))
     from bearingwear.model.life import life as lived
@@ -125,12 +127,14 @@ def life(
 
 
 def _made(result: Result, scene: Scene) -> xr.Dataset:
-    """What `solve` and `life` return, and the warning that goes with it."""
+    """What `solve` and `life` return, and the warnings that go with it."""
     made = dataset(result, by_name=True)
     made.attrs["message"] = STATUS_SENTENCES[result.status]
     if result.status != "ok":
         text = f"{scene.name}: {result.status}: {STATUS_SENTENCES[result.status]}"
         warnings.warn(text, stacklevel=3)
+    for one in warnings_in(made.attrs):
+        warnings.warn(f"{scene.name}: {one['sentence']}; {one['advice']}", stacklevel=3)
     return made
 
 

@@ -11,6 +11,7 @@ import contextlib
 import json
 import shlex
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +50,9 @@ def new(args: argparse.Namespace) -> int:
 
 
 def check(args: argparse.Namespace) -> int:
+    from bearingwear.model.cautions import warnings_of
     from bearingwear.model.fidelity import accuracy_told, choice, effort
+    from bearingwear.results.warnings import warning_line
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
@@ -58,6 +61,8 @@ def check(args: argparse.Namespace) -> int:
         print(f"  {reason}")
     print(f"  {accuracy_told(scene, chosen)}")
     print(f"  {effort(scene, chosen)}")
+    for warning in warnings_of(scene, chosen):
+        print(f"  {warning_line(warning)}")
     return OK
 
 
@@ -213,12 +218,20 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
     if args.record_timing:
         result.attrs["wall_time_s"] = float(result.wall_time_s)
     write_result(result, args.output)
+    _warn(result.attrs)
     if result.status == "ok":
         return OK
     sys.stderr.write(
         one_line(f"{args.scene}: {result.status}: {result.reason} (see {args.output})")
     )
     return OK if args.record_failures else NOT_SOLVED
+
+
+def _warn(attributes: Mapping[str, Any]) -> None:
+    from bearingwear.results.warnings import warning_lines
+
+    for line in warning_lines(attributes):
+        _tell(line)
 
 
 def _print(text: str) -> None:

@@ -22,7 +22,7 @@ from bearingwear.kernels.record import (
     History,
     Sums,
 )
-from bearingwear.kernels.summary import ANGLE, QV
+from bearingwear.kernels.summary import ANGLE, PRESSURE, QV
 from bearingwear.kernels.thrust import skid_ratio
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.time_run import TimeRun, wear_per_joule
@@ -38,7 +38,12 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     count = sums.count[0]
     contacts = sums.contacts / count
     contacts[:, :, QV] = integrals[: contacts[:, :, QV].size].reshape(-1, 2) / time
-    values = averages(scene, bearing, sums, contacts)
+    values = averages(scene, bearing, sums, contacts) | {
+        "maximum_pressure": run.loads.largest_pressure(contacts[:, :, PRESSURE], count),
+        "maximum_contact_load": run.loads.largest,
+        "minimum_contact_load": run.loads.smallest,
+        "unloaded_share": run.loads.unloaded / count,
+    }
     change = {key: value - then.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])
     if scene.cage is not None:

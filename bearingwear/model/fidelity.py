@@ -3,9 +3,13 @@
 import math
 from dataclasses import dataclass, replace
 
+from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
 
 ASKED_FOR = "asked for by the scene or the command"
+
+NEEDS_SLIP = frozenset({"gyroscopic_slip_share", "skid_ratio"})
+"""Criteria that need a balance of friction, which race control does without."""
 
 # What a shaft turn takes, per ball, in milliseconds (docs/accuracy.md, gyro_s1 at standard), for a
 # rough word on the effort before anything runs.
@@ -44,6 +48,11 @@ def asymmetries(scene: Scene) -> list[str]:
     return found
 
 
+def stands_still(scene: Scene) -> bool:
+    """Whether neither race turns."""
+    return not (scene.operation.shaft_speed_rpm or scene.operation.outer_speed_rpm)
+
+
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """Decide the tier; `fidelity` overrides `model.fidelity` of the scene.
 
@@ -54,14 +63,13 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """
     wanted = fidelity or scene.model.fidelity
     found = " and ".join(asymmetries(scene))
-    at_rest = not (scene.operation.shaft_speed_rpm or scene.operation.outer_speed_rpm)
     needs_cage = scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
         raise _refusal(scene, wanted, "cage motion and wear need the dynamic model", "dynamic")
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
         raise _refusal(scene, wanted, problem, "dynamic, race_control")
-    if at_rest and (wanted == "dynamic" or needs_cage):
+    if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
             f"{scene.name}: operation.shaft_speed_rpm: given 0 with an outer race at rest; "
             "allowed, for a dynamic model, a race that turns"
@@ -70,7 +78,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
         return _chosen(scene, wanted, ASKED_FOR)
     if needs_cage:
         return _chosen(scene, "dynamic", "cage motion and wear are asked for")
-    if found and at_rest:
+    if found and stands_still(scene):
         return _chosen(scene, "race_control", f"{found}, and both races at rest: nothing moves")
     if found:
         return _chosen(scene, "dynamic", f"{found}: no steady state exists")
@@ -78,34 +86,34 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
 
 
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Decide the tier that a wear life is made of, which takes a great many solves.
-
-    A life in time takes a run at every step, so it is followed only where it is asked for.
+    """Decide the tier of a wear life: that of a solve, if it watches any criterion of the scene.
 
     Raises
     ------
     NotAvailable
         Where the tier asked for cannot solve this scene, or sees no end of its life.
     """
-    wanted = fidelity or scene.model.fidelity
-    found = " and ".join(asymmetries(scene))
-    if wanted == "auto" and found and not scene.model.cage_results:
-        why = f"{found}: no steady state exists, and a life in time was not asked for"
-        chosen = _chosen(scene, "race_control", why)
-    else:
-        chosen = choice(scene, fidelity)
-    end = scene.wear.end_of_life
-    limits = [] if end is None else sorted(end.criteria.keys() - end.without_cage.criteria.keys())
-    if not limits or (chosen.tier == "dynamic" and chosen.cage):
+    chosen = choice(scene, fidelity)
+    unseen = unwatched(scene, chosen)
+    if not unseen:
         return chosen
-    if end is not None and not end.without_cage.criteria:
+    names = ", ".join(unseen)
+    other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "fidelity dynamic"
+    if scene.wear.end_of_life and unseen.keys() == scene.wear.end_of_life.criteria.keys():
         raise NotAvailable(
-            f"{scene.name}: wear.end_of_life: given limits of the cage alone, which a life of "
-            f"fidelity {chosen.tier} does not see wearing; allowed another criterion, or fidelity "
-            "dynamic"
+            f"{scene.name}: wear.end_of_life: given {names} alone, which a life of fidelity "
+            f"{chosen.tier} does not watch; allowed another criterion, or {other}"
         )
-    told = f"limits of the cage: {', '.join(limits)} not watched, since its wear is not solved"
-    return replace(chosen, reasons=(*chosen.reasons, told))
+    return replace(chosen, reasons=(*chosen.reasons, f"criteria: {names} not watched"))
+
+
+def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
+    """The criteria of a scene that a life of this tier does not watch, with their limits."""
+    end = scene.wear.end_of_life or EndOfLife()
+    blind = set() if chosen.cage else end.criteria.keys() - end.without_cage.criteria.keys()
+    if chosen.tier == "race_control" and not stands_still(scene):
+        blind |= NEEDS_SLIP
+    return {name: limit for name, limit in end.criteria.items() if name in blind}
 
 
 def _refusal(scene: Scene, wanted: str, problem: str, others: str) -> NotAvailable:
@@ -125,42 +133,23 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
     return replace(chosen, reasons=reasons)
 
 
-@dataclass(frozen=True)
-class Shares:
-    """How large the forces beside the preload are: kinematics at the free contact angle [1].
+def centrifugal_share(scene: Scene) -> float:
+    """Centrifugal force on a ball over its contact load under the preload alone, before any solve.
 
-    NaN where the preload presses no ball.
+    An estimate by the kinematics at the free contact angle [1]; NaN where the preload presses no
+    ball. Friction and what it holds depend on the angles at speed: no estimate of them is given.
     """
-
-    centrifugal: float  # centrifugal force over contact load
-    gyroscopic: float  # gyroscopic moment over what friction of both contacts can hold
-    drag: float  # lubricant drag over what friction of both contacts can hold
-
-
-def shares(scene: Scene) -> Shares:
-    """Estimate the forces on a ball under the preload alone, before any solve."""
     b, operation = scene.bearing, scene.operation
     D, dm = 1e-3 * b.ball_diameter_mm, 1e-3 * b.pitch_diameter_mm
-    alpha, gamma = math.radians(b.contact_angle_deg), D / dm
+    alpha = math.radians(b.contact_angle_deg)
     omega_i, omega_o = (
         math.pi / 30.0 * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm)
     )
-    lean = gamma * math.cos(alpha)
+    lean = D / dm * math.cos(alpha)
     orbit = 0.5 * (omega_i * (1.0 - lean) + omega_o * (1.0 + lean))
-    spin = 0.5 * (omega_i - omega_o) / gamma * (1.0 - lean * lean)
     mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
     load = operation.preload_N / (b.ball_count * math.sin(alpha)) if alpha > 0.0 else 0.0
-    if not load > 0.0:
-        return Shares(math.nan, math.nan, math.nan)
-    hold = 2.0 * scene.friction.ball_race * load
-    drag = math.pi / 8.0 * scene.lubricant.drag_density_kg_m3 * (0.5 * D * dm * orbit) ** 2
-    moment = 0.1 * mass * D * D * abs(orbit * spin) * math.sin(alpha)
-    infinite = math.inf
-    return Shares(
-        mass * 0.5 * dm * orbit**2 / load,
-        moment / (0.5 * D * hold) if hold else infinite,
-        drag / hold if hold else infinite,
-    )
+    return mass * 0.5 * dm * orbit**2 / load if load > 0.0 else math.nan
 
 
 def accuracy_told(scene: Scene, chosen: Choice) -> str:
@@ -184,18 +173,20 @@ def effort(scene: Scene, chosen: Choice) -> str:
         return "effort: milliseconds"
     turns = scene.model.simulated_turns
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
+    runs = ""
+    if scene.wear.end_of_life is not None:
+        runs = f"; a life takes about {scene.model.life_steps} such runs or more"
     return (
         f"effort: {turns:g} shaft turns at the most, of the order of {1e-3 * turns * ms:.1g} s "
-        "(an estimate from one measured scene)"
+        f"(an estimate from one measured scene){runs}"
     )
 
 
-def _percent(share: float) -> str:
+def _compared(share: float) -> str:
     if math.isnan(share):
         return "its size is not known before the solve"
-    if math.isinf(share):
-        return "there is no friction to compare it with"
-    return f"about {100.0 * share:.2g} %" if share < 1.0 else f"about {share:.2g} times"
+    size = f"{100.0 * share:.2g} % of" if share < 1.0 else f"{share:.2g} times"
+    return f"about {size} the contact load under the preload at rest"
 
 
 def _race_control(scene: Scene) -> list[str]:
@@ -207,10 +198,7 @@ def _race_control(scene: Scene) -> list[str]:
     if scene.operation.rotating_load_N:
         told.append("rotating load: taken at the instant when it points along +Z")
     if scene.lubricant.drag_density_kg_m3:
-        told.append(
-            "lubricant drag: left out, race control knows no skidding; it is "
-            f"{_percent(shares(scene).drag)} of what friction can hold"
-        )
+        told.append("lubricant drag: left out, race control knows no skidding")
     return told
 
 
@@ -223,13 +211,10 @@ def _steady(scene: Scene) -> list[str]:
 
 def _forces(scene: Scene) -> list[str]:
     """Always solved: what leaving one out saves is not worth it (benchmarks/reductions.py)."""
-    found = shares(scene)
-    drag = "none in the scene"
-    if scene.lubricant.drag_density_kg_m3:
-        drag = f"solved; {_percent(found.drag)} of what friction can hold"
+    drag = "solved" if scene.lubricant.drag_density_kg_m3 else "none in the scene"
     return [
-        f"centrifugal force: solved; {_percent(found.centrifugal)} of the contact load",
-        f"gyroscopic moment: solved; {_percent(found.gyroscopic)} of what friction can hold",
+        f"centrifugal force: solved; {_compared(centrifugal_share(scene))}",
+        "gyroscopic moment: solved",
         f"lubricant drag: {drag}",
     ]
 

@@ -13,6 +13,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
 from bearingwear.model import parameters
+from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import choice_for_life
 from bearingwear.model.interrupt import Interrupt
@@ -62,6 +63,7 @@ def steady_states(
             preload=float(g.n_balls * c[0, LOAD] * np.sin(c[0, ANGLE])),
             load=c[:, LOAD],
             angle=c[:, ANGLE],
+            major=c[:, MAJOR],
             qv=c[:, QV],
             total_qv=float(g.n_balls * c[:, QV].sum()),
             share=c[:, SHARE],
@@ -97,9 +99,11 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
             preload=float(values["residual_preload"]),
             load=values["contact_load"].mean(axis=0),
             angle=values["contact_angle"].mean(axis=0),
+            major=values["semi_major_axis"].mean(axis=0),
             qv=values["qv"].mean(axis=0),
             total_qv=float(values["total_qv"]),
-            skid=0.0,
+            share=np.full(2, np.nan),  # race control knows neither
+            skid=np.nan,
             pressure=float(values["maximum_pressure"].max()),
             stiffness=float(values["axial_stiffness"]),
             friction_power=float(values["shaft_torque"]) * slip_speed,
@@ -179,17 +183,18 @@ def life(
         from bearingwear.model.dynamic_life import solve_life_in_time
 
         values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
-        elapsed = time.perf_counter() - started
-        return Result(values, attrs | provenance(scene, chosen), elapsed)
-    with Interrupt():
-        if chosen.tier == "steady":
-            history = life_history(scene, steady_states(scene))
-            values = life_values(scene, history) | error_estimate(scene, history)
-        else:
-            history = life_history(scene, race_control_states(scene))
-            values = life_values(scene, history)
+    else:
+        with Interrupt():
+            if chosen.tier == "steady":
+                history = life_history(scene, steady_states(scene))
+                values = life_values(scene, history) | error_estimate(scene, history)
+            else:
+                history = life_history(scene, race_control_states(scene))
+                values = life_values(scene, history)
+        attrs = {"solves": history.solves}
     elapsed = time.perf_counter() - started
-    return Result(values, {"solves": history.solves} | provenance(scene, chosen), elapsed)
+    attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
+    return Result(values, attrs, elapsed)
 
 
 def life_history(scene: Scene, state: Callable[[float], WearState]) -> LifeHistory:
@@ -243,6 +248,8 @@ def history_values(states: list[WearState]) -> dict:
         "qv": "qv",
         "contact_angle": "angle",
         "contact_load": "load",
+        "semi_major_axis": "major",
+        "maximum_pressure": "pressure",
         "gyroscopic_slip_share": "share",
         "skid_ratio": "skid",
         "ball_diameter_loss_rate": "rate",

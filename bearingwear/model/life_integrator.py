@@ -42,6 +42,7 @@ class WearState:
     preload: float = np.nan  # residual [N]
     load: np.ndarray = pair()  # contact loads, inner and outer [N]
     angle: np.ndarray = pair()  # contact angles [rad]
+    major: np.ndarray = pair()  # semi-major axes [m]
     qv: np.ndarray = pair()  # of one ball [W]
     total_qv: float = np.nan  # whole bearing [W]
     share: np.ndarray = pair()  # gyroscopic slip shares [1]

@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from bearingwear.model.cautions import warnings_of
 from bearingwear.model.fidelity import Choice, NotAvailable, choice
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
@@ -50,7 +51,7 @@ def solve(
     with Interrupt():
         values, attrs = solved(chosen.reduced(scene), chosen.tier, restart, progress)
     elapsed = time.perf_counter() - started
-    return Result(values, attrs | provenance(scene, chosen), elapsed)
+    return Result(values, attrs | provenance(scene, chosen, values), elapsed)
 
 
 def solved(
@@ -79,10 +80,11 @@ def check_restart(scene: Scene, chosen: Choice) -> None:
         )
 
 
-def provenance(scene: Scene, chosen: Choice) -> dict[str, str]:
+def provenance(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> dict[str, str]:
     """Global attributes that any result of a scene carries."""
     return {
         "scene": json.dumps(scene.to_dict()),
         "fidelity": chosen.tier,
         "modelled": json.dumps(list(chosen.reasons)),
+        "warnings": json.dumps(warnings_of(scene, chosen, values)),
     }

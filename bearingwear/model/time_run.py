@@ -89,6 +89,33 @@ def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
     return weights
 
 
+class LoadRange:
+    """Loads of each contact over the instants of a window: largest, smallest, how often none."""
+
+    def __init__(self, balls: int) -> None:
+        self.largest = np.zeros((balls, 2))
+        self.smallest = np.full((balls, 2), np.inf)
+        self.unloaded = np.zeros((balls, 2))  # instants
+        self.roots = np.zeros((balls, 2))  # sum of the loads' cube roots: pressure goes by them
+
+    def add(self, loads: np.ndarray) -> None:
+        """Add loads (instants, n, 2) [N]."""
+        self.largest = np.maximum(self.largest, loads.max(axis=0))
+        self.smallest = np.minimum(self.smallest, loads.min(axis=0))
+        self.unloaded += (loads == 0.0).sum(axis=0)
+        self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
+
+    def largest_pressure(self, mean: np.ndarray, count: int) -> np.ndarray:
+        """Largest pressure (n, 2), given its mean over so many instants [Pa].
+
+        By Hertz' law for each contact. The contact angle, which the mean stands for, moves the
+        curvatures by a few thousandths at most.
+        """
+        of_mean = self.roots / count
+        ratio = np.cbrt(self.largest) / np.where(of_mean > 0.0, of_mean, 1.0)
+        return mean * np.where(of_mean > 0.0, ratio, 0.0)
+
+
 class _Progress:
     """Lines of progress, no more often than every few seconds."""
 
@@ -161,13 +188,15 @@ class TimeRun:
         self.grid = grid = RunGrid.of(scene, system.time, system.turn)
         self.tolerance = tolerance or model.dynamic_tolerance
         self.control = system.control(self.tolerance, INTEGRATORS[model.integrator])
-        keep = model.history_points_per_turn > 0
+        self.keeps_history = model.history_points_per_turn > 0
         integrals = layout.size - layout.qv
         self.recorder = Recorder(
             sums=empty_sums(n, system.bearing.rule, strip_centres(scene), integrals),
-            history=empty_history(grid.total if keep else 0, n),
-            keep=keep,
+            # without histories a turn of them is kept, for the range of the loads
+            history=empty_history(grid.total if self.keeps_history else grid.points, n),
+            keep=True,
         )
+        self.loads = LoadRange(n)
         self.weights = wear_weights(scene, system)
         self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
         self.done = 0
@@ -183,11 +212,14 @@ class TimeRun:
 
     def advance(self, count: int) -> int:
         """Simulate so many intervals; returns a status."""
-        system = self.system
+        system, instants, place = self.system, self.grid.instants, self.done
+        if not self.keeps_history:
+            assert count <= self.grid.points
+            instants, place = instants._replace(first=instants.first + place), 0
         tally = advance_and_record(
             self.control,
-            self.grid.instants,
-            self.done,
+            instants,
+            place,
             count,
             system.h,
             system.y,
@@ -200,6 +232,8 @@ class TimeRun:
         self.tally += (tally.accepted, tally.rejected, tally.evaluations, tally.events)
         if tally.status == code.OK:
             self.done += count
+            if count:
+                self.loads.add(self.recorder.history.load[place : place + count])
         return tally.status
 
     def window(self, length: int, interrupt: Interrupt) -> int:
@@ -207,6 +241,7 @@ class TimeRun:
         integrals = self.system.y[self.system.layout.qv :]
         sums, points = self.recorder.sums, self.grid.points
         clear(sums)
+        self.loads = LoadRange(len(self.system.bearing.D))
         before_last, self.trend = self.trend, Trend()
         self.opening = self.system.snapshot()
         for at in range(0, length, points):

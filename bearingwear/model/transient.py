@@ -150,7 +150,7 @@ def run_of(
     if last.slopes is not None:
         qv_drift, wear_drift, *_ = last.slopes
         values |= {"qv_drift_per_turn": qv_drift, "wear_rate_drift_per_turn": wear_drift}
-    if run.recorder.keep:
+    if run.keeps_history:
         values |= histories(scene, run.recorder.history, run.done)
     values |= {"final_state": final_state, "final_time": system.time}
     residual, account = values["equilibrium_residual"], values["energy_account_error"]

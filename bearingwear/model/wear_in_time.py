@@ -120,7 +120,15 @@ class WearInTime:
         if node.status != code.OK:
             nan = np.full(2, math.nan)
             return WearState(
-                loss, node.status, nan, load=nan, angle=nan, qv=nan, share=nan, race_rate=nan
+                loss,
+                node.status,
+                nan,
+                load=nan,
+                angle=nan,
+                major=nan,
+                qv=nan,
+                share=nan,
+                race_rate=nan,
             )
         power = float(v["friction_heat"].sum()) + float(v["drag_power"])
         return WearState(
@@ -130,6 +138,7 @@ class WearInTime:
             preload=float(v["residual_preload"]),
             load=v["contact_load"].mean(axis=0),
             angle=v["contact_angle"].mean(axis=0),
+            major=v["semi_major_axis"].mean(axis=0),
             qv=v["qv"].mean(axis=0),
             total_qv=float(v["total_qv"]),
             share=v["gyroscopic_slip_share"].max(axis=0),

@@ -21,6 +21,7 @@ from bearingwear.page.markup import to_html
 from bearingwear.plotting.drawing import MESSAGE, scene_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import load_quantiles
+from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.scene.keys import leaves
 
 TEMPLATE = Path(__file__).with_name("page.html")
@@ -55,6 +56,7 @@ class Section:
     figures: list[Drawing] = field(default_factory=list)
     tables: list[Path] = field(default_factory=list)
     solved: list[tuple[str, int, int]] = field(default_factory=list)  # what, solved, of
+    warnings: list[tuple[str, str]] = field(default_factory=list)  # sentence and advice, where
 
 
 def page(sections: Iterable[Path], docs: Iterable[Path] = (), answers: Iterable[Path] = ()) -> str:
@@ -155,14 +157,32 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
             )
         section = sections.setdefault(file.parent, Section(scene_of(dataset)))
         status = dataset["status"].values
-        if _is_life(dataset):
-            counted = ("lives", int(np.isin(status, (OK, CRITERION_NOT_REACHED)).sum()))
-        elif dataset.attrs.get("fidelity") == "dynamic":
-            counted = ("cases in time", int((status == OK).sum()))
-        else:
-            counted = ("cases", int((status == OK).sum()))
-        section.solved.append((*counted, status.size))
+        answers = (OK, CRITERION_NOT_REACHED) if _is_life(dataset) else (OK,)
+        solved = int(np.isin(status, answers).sum())
+        section.solved.append((_what(dataset), solved, status.size))
+    for folder, section in sections.items():
+        section.warnings = list(_warnings(d for f, d in datasets.items() if f.parent == folder))
     return sections
+
+
+def _what(dataset: xr.Dataset) -> str:
+    """What the file of a scene holds many of."""
+    if _is_life(dataset):
+        return "lives"
+    return "cases in time" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
+
+
+def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:
+    """Each warning of a scene once, at its worst, and how many cases and lives have it."""
+    files = [(_what(dataset), dataset.attrs) for dataset in datasets]
+    for one in warnings_in({"warnings": gathered_warnings(attrs for _, attrs in files)}):
+        counts = [
+            f"{twin['cases']} {what}"
+            for what, attrs in files
+            for twin in warnings_in(attrs)
+            if twin["id"] == one["id"]
+        ]
+        yield f"{one['sentence']}; {one['advice']}", ", ".join(counts)
 
 
 def _drawings(files: Sequence[Path]) -> Iterator[Drawing]:

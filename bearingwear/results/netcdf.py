@@ -23,6 +23,7 @@ from bearingwear.results.variables import (
     BALL_AXES,
     CASE,
     COORDINATES,
+    EXTREMES,
     INTERVAL_MEANS,
     LIFE,
     RACES,
@@ -43,6 +44,13 @@ SOURCE = "bearingwear"
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""
+
+OVER_TURNS = {
+    "time: mean": ", mean over the evaluated turns",
+    "time: maximum": ", largest of all instants of the evaluated turns",
+    "time: minimum": ", smallest of all instants of the evaluated turns",
+}
+"""What the long name of a variable of a dynamic case adds, by its cell method."""
 
 COMPRESSED_ABOVE = 100_000
 """Variables with more values than this are compressed, and histories over time always."""
@@ -289,6 +297,8 @@ def _entries(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
         for name, entry in solved.items():
             if name in values and (method := _cell_methods(table[name])):
                 entry.attrs["cell_methods"] = method
+                if entry.dims[: len(TIME)] != TIME:
+                    entry.attrs["long_name"] += OVER_TURNS[method]
     coordinates = _coordinates({dim for e in solved.values() for dim in e.dims}, values, sizes)
     if "ball" in coordinates and sizes["ball"] == 1 and "bearing" in scene:
         coordinates["ball"].attrs["represents"] = np.int32(scene["bearing"]["ball_count"])
@@ -371,6 +381,8 @@ def _cell_methods(variable: Variable) -> str | None:
     """How a variable of a dynamic case stands for the time it covers, in CF's words."""
     if variable.dims[: len(TIME)] == TIME:
         return "time: mean" if variable.name in INTERVAL_MEANS else "time: point"
+    if variable.name in EXTREMES:
+        return f"time: {EXTREMES[variable.name]}imum"
     is_mean = variable.averaged or (variable.always and variable.dtype == "f8")
     return "time: mean" if is_mean else None
 

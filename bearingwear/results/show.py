@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -35,7 +36,8 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     uncertainties_at,
 )
-from bearingwear.results.variables import CASE, LIFE, RACES
+from bearingwear.results.variables import CASE, EXTREMES, LIFE, RACES, of_all_balls
+from bearingwear.results.warnings import warning_lines
 from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
@@ -48,8 +50,10 @@ MOST_LISTED = 8
 """Values of a coordinate that are listed; of more, the first and the last are."""
 
 # Variables, in the order of their rows; labels and units are in the table of variables.
+LOAD_RANGE = ("maximum_contact_load", "minimum_contact_load")
 CONTACT = (
     "contact_load",
+    *LOAD_RANGE,
     "contact_angle",
     "maximum_pressure",
     "semi_major_axis",
@@ -124,7 +128,7 @@ def summary(path: str | os.PathLike[str], more: Registry = MappingProxyType({}))
     with opened(path) as file:
         kind = kind_of(file)
         lines_of = function(more[kind]) if kind in more else SUMMARIES.get(kind, _several)
-        lines = [*lines_of(file), *_quantile_lines(file, Path(path))]
+        lines = [*lines_of(file), *_quantile_lines(file, Path(path)), *_warnings(file)]
     return "\n".join(line.rstrip() for line in lines)
 
 
@@ -226,12 +230,24 @@ def _case(file: Any) -> list[str]:
     balls = file.dimensions["ball"].size
     mean = f" (mean of {balls} balls)" if balls > 1 else ""
     lines.append(row(f"contact{mean}", "", *RACES))
-    for name in CONTACT:
-        found = _shown(file, name)
-        both = [_mean(found[..., k]) if found.ndim else np.nan for k in range(len(RACES))]
-        lines.append(_variable_row(name, both))
+    names = [n for n in CONTACT if n not in LOAD_RANGE or n in file.variables]
+    lines += [_contact_row(file, name, balls) for name in names]
     lines += ["", row(f"bearing{mean}", ""), *_mean_rows(file, BEARING)]
     return lines + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
+
+
+def _contact_row(file: Any, name: str, balls: int) -> str:
+    """Of all balls, the mean; of an extreme, the largest or the smallest."""
+    found = _shown(file, name)
+    of_both = found.reshape(-1, len(RACES)) if found.ndim else np.full((1, len(RACES)), np.nan)
+    label = VARIABLES[name].label + (", of all" if balls > 1 and name in EXTREMES else "")
+    return row(label, VARIABLES[name].display_unit, *map(number, of_all_balls(name, of_both, 0)))
+
+
+def _warnings(file: Any) -> list[str]:
+    found = warning_lines({"warnings": getattr(file, "warnings", "[]")})
+    wrapped = [text for line in found for text in textwrap.wrap(line, 110, subsequent_indent="  ")]
+    return ["", *wrapped] if wrapped else []
 
 
 def _dynamics(file: Any) -> list[str]:
@@ -251,6 +267,7 @@ def _life(file: Any) -> list[str]:
     counts = json.loads(file.scene)["wear"]["counts"]
     lines.append(row(f"counts: {counts}", "h", number(values(file, "life")[COUNTS.index(counts)])))
     lines += ["", row("ended by", "", _meaning(file, "end_criterion"))]
+    lines += [f"  {file.ended_by}"] if hasattr(file, "ended_by") else []
     lines.append(_variable_row("loss_at_end", [float(_shown(file, "loss_at_end"))]))
     if "step" in file.dimensions and file.dimensions["step"].size:
         lines += ["", row("along the life", "", "start", "end")]

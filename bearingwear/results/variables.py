@@ -197,6 +197,22 @@ INTERVAL_MEANS = {
 }
 """Histories that are means over the interval which ends at the instant."""
 
+EXTREMES = {
+    "maximum_pressure": "max",
+    "maximum_contact_load": "max",
+    "minimum_contact_load": "min",
+}
+"""Of a dynamic case, the largest or smallest over the evaluated turns; of others, the mean.
+
+So it is of several balls where one number stands for all.
+"""
+
+
+def of_all_balls(name: str, values: Any, balls: int | str) -> Any:
+    """One number for all balls, along an axis or dimension: the mean, or an extreme."""
+    return getattr(values, EXTREMES.get(name, "mean"))(balls)
+
+
 _ESTIMATE = "from solves with other settings of accuracy; differences of model are not in it"
 _OF_STEADY = "of what of the scene has a steady life, see the attribute steady_life_of"
 
@@ -327,6 +343,12 @@ DYNAMIC = table(
     Variable("azimuth_energy_share", (), "1",
         "work of the inner force along the circumference, over the heat",
         comment="left out of the motion"),
+    Variable("maximum_contact_load", _BOTH, "N", "normal load of the contact",
+        label="largest load"),
+    Variable("minimum_contact_load", _BOTH, "N", "normal load of the contact",
+        label="smallest load"),
+    Variable("unloaded_share", _BOTH, "1", "share of time without load in the contact",
+        averaged=True),
     Variable("mean_pocket_torque", (), "N m", "torque of the balls on the cage about the axis",
         averaged=True, label="mean pocket torque", shown="uN m"),
     Variable("mean_land_torque", (), "N m", "torque of the guiding land on the cage about the axis",
@@ -381,6 +403,9 @@ LIFE = table(
     Variable("history_qv", _STEP_RACE, "W", "QV of one ball"),
     Variable("history_contact_angle", _STEP_RACE, "degree", "contact angle", scale=DEGREE),
     Variable("history_contact_load", _STEP_RACE, "N", "normal load of the contact"),
+    Variable("history_semi_major_axis", _STEP_RACE, "m",
+        "semi-major axis of the contact ellipse"),
+    Variable("history_maximum_pressure", _STEP, "Pa", "largest pressure of all contacts"),
     Variable("history_gyroscopic_slip_share", _STEP_RACE, "1",
         "gyroscopic share of the slip, weighted by load"),
     Variable("history_skid_ratio", _STEP, "1", "lag of the orbit behind pure rolling"),

@@ -20,6 +20,8 @@ PRELOAD_METHODS = ("constant_force", "fixed_position")
 
 MATERIAL = "a name under materials"
 
+_RING = "(0, 20000]"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing:
@@ -44,6 +46,29 @@ class Bearing:
     ]
     ball_material: Annotated[str, Key("Material of the balls", pattern=NAME, allowed=MATERIAL)]
     race_material: Annotated[str, Key("Material of both races", pattern=NAME, allowed=MATERIAL)]
+    bore_mm: Annotated[
+        float | None, Key("Bore of the inner ring, for a warning of its hoop stress", "mm", _RING)
+    ] = None
+    outside_diameter_mm: Annotated[
+        float | None, Key("Outside diameter of the outer ring", "mm", _RING)
+    ] = None
+    inner_shoulder_mm: Annotated[
+        float | None,
+        Key(
+            "Diameter of the inner ring's shoulder on the loaded side, for a warning of an ellipse "
+            "that runs over it",
+            "mm",
+            _RING,
+        ),
+    ] = None
+    outer_shoulder_mm: Annotated[
+        float | None,
+        Key(
+            "Diameter of the outer ring's shoulder on the loaded side, for the same warning",
+            "mm",
+            _RING,
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +84,15 @@ class Material:
     wear_coefficient: Annotated[
         float, Key("Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]")
     ]
+    yield_pressure_GPa: Annotated[
+        float | None,
+        Key(
+            "Largest contact pressure that leaves no dent, for a warning (4.2 if left out, that of "
+            "steel in ISO 76, assumed for other materials)",
+            "GPa",
+            "(0, 100]",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -109,6 +109,7 @@ def scene_text(
         D=D,
         dm=dm,
         grooves=GROOVES,
+        speed=numbers["operation.shaft_speed_rpm"],
         # pockets that leave something of the cage between them, to three decimals
         pocket=_down(min(0.05 * D, 0.5 * (dm * math.sin(math.pi / Z) - D))),
         ball_material=ball_material,

@@ -123,6 +123,7 @@ class Scene:
             object.__setattr__(self, "uncertainty", MappingProxyType(dict(self.uncertainty)))
         _check_materials(self)
         _check_balls(self)
+        _check_rings(self)
         _check_wear(self)
         _check_cage_limits(self)
         if self.cage is not None:
@@ -246,6 +247,26 @@ def _check_balls(scene: Scene) -> None:
             f"{b.pitch_diameter_mm:g} mm, where they do not fit; allowed at most {most}",
             keys,
         )
+
+
+def _check_rings(scene: Scene) -> None:
+    """Bore, groove bottom, shoulder, pitch circle, and the same outwards, in this order."""
+    dm, D = scene.bearing.pitch_diameter_mm, scene.bearing.ball_diameter_mm
+    for name, above, below in (
+        ("bore_mm", 0.0, dm - D),
+        ("inner_shoulder_mm", dm - D, dm),
+        ("outer_shoulder_mm", dm, dm + D),
+        ("outside_diameter_mm", dm + D, math.inf),
+    ):
+        value = getattr(scene.bearing, name)
+        if value is not None and not above < value < below:
+            ends = [f"> {above:g}"] * (above > 0.0) + [f"< {below:g}"] * (below < math.inf)
+            raise SceneError(
+                f"bearing.{name}",
+                f"given {value:g} with balls of {D:g} mm on a pitch circle of {dm:g} mm; "
+                f"allowed a number {' and '.join(ends)}",
+                ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm"),
+            )
 
 
 def _check_wear(scene: Scene) -> None:

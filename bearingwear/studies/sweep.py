@@ -153,6 +153,7 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
     from bearingwear.model.life import life
     from bearingwear.model.solve import solve
     from bearingwear.results.netcdf import dataset
+    from bearingwear.results.warnings import gathered_warnings
     from bearingwear.studies.dataset import stacked
 
     results = [
@@ -160,7 +161,9 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
         for scene, what, fidelity in jobs
     ]
     made = stacked([dataset(result) for result in results], {_POINT: len(results)})
-    return made.assign_attrs(fidelity=[result.attrs["fidelity"] for result in results])
+    told = gathered_warnings(result.attrs for result in results)
+    fidelities = [result.attrs["fidelity"] for result in results]
+    return made.assign_attrs(fidelity=fidelities, warnings=told)
 
 
 def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
@@ -220,6 +223,7 @@ def _side_by_side(
 ) -> xr.Dataset:
     from bearingwear.results.labels import labelled
     from bearingwear.results.netcdf import common_attributes
+    from bearingwear.results.warnings import gathered_warnings
     from bearingwear.studies.dataset import stacked
 
     names = _dimensions(axes, {str(name) for part in parts for name in part.variables})
@@ -233,6 +237,7 @@ def _side_by_side(
         "scene": json.dumps(base.to_dict()),
         "changed_keys": json.dumps({name: key for key, name in names.items()}),
         "fidelity": ", ".join(fidelities),
+        "warnings": gathered_warnings(part.attrs for part in parts),
         "message": _message(made["status"].values.ravel().tolist()),
     }
     return made

@@ -126,9 +126,11 @@ def test_standstill_never_wears(scene):
 
 
 def test_race_control_life(scene):
-    """A scene with no steady state lives on the race-control estimate; no slip shares there."""
-    result = life(scene("gyro_s1", {"operation.radial_load_N": [0.0, 1.0]}))
+    """Where it is asked for, a life is that of the race-control estimate; no slip shares there."""
+    result = life(scene("gyro_s1", {"operation.radial_load_N": [0.0, 1.0]}), "race_control")
     assert result.status == "ok"
     assert result.attrs["fidelity"] == "race_control"
     thrust = life(scene("gyro_s1")).values["life"]
     assert_allclose(result.values["life"], thrust, rtol=0.1)
+    assert np.isnan(result.values["history_gyroscopic_slip_share"]).all()
+    assert np.isnan(result.values["history_skid_ratio"]).all()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.model.fidelity import choice, shares
+from bearingwear.model.fidelity import centrifugal_share, choice
 from bearingwear.model.solve import solve
 
 FEW = {"model.simulated_turns": 8, "model.history_points_per_turn": 0}
@@ -63,19 +63,18 @@ def test_a_race_held_axially_has_one_freedom_less(scene):
 def test_estimated_forces(scene, name):
     # Stated before any solve as kinematics at the free contact angle: right within a factor 2.
     s = scene(name)
-    estimate, values = shares(s), solve(s, "steady").values
+    values = solve(s, "steady").values
     load = values["contact_load"].mean()
-    assert 0.5 < estimate.centrifugal / (values["centrifugal_force"][0] / load) < 2.0
-    hold = 2.0 * s.friction.ball_race * load
-    radius = 0.5e-3 * s.bearing.ball_diameter_mm
-    assert 0.4 < estimate.gyroscopic / (values["gyroscopic_moment"][0] / (radius * hold)) < 2.5
-    drag = values["drag_power"] / values["orbit_speed"][0] / s.bearing.ball_count
-    drag /= 0.5e-3 * s.bearing.pitch_diameter_mm
-    assert 0.5 * estimate.drag * hold <= drag <= 2.0 * estimate.drag * hold
+    assert 0.5 < centrifugal_share(s) / (values["centrifugal_force"][0] / load) < 2.0
 
 
-def test_shares_where_nothing_is_pressed(scene):
-    found = shares(scene("gyro_s1", {"operation.preload_N": 0.0}))
-    assert np.isnan([found.centrifugal, found.gyroscopic, found.drag]).all()
-    found = shares(scene("gyro_s1", {"friction.ball_race": 0.0}))
-    assert np.isinf(found.gyroscopic) and np.isfinite(found.centrifugal)
+def test_no_estimate_of_what_depends_on_the_angles_at_speed(scene):
+    """Against the friction of the preload alone a moment of 3 % was announced as 9.6 times."""
+    fast = scene("gyro_s1_drag", {"operation.shaft_speed_rpm": 150000})
+    told = dict(reason.split(": ", 1) for reason in choice(fast).reasons)
+    assert told["gyroscopic moment"] == told["lubricant drag"] == "solved"
+    assert "times the contact load under the preload at rest" in told["centrifugal force"]
+
+
+def test_share_where_nothing_is_pressed(scene):
+    assert np.isnan(centrifugal_share(scene("gyro_s1", {"operation.preload_N": 0.0})))

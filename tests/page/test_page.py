@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import xml.etree.ElementTree as ET
 from urllib.parse import unquote_to_bytes, urlsplit
 
@@ -100,6 +101,12 @@ def made(tmp_path):
 def parsed(text):
     """The page as a tree; any error of HTML5 raises."""
     return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
+
+
+def test_warnings_of_a_scene_stand_once(results, made):
+    text = words(parsed(made(*results)))
+    (said,) = re.findall(r"Warning, at its worst: 0\.7 um lost is [\d.]+ times.*?\)\.", text)
+    assert said.endswith(f"({len(GRID.cases()) // 2} cases, 4 lives).")
 
 
 def words(node):

@@ -1,6 +1,7 @@
 """`bearingwear.sweep`: values of a scene side by side."""
 
 import contextlib
+import json
 import subprocess
 import sys
 import time
@@ -52,6 +53,14 @@ def test_processes_find_the_same(coarse):
     xr.testing.assert_identical(alone, shared)
     lives = shared.life.sel(counts="ball", preload_method="fixed_position")
     assert lives.dims == ("preload_N",) and (lives > 0.0).all() and lives.attrs["units"] == "h"
+
+
+def test_warnings_of_a_sweep_are_counted(coarse):
+    losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
+    for workers in (1, 2):
+        (worn,) = json.loads(bearingwear.sweep(coarse, losses, workers=workers).attrs["warnings"])
+        assert worn["id"] == "groove_worn" and worn["cases"] == 2
+        assert worn["sentence"].startswith("0.7 um lost")
 
 
 def test_file_of_a_sweep(coarse, tmp_path):

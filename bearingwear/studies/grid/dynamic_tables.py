@@ -9,6 +9,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.plotting.markdown import markdown_table
+from bearingwear.results.variables import of_all_balls
 from bearingwear.studies.dataset import both_ways
 from bearingwear.studies.grid.figures import MILLI, MM3_PER_HOUR
 from bearingwear.studies.grid.tables import AXES, cases_csv
@@ -20,7 +21,7 @@ LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is n
 def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
     """The cases of `dynamic` as solved both ways: `NAME.steady` and `NAME.dynamic`.
 
-    Over balls, the mean; what only one of them has keeps its name.
+    Over balls, the mean or the extreme; what only one of them has keeps its name.
     """
     one = _mean_ball(study.sel({axis: dynamic[axis] for axis in AXES}))
     other = _mean_ball(dynamic)
@@ -38,7 +39,9 @@ def _mean_ball(dataset: xr.Dataset) -> xr.Dataset:
     def of_all(variable: xr.DataArray) -> xr.DataArray:
         if "ball" not in variable.dims:
             return variable
-        return variable.isel(ball=0) if _is_flag(variable) else variable.mean("ball")
+        if _is_flag(variable):
+            return variable.isel(ball=0)
+        return of_all_balls(str(variable.name), variable, "ball")
 
     return dataset.map(of_all, keep_attrs=True).drop_vars("ball", errors="ignore")
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import attrs, flags, stacked
 from bearingwear.studies.grid.grid import Case, Grid
@@ -53,8 +54,10 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
     files: dict[Case, Path] = {}
     common: dict[str, Any] = {}
     first: dict[str, Any] = {}
+    told = "[]"
 
     def read() -> Iterator[xr.Dataset]:
+        nonlocal told
         for path in map(Path, paths):
             dataset = load(path)
             cases, shared = _identity(dataset, path)
@@ -66,6 +69,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
                 files[case] = path
             common.update(common or shared)
             first.update(first or dataset.attrs)
+            told = gathered_warnings([{"warnings": told}, dataset.attrs])
             for key, value in shared.items():
                 if value != common[key]:
                     other = next(iter(files.values()))
@@ -97,6 +101,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
             history="gathered from case files by bearingwear gather",
             comment="The scene is what all cases share; the axes give the rest. "
             "Numbers of a case whose status is not ok are missing.",
+            warnings=told,
             **common,
         )
     )
@@ -112,9 +117,12 @@ def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
         What the case files would hold, in the same order.
     """
     attributes: dict[str, Any] = {}
+    told = "[]"
 
     def read() -> Iterator[xr.Dataset]:
+        nonlocal told
         for dataset in datasets:
+            told = gathered_warnings([{"warnings": told}, dataset.attrs])
             attributes.update(attributes or dataset.attrs | _identity(dataset, Path("chunk"))[1])
             yield dataset
 
@@ -127,7 +135,8 @@ def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     for key in ("wall_time_s", "modelled", "residual"):
         attributes.pop(key, None)
     title = f"{len(cases)} cases of {json.loads(attributes['scene'])['name']}"
-    return whole.assign_coords(coords).assign_attrs(attributes | {"title": title})
+    more = {"title": title, "warnings": told}
+    return whole.assign_coords(coords).assign_attrs(attributes | more)
 
 
 _AT_ONCE = 500

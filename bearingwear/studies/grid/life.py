@@ -16,6 +16,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.variables import SECONDS_PER_HOUR
+from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
 from bearingwear.scene.variant import variant
@@ -90,6 +91,7 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         | {
             "title": f"Wear life of {name}",
             "history": "solved, and interpolated from the study, by bearingwear wear-life",
+            "warnings": gathered_warnings(each.attrs for each in solved),
             "comment": "life and history_*: solver in the loop. interpolated_*: from the study.",
         }
     )

@@ -19,6 +19,7 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
+from bearingwear.results.variables import of_all_balls
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
@@ -43,7 +44,8 @@ def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> 
 def cases_csv(study: xr.Dataset) -> str:
     """A row for each case and a column for each number, with its unit in the header, as CSV.
 
-    A variable over race, axis or counts has a column for each of them; over balls, the mean.
+    A variable over race, axis or counts has a column for each of them; over balls, the mean or the
+    extreme.
     """
     columns = dict(_columns(study))
     axes = {
@@ -69,7 +71,7 @@ def _columns(study: xr.Dataset) -> Iterator[tuple[str, np.ndarray]]:
         values = variable.transpose(*AXES, ...)
         is_flag = "flag_meanings" in variable.attrs
         if "ball" in values.dims:
-            values = values.isel(ball=0) if is_flag else values.mean("ball")
+            values = values.isel(ball=0) if is_flag else of_all_balls(str(name), values, "ball")
         inner = values.dims[len(AXES) :]
         unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
         labels = [flag_names(study[dim]) for dim in inner]

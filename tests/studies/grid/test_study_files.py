@@ -13,10 +13,12 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from support import scene_file, step, step_arguments
 
+from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variables import CRITERIA
+from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.grid.gather import study
+from bearingwear.studies.grid.gather import chunk, study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.life import interpolated_life
 from bearingwear.studies.grid.unsolved import verdict
@@ -70,6 +72,22 @@ def test_study_holds_every_case(folder):
             if name in alone:
                 assert one[name].attrs == alone[name].attrs
                 assert np.array_equal(one[name], alone[name], equal_nan=True)
+
+
+def test_warnings_are_gathered_once_with_the_cases_counted(folder):
+    """Of cases and of lives; a case that was not solved has none of its numbers."""
+    cases, lives = (load(folder / name) for name in ("study.nc", "wear_life.nc"))
+    (worn,) = warnings_in(cases.attrs)
+    solved = cases["status"] == OK
+    assert worn["id"] == "groove_worn"
+    assert worn["cases"] == int((solved & (cases["ball_diameter_loss"] > 0.0)).sum())
+    largest = float(cases["ball_diameter_loss"].max())
+    assert worn["sentence"].startswith(f"{largest:g} um lost")
+    files = [load(folder / "cases" / f"{case_id}.nc") for case_id in GRID.cases()]
+    together = chunk(list(GRID.cases().values()), files)
+    assert warnings_in(together.attrs) == [worn]
+    (worn,) = warnings_in(lives.attrs)
+    assert worn["cases"] == int((lives["status"] == OK).sum())
 
 
 def test_failed_cases_are_missing_numbers_with_a_status(folder):

@@ -1,0 +1,360 @@
+"""Warnings beside a result: it is solved, and yet beyond what a bearing bears or the model knows.
+
+`CAUTIONS` is the one table: what is looked at, the limit, the sentence, the advice. A limit is
+sourced, or said to be assumed. None is an error. A result carries what is said in its attribute
+`warnings`; `bearingwear.results.warnings` reads it.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from bearingwear.model.criterion import IN_WORDS, criterion_met
+from bearingwear.model.fidelity import Choice, unwatched
+from bearingwear.scene.scene import Scene
+
+STEEL_YIELD = 4.2
+"""Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
+
+LONG_LIVED = 2.0 / STEEL_YIELD
+"""Share of the yield pressure beyond which practice expects no long life: 2 GPa of steel."""
+
+SHOULDER_DEG, SHOULDER_ROOM_DEG = 55.0, 15.0
+"""Angle of an unknown shoulder, assumed; of steep bearings so much above the contact angle."""
+
+FASTEST = 4.0
+"""Speed times pitch diameter [million mm r/min] of the fastest steel bearings on rigs: bore times
+speed of 3 million, Bamberger, Zaretsky and Signer, J. Lubr. Technol. 98 (1976) 580."""
+
+HOOP_MPA = 200.0
+"""Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
+
+LIGHTEST_INNER = 0.05
+"""Load of an inner contact over its outer one below which a ball hardly feels the shaft, assumed"""
+
+LONGEST_LIFTED = 0.05
+"""Share of time off the inner race up to which it is only the cage that knocks, assumed."""
+
+LEAST_PRELOAD = 1.5e-3
+"""Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa of steel at rest, assumed."""
+
+FLAT_GROOVE = 0.1
+"""Loss over the gap at the ellipse's edge from which on a worn groove is not Hertz' any more."""
+
+SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
+"""What the description of a scene says whose speed nobody gave; true until another is."""
+
+LARGEST_EXCESS = 1e6
+"""What is stated of anything over nothing at all."""
+
+_GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
+_INNER, _OUTER = 0, 1
+
+
+def _none() -> np.ndarray:
+    return np.full((1, 2), math.nan)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What of a result the table looks at; NaN and empty where it was not solved."""
+
+    scene: Scene
+    chosen: Choice
+    pressure: float = math.nan  # the largest [Pa]
+    angle: np.ndarray = field(default_factory=_none)  # (n, 2) [rad]
+    major: np.ndarray = field(default_factory=_none)  # (n, 2) semi-major axes [m]
+    load: np.ndarray = field(default_factory=_none)  # (n, 2) [N]
+    lifted: float = 0.0  # share of time that any ball is off the inner race
+    loss: float = math.nan  # of ball diameter [m]
+    life: Mapping[str, Any] | None = None  # values of a life
+
+
+Finding = tuple[float | None, Mapping[str, Any]]
+"""How many times a value is its limit, None for a fact, and the words of the sentence."""
+
+
+@dataclass(frozen=True)
+class Caution:
+    """A warning: its id, what it looks at, its sentence, and what to do.
+
+    `look` returns nothing where there is nothing to look at. It is warned of a fact, and of a value
+    beyond its limit.
+    """
+
+    id: str
+    look: Callable[[Evidence], Finding | None]
+    sentence: str
+    advice: str
+
+
+def _yield_pressure(e: Evidence) -> tuple[float, str]:
+    """Of the weaker one of balls and races [GPa], and where that comes from."""
+    b = e.scene.bearing
+    known = []
+    for name in (b.race_material, b.ball_material):
+        given = e.scene.materials[name].yield_pressure_GPa
+        source = "the scene's" if given else "assumed as ISO 76 has it for steel"
+        known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
+    return min(known, key=lambda one: one[0])
+
+
+def _yield(e: Evidence) -> Finding:
+    limit, source = _yield_pressure(e)
+    value = e.pressure / _GPA
+    return value / limit, {"value": value, "limit": limit, "source": source}
+
+
+def _practice(e: Evidence) -> Finding | None:
+    limit, _ = _yield_pressure(e)
+    value = e.pressure / _GPA
+    if value > limit:  # which is said already
+        return None
+    return value / (LONG_LIVED * limit), {"value": value, "limit": LONG_LIVED * limit}
+
+
+def _shoulder(e: Evidence) -> Finding:
+    """The edge of the ellipse that comes closest to its shoulder, as angles from the bottom."""
+    b = e.scene.bearing
+    D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
+    found = []
+    for race, side, factor, shoulder in (
+        (_INNER, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
+        (_OUTER, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
+    ):
+        r = factor * D
+        edges = np.degrees(e.angle[:, race] + e.major[:, race] / (r * _MM))
+        limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
+        source = "where a shoulder is assumed"
+        if shoulder is not None:
+            centre = 0.5 * b.pitch_diameter_mm - side * (factor - 0.5) * D * cosine
+            rise = side * (0.5 * shoulder - centre) / r
+            limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "its shoulder"
+        words = {"value": edges.max(), "limit": limit, "source": source}
+        found.append((edges.max() / limit, words | {"race": ("inner", "outer")[race]}))
+    return max(found, key=lambda one: one[0])
+
+
+def _speed(e: Evidence) -> Finding:
+    o = e.scene.operation
+    relative = abs(o.shaft_speed_rpm - o.outer_speed_rpm)
+    value = 1e-6 * relative * e.scene.bearing.pitch_diameter_mm
+    return value / FASTEST, {"value": value, "limit": FASTEST}
+
+
+def _hoop(e: Evidence) -> Finding | None:
+    """At the bore of a turning annulus that reaches to the shoulder, or to the groove's bottom."""
+    b = e.scene.bearing
+    if b.bore_mm is None:
+        return None
+    steel = e.scene.materials[b.race_material]
+    inside = 0.5 * _MM * b.bore_mm
+    bottom = b.pitch_diameter_mm - b.ball_diameter_mm
+    outside = 0.5 * _MM * (b.inner_shoulder_mm or bottom)
+    nu, omega = steel.poisson_ratio, math.pi / 30.0 * e.scene.operation.shaft_speed_rpm
+    squares = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
+    value = 0.25 * steel.density_kg_m3 * omega**2 * squares / _MPA
+    return value / HOOP_MPA, {"value": value, "limit": HOOP_MPA}
+
+
+def _inner(e: Evidence) -> Finding:
+    share = np.min(e.load[:, _INNER] / e.load[:, _OUTER])
+    if e.lifted > LONGEST_LIFTED:
+        said = f"a ball is off the inner race {e.lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
+        return e.lifted / LONGEST_LIFTED, {"said": said}
+    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
+    return LIGHTEST_INNER / share, {"said": said}
+
+
+def _preload(e: Evidence) -> Finding | None:
+    b, preload = e.scene.bearing, e.scene.operation.preload_N
+    if not preload:
+        return None
+    limit = LEAST_PRELOAD * b.ball_count * b.ball_diameter_mm**2
+    words = {"value": preload, "limit": limit, "n": b.ball_count, "D": b.ball_diameter_mm}
+    return limit / preload, words
+
+
+def _groove(e: Evidence) -> Finding:
+    b = e.scene.bearing
+    radii = _MM * b.ball_diameter_mm * np.array([b.inner_groove_factor, b.outer_groove_factor])
+    curvature = 0.5 * (2.0 / (_MM * b.ball_diameter_mm) - 1.0 / radii)
+    value = e.loss / np.min(curvature * e.major.mean(axis=0) ** 2)
+    words = {"loss": e.loss / _UM, "value": value, "limit": FLAT_GROOVE}
+    return value / FLAT_GROOVE, words
+
+
+def _unwatched(e: Evidence) -> Finding | None:
+    names = [IN_WORDS[name].words for name in unwatched(e.scene, e.chosen)]
+    return (None, {"names": ", ".join(names), "tier": e.chosen.tier}) if names else None
+
+
+def _assumed(e: Evidence) -> Finding | None:
+    speed = e.scene.operation.shaft_speed_rpm
+    told = SPEED_ASSUMED.format(speed) in e.scene.description
+    return (None, {"value": speed}) if told else None
+
+
+def _when_new(e: Evidence) -> Finding | None:
+    """The criterion of a life that ends where it begins."""
+    if e.life is None or len(e.life.get("history_ball_diameter_loss", ())) != 1:
+        return None
+    met = criterion_met(e.scene, e.life)
+    if met is None:
+        return None
+    criterion, limit = met
+    value = criterion.value(e.life, 0, e.scene)
+    excess = np.float64(limit) / value if criterion.falls else value / limit
+    new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
+    side = "below" if criterion.falls else "above"
+    said = f"{criterion.said(value)} {side} {criterion.number(limit)}"
+    return excess, {"said": said, "new": new, "advice": criterion.advice}
+
+
+CAUTIONS = (
+    Caution(
+        "over_limit_when_new",
+        _when_new,
+        "over the limit {new}: {said}",
+        "{advice}",
+    ),
+    Caution(
+        "criterion_not_watched",
+        _unwatched,
+        "end of life by {names} is not watched by the model {tier}",
+        "fidelity dynamic watches all",
+    ),
+    Caution(
+        "pressure_above_yield",
+        _yield,
+        "peak pressure {value:.3g} GPa above {limit:.3g} GPa, {source}",
+        "balls and races are dented: less load or speed, or larger balls",
+    ),
+    Caution(
+        "pressure_above_practice",
+        _practice,
+        "peak pressure {value:.3g} GPa above {limit:.3g} GPa, practice for a long life (assumed)",
+        "fatigue is not modelled: less load or speed, or larger balls",
+    ),
+    Caution(
+        "ellipse_over_shoulder",
+        _shoulder,
+        "the {race} contact ellipse reaches {value:.3g} degrees up its groove, past {limit:.3g}, "
+        "{source}",
+        "pressure at the edge is not modelled: less thrust, or higher shoulders",
+    ),
+    Caution(
+        "speed_beyond_practice",
+        _speed,
+        "speed times pitch diameter of {value:.3g} million mm r/min above {limit:g}, the most that "
+        "steel bearings ran on rigs",
+        "check the speed and its unit, r/min",
+    ),
+    Caution(
+        "hoop_stress",
+        _hoop,
+        "hoop stress of the inner ring of {value:.0f} MPa by rotation alone above {limit:g} MPa, "
+        "assumed for hardened steel",
+        "less speed, or a ring of tough steel",
+    ),
+    Caution(
+        "inner_load_lost",
+        _inner,
+        "{said} (assumed)",
+        "it may skid: more preload, less speed or radial load, ceramic balls",
+    ),
+    Caution(
+        "preload_too_small",
+        _preload,
+        "preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below {limit:.2g} N"
+        " (assumed)",
+        "check its unit, newtons",
+    ),
+    Caution(
+        "groove_worn",
+        _groove,
+        "{loss:.3g} um lost is {value:.2g} times the gap between ball and groove at the ellipse's "
+        "edge: from {limit:g} on the groove is not Hertz' any more",
+        "take pressure, slip and wear as estimates",
+    ),
+    Caution(
+        "speed_assumed",
+        _assumed,
+        "the speed of {value:.6g} r/min is assumed by `bearingwear new`",
+        "give operation.shaft_speed_rpm",
+    ),
+)
+"""The table; what decides a result stands first."""
+
+
+def _evidence(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
+    """A case, or the first and the last state of a life."""
+    history = "end_criterion" in values
+    prefix = "history_" if history else ""
+    names = {"pressure": "maximum_pressure", "angle": "contact_angle", "major": "semi_major_axis"}
+    names |= {"load": "contact_load", "loss": "ball_diameter_loss"}
+    solved = {key: np.asarray(values.get(prefix + name, ())) for key, name in names.items()}
+    if not all(found.size for found in solved.values()):
+        yield Evidence(scene, chosen)
+        return
+    for k in (0, -1) if history else (...,):
+        state = {key: np.atleast_2d(solved[key][k]) for key in ("angle", "major", "load")}
+        if "maximum_contact_load" in values:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                peak = np.cbrt(np.asarray(values["maximum_contact_load"]) / state["load"])
+            state["major"] = state["major"] * np.where(np.isfinite(peak), peak, 1.0)
+        yield Evidence(
+            scene,
+            chosen,
+            pressure=float(np.max(solved["pressure"][k])),
+            lifted=float(np.max(values.get("unloaded_share", state["load"] == 0.0)[:, _INNER])),
+            loss=float(np.mean(solved["loss"][k])),
+            life=values if history else None,
+            **state,
+        )
+
+
+def warnings_of(
+    scene: Scene, chosen: Choice, values: Mapping[str, Any] | None = None
+) -> list[dict[str, Any]]:
+    """Warnings of a solved case or life, or of a scene before any solve.
+
+    Parameters
+    ----------
+    scene : Scene
+    chosen : Choice
+        The model that solves it.
+    values : mapping, optional
+        Of the result.
+
+    Returns
+    -------
+    list of dict
+        id, sentence, advice, and `excess`: how many times the value is the limit, None for a fact.
+    """
+    every = list(_evidence(scene, chosen, values or {}))
+    return [
+        _said(caution, *max(findings, key=lambda finding: finding[0] or 0.0))
+        for caution in CAUTIONS
+        if (findings := list(_beyond(caution, every)))
+    ]
+
+
+def _beyond(caution: Caution, every: Iterable[Evidence]) -> Iterator[Finding]:
+    for e in every:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            finding = caution.look(e)
+        if finding is not None and (finding[0] is None or finding[0] > 1.0):
+            yield finding
+
+
+def _said(caution: Caution, excess: float | None, words: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "id": caution.id,
+        "sentence": caution.sentence.format(**words),
+        "advice": caution.advice.format(**words),
+        "excess": None if excess is None else float(f"{min(excess, LARGEST_EXCESS):.3g}"),
+    }

@@ -1,0 +1,100 @@
+"""Criteria of life in words: the value at which one is met, its limit, what to do about it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A criterion in words.
+
+    Attributes
+    ----------
+    words : str
+    value : callable
+        Its value, in the unit of its limit, at a step of the histories of a life.
+    advice : str
+        What keeps a bearing from meeting it.
+    unit : str
+        As shown, with the space before it.
+    falls : bool
+        Whether it is met from above.
+    """
+
+    words: str
+    value: Callable[[Mapping[str, Any], int, Scene], float]
+    advice: str
+    unit: str = " %"
+    falls: bool = False
+
+    def number(self, value: float) -> str:
+        """A value or limit with its unit."""
+        return f"{100.0 * value if self.unit == ' %' else value:.3g}{self.unit}"
+
+    def said(self, value: float) -> str:
+        """The criterion at a value."""
+        return f"{self.words} {self.number(value)}"
+
+
+def _at(name: str, factor: float = 1.0) -> Callable[[Mapping[str, Any], int, Scene], float]:
+    return lambda life, k, _: factor * float(np.max(np.abs(life[f"history_{name}"][k])))
+
+
+IN_WORDS = {
+    "preload_fraction": Criterion(
+        "residual preload",
+        lambda life, k, s: float(life["history_residual_preload"][k]) / s.operation.preload_N,
+        "more preload, lower speed, or a spring",
+        falls=True,
+    ),
+    "gyroscopic_slip_share": Criterion(
+        "gyroscopic slip share",
+        _at("gyroscopic_slip_share"),
+        "lower speed, more preload or ceramic balls",
+    ),
+    "skid_ratio": Criterion(
+        "skid ratio", _at("skid_ratio"), "more preload, lower speed or less lubricant drag"
+    ),
+    "ball_diameter_loss_um": Criterion(
+        "loss of ball diameter",
+        _at("ball_diameter_loss", 1e6),
+        "start from less wear, or raise the limit",
+        " um",
+    ),
+    "pocket_clearance_mm": Criterion(
+        "pocket clearance",
+        _at("pocket_clearance", 1e3),
+        "start with less clearance, or raise the limit",
+        " mm",
+    ),
+    "guide_clearance_mm": Criterion(
+        "guide clearance",
+        _at("guide_clearance", 1e3),
+        "start with less clearance, or raise the limit",
+        " mm",
+    ),
+}
+
+
+def criterion_met(scene: Scene, values: Mapping[str, Any]) -> tuple[Criterion, float] | None:
+    """The criterion that ends a life, and its limit; None if none does."""
+    name, end = CRITERIA[int(values["end_criterion"])], scene.wear.end_of_life
+    if end is None or name not in IN_WORDS or "history_ball_diameter_loss" not in values:
+        return None
+    return IN_WORDS[name], end.criteria[name]
+
+
+def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
+    """Attribute of a life that says which criterion ended it, at what value and limit."""
+    met = criterion_met(scene, values)
+    if met is None:
+        return {}
+    criterion, limit = met
+    said = criterion.said(criterion.value(values, -1, scene))
+    return {"ended_by": f"{said}, limit {criterion.number(limit)}"}
