@@ -251,16 +251,14 @@ def _check_balls(scene: Scene) -> None:
 
 def _check_rings(scene: Scene) -> None:
     """Bore, groove bottom, shoulder, pitch circle, and the same outwards, in this order."""
-    b = scene.bearing
-    dm, D = b.pitch_diameter_mm, b.ball_diameter_mm
-    rings = (
+    dm, D = scene.bearing.pitch_diameter_mm, scene.bearing.ball_diameter_mm
+    for name, above, below in (
         ("bore_mm", 0.0, dm - D),
         ("inner_shoulder_mm", dm - D, dm),
         ("outer_shoulder_mm", dm, dm + D),
         ("outside_diameter_mm", dm + D, math.inf),
-    )
-    for name, above, below in rings:
-        value = getattr(b, name)
+    ):
+        value = getattr(scene.bearing, name)
         if value is not None and not above < value < below:
             ends = [f"> {above:g}"] * (above > 0.0) + [f"< {below:g}"] * (below < math.inf)
             raise SceneError(
