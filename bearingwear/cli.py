@@ -8,6 +8,7 @@ standard error; 3 where the solver could not reach a verified answer (the file i
 from __future__ import annotations
 
 import argparse
+import difflib
 import importlib
 import json
 import os
@@ -118,8 +119,8 @@ def _parser() -> argparse.ArgumentParser:
 
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
     check = command("check", "check a scene; say which model would be solved, and why")
-    solve = command("solve", "solve a scene and write a case file")
-    life = command("life", "follow wear to the end of life and write a life file")
+    solve = command("solve", "solve a scene; print its sheet, write a case file")
+    life = command("life", "follow wear to the end of life; print its sheet, write a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
@@ -129,15 +130,28 @@ def _parser() -> argparse.ArgumentParser:
     )
     for sub in (solve, life):
         _add_result(sub)
+        _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     _add_uncertainty(
         command("uncertainty", "quantiles of life, over what the scene calls uncertain")
     )
     show = command("show", "print the main numbers of a result file, or of a scene")
     show.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
+    show.add_argument(
+        "--all", action="store_true", help="residuals, error estimates, steps and versions as well"
+    )
+    _add_formats(show)
     _add_compare(command("compare", "say what differs between two result files; exit 1 if they do"))
     plot = command("plot", "draw what a result file holds")
-    plot.add_argument("file", metavar="FILE.nc", type=Path)
-    plot.add_argument("-o", "--output", required=True, nargs="+", metavar="FIGURE", type=Path)
+    plot.add_argument("file", nargs="?", metavar="FILE.nc", type=Path)
+    plot.add_argument(
+        "-o",
+        "--output",
+        nargs="+",
+        default=[],
+        metavar="FIGURE",
+        type=Path,
+        help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
+    )
     study = command("study", "run a study of the present folder with Snakemake")
     study.add_argument(
         "name", nargs="?", default="all", choices=("all", *NAMES), help="default: the main study"
@@ -204,7 +218,9 @@ def _add_scene(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=_file_name)
+    sub.add_argument(
+        "-o", "--output", metavar="FILE.nc", type=_file_name, help="the file to write, if any"
+    )
     sub.add_argument(
         "--record-timing",
         action="store_true",
@@ -215,6 +231,14 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
         action="store_true",
         help="exit 0 also where the solver fails; the file's status says so",
     )
+
+
+def _add_formats(sub: argparse.ArgumentParser) -> Any:
+    """What is printed; of these one at a time."""
+    formats = sub.add_mutually_exclusive_group()
+    formats.add_argument("--json", action="store_true", help="print the sheet as JSON")
+    formats.add_argument("--csv", action="store_true", help="print the sheet as CSV")
+    return formats
 
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
@@ -270,7 +294,15 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         argcomplete.autocomplete(parser)
     if argv and (now := RENAMED.get(argv[0], RENAMED.get(argv[0].partition("-")[0]))):
         parser.error(f"{argv[0]} is now `bearingwear {now}`")
+    known = list(parser._subparsers._group_actions[0].choices)  # type: ignore[union-attr,arg-type]
+    if argv and not argv[0].startswith("-") and argv[0] not in known:
+        people = [name for name in known if name != "step"]
+        near = difflib.get_close_matches(argv[0], people, n=2)
+        allowed = f"did you mean {' or '.join(near)}" if near else f"allowed {', '.join(people)}"
+        parser.error(f"given the command {argv[0]!r}; {allowed}")
     args, left = parser.parse_known_args(argv)
+    if args.command == "plot":
+        _sort_plot(parser, args)
     if args.command == "study":
         args.more, left = left, []
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
@@ -279,6 +311,17 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     elif left:
         parser.error(f"given {left[0]!r}; allowed no such argument")
     return args
+
+
+def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+    """Let the file that is drawn stand after the figures: `plot -o figure.png FILE.nc`."""
+    if args.file is None:
+        results = [path for path in args.output if path.suffix == ".nc"]
+        if len(results) != 1:
+            parser.error(f"plot: given {len(results)} result files; allowed one, FILE.nc")
+        (args.file,) = results
+        args.output.remove(args.file)
+    args.output = args.output or [args.file.with_suffix(".svg")]
 
 
 def _run(args: argparse.Namespace) -> int:

@@ -20,6 +20,7 @@ from bearingwear.scene.new import OPTIONS
 
 if TYPE_CHECKING:
     from bearingwear.model.result import Result
+    from bearingwear.results.sheet import Sheet
     from bearingwear.scene.scene import Scene
 
 OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
@@ -97,16 +98,16 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def show(args: argparse.Namespace) -> int:
-    from bearingwear.results.show import scene_summary, summary
-    from bearingwear.studies import registry
-
     if Path(args.file).suffix in (".yaml", ".yml"):
+        from bearingwear.results.show_scene import scene_sheet
         from bearingwear.scene.read import load_scene
 
-        text = scene_summary(load_scene(args.file))
+        _print_sheet(scene_sheet(load_scene(args.file)), args)
     else:
-        text = summary(args.file, registry("SUMMARIES"))
-    _print(text)
+        from bearingwear.results.show import sheet
+        from bearingwear.studies import registry
+
+        _print_sheet(sheet(args.file, registry("SHEETS"), args.all), args)
     return OK
 
 
@@ -115,6 +116,8 @@ def plot(args: argparse.Namespace) -> int:
     from bearingwear.studies import registry
 
     draw(args.file, args.output, registry("PLOTS"))
+    for path in args.output:
+        print(f"{path}: written")
     return OK
 
 
@@ -190,7 +193,7 @@ def _scene(args: argparse.Namespace) -> Scene:
     from bearingwear.scene.read import load_scene
 
     scene = load_scene(args.scene, args.set)
-    if "output" in args:
+    if getattr(args, "output", None) is not None:
         _check_output(args.output, args.scene)
     return scene
 
@@ -212,19 +215,28 @@ def _check_output(path: Path, scene: str) -> None:
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:
-    """Write the file; say so if the solver failed."""
-    from bearingwear.results.netcdf import write_result
+    """Write the file, print the sheet; say so if the solver failed."""
 
     if args.record_timing:
         result.attrs["wall_time_s"] = float(result.wall_time_s)
-    write_result(result, args.output)
+    if args.output is not None:
+        from bearingwear.results.netcdf import write_result
+
+        write_result(result, args.output)
     _warn(result.attrs)
+    if not args.quiet:
+        from bearingwear.results.show import sheet, sheet_of_result
+
+        _print_sheet(sheet(args.output) if args.output else sheet_of_result(result), args)
     if result.status == "ok":
         return OK
-    sys.stderr.write(
-        one_line(f"{args.scene}: {result.status}: {result.reason} (see {args.output})")
-    )
+    where = f" (see {args.output})" if args.output else ""
+    sys.stderr.write(one_line(f"{args.scene}: {result.status}: {result.reason}{where}"))
     return OK if args.record_failures else NOT_SOLVED
+
+
+def _print_sheet(sheet: Sheet, args: argparse.Namespace) -> None:
+    _print(sheet.json if args.json else sheet.csv if args.csv else sheet.text)
 
 
 def _warn(attributes: Mapping[str, Any]) -> None:

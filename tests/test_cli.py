@@ -38,7 +38,9 @@ def solve(output, *more) -> int:
 
 def test_solve(tmp_path, capsys):
     assert solve(tmp_path / "new" / "case.nc") == 0
-    assert capsys.readouterr() == ("", "")
+    sheet, err = capsys.readouterr()
+    assert not err and main(["show", str(tmp_path / "new" / "case.nc")]) == 0
+    assert capsys.readouterr().out == sheet and "axial stiffness" in sheet
     assert os.listdir(tmp_path / "new") == ["case.nc"]
     case = load(tmp_path / "new" / "case.nc")
     assert int(case["status"]) == code.OK
@@ -115,7 +117,7 @@ def test_interrupt(tmp_path, capsys, monkeypatch):
 
 def test_life(tmp_path, capsys):
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
-    assert main([*argv, "--set", "operation.preload_method=fixed_position"]) == 0
+    assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
     assert out == "" and err.startswith("warning: 0.49") and err.count("\n") == 1
     life = load(tmp_path / "life.nc")
@@ -202,7 +204,7 @@ def test_show_prints_nothing_a_terminal_obeys(tmp_path, capsys):
 def rewrite_scene(path, change):
     import netCDF4
 
-    assert solve(path) == 0
+    assert solve(path, "--quiet") == 0
     with netCDF4.Dataset(path, "a") as file:
         file.scene = change(file.scene)
 
@@ -246,7 +248,7 @@ def test_help(argv, capsys):
         [],
         ["prove"],
         ["solve"],
-        ["solve", "a.yaml"],
+        ["solve", "a.yaml", "--json", "--csv"],
         ["solve", "a.yaml", "-o", "x.nc", "more"],
         ["solve", "a.yaml", "-o", "x.nc", "--fidelity", "best"],
         ["solve", "a.yaml", "-o", "x.nc", "--sets", "a=1"],
@@ -296,7 +298,8 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
     more = [text for key, value in changes for text in ("--set", f"{key}={value}")]
     if "fidelity" in settings:
         more += ["--fidelity", settings["fidelity"]]
-    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), *more]) == 0
+    assert capsys.readouterr() == ("", "")  # rules print no sheets
+    assert main(["solve", str(SCENE), "-o", str(tmp_path / "b.nc"), "--quiet", *more]) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
@@ -438,3 +441,34 @@ def test_show_quotes_the_life_that_the_scene_counts(tmp_path, capsys, counts):
     both = next(line for line in lines if line.startswith("life ")).split()
     quoted = next(line for line in lines if line.startswith("counts: ")).split()
     assert quoted[-1] == both[-2 if counts == "ball" else -1]
+
+
+@pytest.mark.parametrize(
+    ("command", "meant"),
+    [("slove", "solve"), ("sovle", "solve"), ("plto", "plot"), ("checks", "check")],
+)
+def test_a_mistyped_command(command, meant, capsys):
+    assert main([command]) == 2
+    assert f"{command!r}; did you mean {meant}" in capsys.readouterr().err
+
+
+def test_the_hidden_command_is_not_offered(capsys):
+    assert main(["xyz"]) == 2
+    err = capsys.readouterr().err
+    assert "allowed new, check, solve, life" in err and "step" not in err
+
+
+def test_plot_in_any_order_of_arguments(tmp_path, capsys):
+    file, figure = tmp_path / "a.nc", tmp_path / "a.png"
+    assert solve(file, "--quiet") == 0
+    for argv in (["-o", figure, file], [file, "-o", figure], ["-o", file, figure]):
+        capsys.readouterr()
+        assert main(["plot", *map(str, argv)]) == 0
+        assert capsys.readouterr() == (f"{figure}: written\n", "")
+        assert figure.read_bytes().startswith(b"\x89PNG")
+        figure.unlink()
+    assert main(["plot", str(file)]) == 0
+    assert (tmp_path / "a.svg").is_file() and file.is_file()
+    for argv in ([], ["-o", str(figure)], ["-o", str(file), str(file)]):
+        assert main(["plot", *argv]) == 2
+        assert "result files; allowed one, FILE.nc" in capsys.readouterr().err

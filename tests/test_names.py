@@ -13,7 +13,7 @@ REPEATING = {
     "api.py": "the Python interface: `solve` and `life` are those of the model, in xarray",
     "commands.py": "a handler has the name of its command, which is what is typed",
 }
-PROTOCOL = {"study", "PLOTS", "SUMMARIES"}
+PROTOCOL = {"study", "PLOTS", "SHEETS"}
 """What each studies/NAME/study.py may define for the registry."""
 
 

@@ -1,6 +1,7 @@
 """A dynamic run: windows of recorded time, their trend, lines of progress."""
 
 import time as clock
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -26,6 +27,7 @@ from bearingwear.scene.scene import Scene
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
+RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns differ in cost
 
 
 class Trend:
@@ -122,18 +124,20 @@ class _Progress:
     def __init__(self, say: Callable[[str], None] | None, turns: float, turn: float) -> None:
         self.say, self.turns, self.turn = say, turns, turn
         self.begun = self.last = clock.monotonic()
+        self.recent = deque([(self.begun, 0.0)], maxlen=RECENT_REPORTS)  # clock, turns
 
     def __call__(self, done: float, slopes: np.ndarray | None) -> None:
         now = clock.monotonic()
         if self.say is None or now - self.last < REPORT_EVERY:
             return
         self.last = now
-        passed = now - self.begun
-        left = passed * (self.turns / done - 1.0)
+        then, before = self.recent[0]
+        self.recent.append((now, done))
+        left = (self.turns - done) * (now - then) / (done - before)
         drift = "not known yet" if slopes is None else f"{slopes[0]:+.1e} a turn"
         self.say(
             f"{done:.0f} of {self.turns:.0f} turns, {1e3 * done * self.turn:.3g} ms simulated in "
-            f"{passed:.0f} s, at most {left:.0f} s left, drift of QV {drift}"
+            f"{now - self.begun:.0f} s, about {left:.0f} s left, drift of QV {drift}"
         )
 
 

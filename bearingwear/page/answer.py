@@ -18,6 +18,7 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
+from bearingwear.results.units import span
 from bearingwear.scene.scene import COUNTS
 
 ENDS = {  # words for a criterion, and by how much its limit in the scene is multiplied
@@ -215,9 +216,7 @@ def _how_sure(lives: Sequence[Life]) -> list[str]:
     if said:
         said.append(QUANTILES_TEXT)
     if not all(life.spread for life in lives):
-        said.append(
-            _sentence(f"{NO_QUANTILES}{' for the others' if said else ''}, {SEE}".replace("`", ""))
-        )
+        said.append(_sentence(f"{NO_QUANTILES}{' for the others' if said else ''}, {SEE}"))
     return said
 
 
@@ -264,8 +263,5 @@ def _row(life: Life, lives: Sequence[Life]) -> dict[str, str]:
 
 def _hours(values: Iterable[float]) -> str:
     """Least and most of some lives; a dash if there is none."""
-    known = sorted(value for value in values if math.isfinite(value))
-    if not known:
-        return "–"
-    least, most = (f"{x:.3g}" if x < 1e3 else f"{x:.0f}" for x in (known[0], known[-1]))
-    return f"{least if least == most else f'{least} to {most}'}\N{NO-BREAK SPACE}h"
+    text = span(values)
+    return text if text == "–" else f"{text}\N{NO-BREAK SPACE}h"

@@ -21,6 +21,7 @@ from bearingwear.page.markup import to_html
 from bearingwear.plotting.drawing import MESSAGE, scene_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import load_quantiles
+from bearingwear.results.units import display, in_print, key_in_words
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 from bearingwear.scene.keys import leaves
 
@@ -33,6 +34,25 @@ TITLE = f"{{{SVG}}}title"
 DESCRIPTION = "{http://purl.org/dc/elements/1.1/}description"
 # What may stand in a data URI as it is; `#` would end it.
 UNQUOTED = " !$&'()*+,-./:;=?@_~"
+GLOSSARY = {
+    "QV": "Load times slip speed, summed over a contact, in watts. Friction heat is QV times the "
+    "friction coefficient; by Archard's law the wear rate is QV times the wear coefficient over "
+    "the hardness: twice the QV, twice the wear.",
+    "constant force, fixed position": "The two ways of preloading: a spring, whose force stays as "
+    "parts wear, or a fixed distance between the races, whose force wears away.",
+    "residual preload": "The axial force that is left of the preload, by wear and at speed.",
+    "slip, gyroscopic share": "Balls roll and also slide. What turns a ball about an axis across "
+    "its rolling is the gyroscopic moment; its share of all slip grows as the preload goes.",
+    "skid ratio": "By how much a ball's orbit lags behind pure rolling.",
+    "loss of ball diameter": "What wear has taken off a ball. Counting balls and races, what the "
+    "races lose is booked to the ball as well, since it opens the bearing as much.",
+    "wear life": "Hours until the first limit is met: preload left, gyroscopic slip, skidding, or "
+    "loss of diameter.",
+    "in time, steady": "Solved as motion in time, with the cage where there is one; or as the "
+    "state of motion that repeats itself, where forces and friction balance.",
+}
+"""Words that a reader of the page may not know."""
+
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
 
 
@@ -56,6 +76,7 @@ class Section:
     figures: list[Drawing] = field(default_factory=list)
     tables: list[Path] = field(default_factory=list)
     solved: list[tuple[str, int, int]] = field(default_factory=list)  # what, solved, of
+    errors: list[tuple[str, str]] = field(default_factory=list)  # of what, at most
     warnings: list[tuple[str, str]] = field(default_factory=list)  # sentence and advice, where
 
 
@@ -116,7 +137,6 @@ def page(sections: Iterable[Path], docs: Iterable[Path] = (), answers: Iterable[
         leading=_leading(leading),
         sections=list(scenes.values()),
         across=across,
-        errors=list(_largest_errors(datasets.values())),
         unsolved=[
             (section.scene["name"], what, of - solved)
             for section in scenes.values()
@@ -130,6 +150,7 @@ def page(sections: Iterable[Path], docs: Iterable[Path] = (), answers: Iterable[
             for file in docs
             for title, body in [_titled(file)]
         ],
+        glossary=GLOSSARY,
         html=lambda file: to_html(_tables(file), 2),
     )
 
@@ -161,7 +182,9 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
         solved = int(np.isin(status, answers).sum())
         section.solved.append((_what(dataset), solved, status.size))
     for folder, section in sections.items():
-        section.warnings = list(_warnings(d for f, d in datasets.items() if f.parent == folder))
+        own = [dataset for file, dataset in datasets.items() if file.parent == folder]
+        section.errors = list(_largest_errors(own))
+        section.warnings = list(_warnings(own))
     return sections
 
 
@@ -254,9 +277,8 @@ def _leading(files: Sequence[Path]) -> dict[str, Any] | None:
     }
 
 
-def _largest_errors(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, float]]:
-    """Largest estimate of each numerical error, of what was solved [%]."""
-    datasets = list(datasets)
+def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]:
+    """Largest estimate of each numerical error of a scene, of what was solved."""
     for name, words in (
         ("qv_error_estimate", "QV"),
         ("residual_preload_error_estimate", "residual preload"),
@@ -266,26 +288,33 @@ def _largest_errors(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, float
         known = [float(abs(one[name]).max()) for one in datasets if name in one]
         known = [error for error in known if np.isfinite(error)]
         if known:
-            yield words, 100.0 * max(known)
+            yield words, f"{display('1', shown='%').text(max(known))} %"
 
 
 def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
-    """Rows of the table of scenes: key, a value for each, whether they differ."""
+    """Rows of the table of scenes: key in words, a value for each, whether they differ."""
     flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
     names = list(dict.fromkeys(name for values in flat for name in values))
     blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
     for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
         if name not in ("name", "description"):
             row = [values.get(name, "–") for values in flat]
-            yield name, row, len(set(row)) > 1
+            yield _key_label(name), row, len(set(row)) > 1
+
+
+def _key_label(key: str) -> str:
+    """A key of a scene in words: `bearing: ball diameter (mm)`."""
+    blocks = ", ".join(block.replace("_", " ") for block in key.split(".")[:-1])
+    words, unit = key_in_words(key)
+    return f"{blocks}: {words}" + (f" ({in_print(unit)})" if unit else "")
 
 
 def _value(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return ", ".join(map(str, value))
-    return "–" if value is None else str(value)
+        return ", ".join(map(_value, value))
+    return "–" if value is None else str(value).replace("_", " ")
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:

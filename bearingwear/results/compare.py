@@ -12,12 +12,18 @@ import numpy as np
 
 from bearingwear.results.kinds import kind_of
 from bearingwear.results.netcdf import CaseFileError, opened
+from bearingwear.results.units import display
+from bearingwear.results.variables import CASE, DIAGNOSTICS, LIFE
 from bearingwear.scene.keys import leaves
 
 SAID_OF_RESULTS = ("fidelity", "modelled", "settled")
 """Attributes that say what was solved; the others say how a file was made."""
 
-WIDEST = 40
+_VARIABLES = CASE | LIFE
+_SHOWN = {name for name, variable in _VARIABLES.items() if variable.label} - DIAGNOSTICS
+"""Results that have a name for a person."""
+
+WIDEST = 60
 """Characters of a text that are shown."""
 
 
@@ -61,7 +67,8 @@ def difference(
     Returns
     -------
     text : str
-        Keys of the scene, attributes and variables that differ.
+        Results that differ, those that a person asks for first; keys of the scene; then how well
+        each was solved and how it was made.
     same : bool
         Whether scene, model and variables are the same. How a file was made (versions, source
         hash, solver statistics) is shown where it differs, but does not count.
@@ -95,6 +102,10 @@ def _differences(a: Any, b: Any, tolerance: float) -> Differences:
     attributes = _texts(*({k: file.getncattr(k) for k in file.ncattrs()} for file in (a, b)))
     attributes.pop("scene", None)
     model = {k: attributes.pop(k) for k in SAID_OF_RESULTS if k in attributes}
+    if "modelled" in model:  # of many sentences those that differ
+        one, other = (json.loads(getattr(file, "modelled", "[]")) for file in (a, b))
+        apart = [t for t in one if t not in other], [t for t in other if t not in one]
+        model["modelled"] = (_cut("; ".join(apart[0])), _cut("; ".join(apart[1])))
     names = [*a.variables, *(name for name in b.variables if name not in a.variables)]
     variables = [d for d in (_variable_difference(name, a, b, tolerance) for name in names) if d]
     variables.sort(key=lambda d: -d.relative)
@@ -108,22 +119,29 @@ def _differences(a: Any, b: Any, tolerance: float) -> Differences:
 
 
 def _lines(found: Differences) -> list[str]:
+    """What a person asks first stands first: results, why they differ, and how they were made."""
     lines: list[str] = []
-    for title, texts in (
-        ("scene", found.scene),
-        ("model", found.model),
-        ("how it was made (does not count)", found.making),
-    ):
-        if texts:
-            lines += _table([(title, "A", "B"), *((k, *both) for k, both in texts.items())])
-    if found.variables:
-        rows = [("variable", "unit", "A", "B", "relative", "where")]
-        rows += [
-            (d.name, d.units, d.first, d.second, _percent(d.relative), d.place)
-            for d in found.variables
-        ]
-        lines += _table(rows)
-    return lines
+    results = [d for d in found.variables if d.name not in DIAGNOSTICS]
+    shown = [d for d in results if d.name in _SHOWN]
+    lines += _variables("result", shown)
+    lines += _texts_of("scene", found.scene) + _texts_of("model", found.model)
+    lines += _variables("further result", [d for d in results if d.name not in _SHOWN])
+    lines += _variables(
+        "how well it was solved", [d for d in found.variables if d.name in DIAGNOSTICS]
+    )
+    return lines + _texts_of("how it was made (does not count)", found.making)
+
+
+def _texts_of(title: str, texts: dict[str, tuple[str, str]]) -> list[str]:
+    rows = [(key, *both) for key, both in texts.items()]
+    return _table([(title, "A", "B"), *rows]) if rows else []
+
+
+def _variables(title: str, differences: Sequence[Difference]) -> list[str]:
+    rows = [
+        (d.name, d.units, d.first, d.second, _percent(d.relative), d.place) for d in differences
+    ]
+    return _table([(title, "unit", "A", "B", "relative", "where"), *rows]) if rows else []
 
 
 def _texts(a: dict[str, Any], b: dict[str, Any]) -> dict[str, tuple[str, str]]:
@@ -164,7 +182,12 @@ def _variable_difference(name: str, a: Any, b: Any, tolerance: float) -> Differe
     relative = float(apart[index]) / largest if is_number else math.inf
     if relative <= tolerance:
         return None
-    first, second = (_shown(np.asarray(values)[index], flags) for values in (x, y))
+    pair = [np.asarray(values)[index] for values in (x, y)]
+    if is_number:
+        known = _VARIABLES.get(name)
+        shown = display(unit, pair, shown=known.shown if known and known.units == unit else "")
+        pair, unit = [shown.of(value) for value in pair], shown.unit
+    first, second = (_shown(value, flags) for value in pair)
     return Difference(name, unit, first, second, relative, _place(a, one.dimensions, index))
 
 

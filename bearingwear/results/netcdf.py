@@ -110,6 +110,18 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
         _fill(file, entries)
 
 
+@contextlib.contextmanager
+def in_memory(result: Result) -> Iterator[Any]:
+    """The `netCDF4.Dataset` of a result, open for reading, that is nowhere on the disk."""
+    import netCDF4
+
+    entries, attrs = _entries(result)
+    with netCDF4.Dataset("result", "w", format="NETCDF4", diskless=True) as file:
+        file.setncatts(attrs)
+        _fill(file, entries)
+        yield file
+
+
 def _fill(file: Any, entries: Mapping[str, Entry]) -> None:
     for entry in entries.values():
         for dim, size in zip(entry.dims, entry.data.shape, strict=True):

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.netcdf import CaseFileError, header, load
+from bearingwear.results.units import digits
 from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ CONFIDENCE = 0.95
 """Of the intervals of quantiles and Sobol indices."""
 
 NO_QUANTILES = "no spread computed"
-SEE = "see `uncertain_lives` in config/README.md, or `bearingwear uncertainty`"
+SEE = "the command bearingwear uncertainty computes it"
 QUANTILES_TEXT = (
     "Spread: L10 is the life that 10 % of bearings do not reach, L50 the one that half of them do "
     f"not, with all that the scene calls uncertain; in brackets their {100 * CONFIDENCE:g} % "
@@ -58,7 +59,8 @@ class Quantile(NamedTuple):
     def text(self) -> str:
         """`L10 1.2 h [1.1, 1.3]`, which breaks into lines before the bracket only."""
         new = ", beyond a limit when new" if self.hours == 0.0 else ""
-        value, ends = f"{self.name} {self.hours:.3g} h", f"[{self.low:.3g}, {self.high:.3g}]"
+        value = f"{self.name} {digits(self.hours)} h"
+        ends = f"[{digits(self.low)}, {digits(self.high)}]"
         return " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in (value, ends)) + new
 
 
@@ -87,7 +89,9 @@ def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
     found = []
     for file in [path, *(file for place in PLACES_BESIDE for file in sorted(folder.glob(place)))]:
         with contextlib.suppress(CaseFileError):
-            found.append(load_quantiles(file))
+            # most files are of another kind, and need not wait for xarray
+            if header(file).get("kind") == KIND:
+                found.append(load_quantiles(file))
     return found
 
 

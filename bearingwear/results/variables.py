@@ -1,7 +1,7 @@
 """The one table of what a result file can hold: names, dimensions, units, meaning, display.
 
 Inside the program all values are SI and radians; `scale` takes them to the units of the file, and
-`factor` from there to the unit in which a person reads them. What has no unit has flags.
+`results/units.py` says in which a person reads them. What has no unit has flags.
 
 A study describes its own variables with the same `Variable`, in a `table` of its own, and makes
 datasets with `bearingwear.results.netcdf.data_array` or `dataset_of`. Their dimensions are then
@@ -35,22 +35,6 @@ EDGES = ("at_negative_x", "at_positive_x")
 BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
 STABILITY = ("unstable", "stable")
 
-FACTORS = {
-    ("1", "%"): 100.0,
-    ("1", "%/turn"): 100.0,
-    ("m", "mm"): 1e3,
-    ("m", "um"): 1e6,
-    ("m3", "um3"): 1e18,
-    ("m3 s-1", "um3/s"): 1e18,
-    ("N m", "uN m"): 1e6,
-    ("N m-1", "N/um"): 1e-6,
-    ("Pa", "MPa"): 1e-6,
-    ("rad s-1", "rad/s"): 1.0,
-    ("s Pa-1", "s/Pa"): 1.0,
-    ("W", "mW"): 1e3,
-}
-"""From a unit of the files to one that is shown."""
-
 
 @dataclass(frozen=True)
 class Variable:
@@ -77,7 +61,7 @@ class Variable:
     label : str, optional
         Short name for a person, as in `bearingwear show`.
     shown : str, optional
-        Unit for a person, where it is not that of the file.
+        What it is shown as (`units.SCALES`), where its unit does not say.
     """
 
     name: str
@@ -105,15 +89,6 @@ class Variable:
         if self.comment:
             found["comment"] = self.comment
         return found
-
-    @property
-    def display_unit(self) -> str:
-        return self.shown or self.units
-
-    @property
-    def factor(self) -> float:
-        """What takes a value of the file to `display_unit`."""
-        return FACTORS[self.units, self.shown] if self.shown else 1.0
 
 
 def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
@@ -222,59 +197,57 @@ ALWAYS = table(STATUS) | table(
     Variable("contact_angle", _BOTH, "degree", "contact angle", scale=DEGREE,
         label="contact angle"),
     Variable("semi_major_axis", _BOTH, "m", "semi-major axis of the contact ellipse",
-        label="semi-major axis", shown="um"),
+        label="semi-major axis"),
     Variable("semi_minor_axis", _BOTH, "m", "semi-minor axis of the contact ellipse",
-        label="semi-minor axis", shown="um"),
-    Variable("maximum_pressure", _BOTH, "Pa", "largest contact pressure", label="maximum pressure",
-        shown="MPa"),
+        label="semi-minor axis"),
+    Variable("maximum_pressure", _BOTH, "Pa", "largest contact pressure", label="maximum pressure"),
     Variable("qv", _BOTH, "W", "integral of load times slip speed over the contact (QV)",
-        label="QV", shown="mW"),
-    Variable("friction_heat", _BOTH, "W", "friction heat of the contact", label="friction heat",
-        shown="mW"),
+        label="QV"),
+    Variable("friction_heat", _BOTH, "W", "friction heat of the contact", label="friction heat"),
     Variable("gyroscopic_slip", _STRIPS, "m s-1", "slip along the major axis, race minus ball"),
     Variable("rolling_slip", _STRIPS, "m s-1", "slip along the rolling direction, race minus ball",
         comment="positive towards y of the azimuth frame, against the orbit of a positive rate"),
     Variable("ball_angular_velocity", ("ball", "axis"), "rad s-1",
         "absolute angular velocity of the ball in its azimuth frame"),
     Variable("orbit_speed", _BALL, "rad s-1", "orbit rate of the ball",
-        label="orbit speed of the balls", shown="rad/s"),
+        label="orbit speed of the balls"),
     Variable("spin_to_roll_ratio", _BOTH, "1", "spin over roll of ball against race",
         label="spin/roll"),
     Variable("residual_preload", (), "N", "axial force of all balls on the inner race",
         label="residual preload"),
     Variable("axial_displacement", (), "m", "axial displacement of the inner race",
-        comment="from the free-contact, unworn position", label="axial displacement", shown="um"),
+        comment="from the free-contact, unworn position", label="axial displacement"),
     Variable("gyroscopic_slip_share", _BOTH, "1", "gyroscopic share of the slip, weighted by load",
         label="gyroscopic slip share", shown="%"),
     Variable("total_qv", (), "W", "QV of the whole bearing", label="QV"),
     Variable("shaft_torque", (), "N m", "torque of the inner race on the balls, whole bearing",
-        label="shaft torque", shown="uN m"),
+        label="shaft torque"),
     Variable("drag_power", (), "W", "power of the lubricant drag, whole bearing",
         label="drag power"),
     Variable("axial_stiffness", (), "N m-1", "axial stiffness at constant speed",
-        label="axial stiffness", shown="N/um"),
+        label="axial stiffness"),
     Variable("ball_wear_rate", _BALL, "m3 s-1", "wear rate of one ball",
-        label="wear rate of one ball", shown="um3/s"),
+        label="wear rate of one ball"),
     Variable("race_wear_rate", _RACE, "m3 s-1", "wear rate of the whole race",
-        label="wear rate, whole race", shown="um3/s"),
+        label="wear rate, whole race"),
     always=True,
 )
 """Of every case, solved or not."""
 
 STATE = ALWAYS | table(
     Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage pockets", averaged=True,
-        label="wear rate, pockets", shown="um3/s"),
+        label="wear rate, pockets"),
     Variable("pocket_wear_rate", _BALL, "m3 s-1", "wear rate of the cage in one pocket",
         averaged=True),
     Variable("cage_land_wear_rate", (), "m3 s-1", "wear rate of the cage at its guiding land",
-        averaged=True, label="wear rate, land", shown="um3/s"),
+        averaged=True, label="wear rate, land"),
     Variable("cage_friction_heat", (), "W", "friction heat of the cage", averaged=True,
-        label="friction heat", shown="mW"),
-    Variable("cage_speed", (), "rad s-1", "speed of the cage", averaged=True, label="speed",
-        shown="rad/s"),
+        label="friction heat"),
+    Variable("cage_speed", (), "rad s-1", "speed of the cage", averaged=True, label="speed"),
     Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter by wear"),
     Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
-        "rate of the loss of ball diameter, mean over the balls", averaged=True),
+        "rate of the loss of ball diameter, mean over the balls", averaged=True,
+        label="loss of ball diameter", shown="um/1000 h"),
     Variable("initial_axial_displacement", (), "m", "axial displacement at rest, unworn"),
     Variable("gyroscopic_moment", _BALL, "N m", "gyroscopic moment on the ball, magnitude",
         averaged=True),
@@ -308,10 +281,10 @@ STATE = ALWAYS | table(
         comment=_ESTIMATE, label="numerical error of QV", shown="%"),
     Variable("residual_preload_error_estimate", (), "1",
         "estimated numerical error of the residual preload, over it", comment=_ESTIMATE,
-        label="of the residual preload", shown="%"),
+        label="error of residual preload", shown="%"),
     Variable("wear_rate_error_estimate", ("counts",), "1",
         "estimated numerical error of the loss rate of ball diameter, over it", comment=_ESTIMATE,
-        label="of the loss rate", shown="%"),
+        label="error of the loss rate", shown="%"),
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
     Variable("equilibrium_rounding", (), "1",
         "what rounding of places can make of equilibrium_residual"),
@@ -350,9 +323,9 @@ DYNAMIC = table(
     Variable("unloaded_share", _BOTH, "1", "share of time without load in the contact",
         averaged=True),
     Variable("mean_pocket_torque", (), "N m", "torque of the balls on the cage about the axis",
-        averaged=True, label="mean pocket torque", shown="uN m"),
+        averaged=True, label="mean pocket torque"),
     Variable("mean_land_torque", (), "N m", "torque of the guiding land on the cage about the axis",
-        averaged=True, label="mean land torque", shown="uN m"),
+        averaged=True, label="mean land torque"),
     Variable("cage_momentum_rate", (), "N m",
         "change of the cage's angular momentum about the axis", averaged=True),
     Variable("final_time", (), "s", "simulated time at the end"),
@@ -385,7 +358,7 @@ LIFE = table(
         always=True, label="life"),
     Variable("normalised_life", ("counts",), "s Pa-1",
         "life times wear coefficient over hardness of the balls", always=True,
-        label="life times K_s/H", shown="s/Pa"),
+        label="life times K_s/H"),
     Variable("life_error_bound", ("counts",), "h", "bound on the integration error of the life",
         scale=HOURS_PER_SECOND, always=True, label="bound of the integration"),
     Variable("life_error_estimate", ("counts",), "1",
@@ -394,7 +367,7 @@ LIFE = table(
     Variable("end_criterion", (), "", "the criterion that was met first", "i1", flags=CRITERIA,
         always=True),
     Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life", always=True,
-        label="loss of ball diameter", shown="um"),
+        label="loss of ball diameter"),
     Variable("history_ball_diameter_loss", _STEP, "m", "loss of ball diameter"),
     Variable("history_time", _STEP_COUNTS, "h", "time since the start", scale=HOURS_PER_SECOND),
     Variable("history_residual_preload", _STEP, "N", "axial force of all balls on the inner race",
@@ -420,29 +393,26 @@ LIFE = table(
         flags=("start_anew", "end_of_the_step_before")),
     Variable("history_simulated_turns", _STEP, "1", "shaft turns simulated"),
     Variable("history_worn_diameter", _STEP_BALL, "m",
-        "worn off the diameter of one ball since the start", label="diameter of one ball",
-        shown="um"),
+        "worn off the diameter of one ball since the start", label="diameter of one ball"),
     Variable("history_groove_depth", _STEP, "m", "depth worn into both grooves since the start",
-        label="both grooves, depth", shown="um"),
+        label="both grooves, depth"),
     Variable("history_ball_worn_volume", _STEP_BALL, "m3",
-        "volume worn off one ball since the start", label="one ball", shown="um3"),
+        "volume worn off one ball since the start", label="one ball"),
     Variable("history_race_worn_volume", _STEP_RACE, "m3",
-        "volume worn off the race since the start", shown="um3"),
+        "volume worn off the race since the start"),
     Variable("history_pocket_worn_volume", _STEP_BALL, "m3",
-        "volume worn off the cage in one pocket since the start", label="one pocket", shown="um3"),
+        "volume worn off the cage in one pocket since the start", label="one pocket"),
     Variable("history_land_worn_volume", _STEP, "m3",
-        "volume worn off the cage at its guiding land since the start", label="guiding land",
-        shown="um3"),
+        "volume worn off the cage at its guiding land since the start", label="guiding land"),
     Variable("history_each_ball_wear_rate", _STEP_BALL, "m3 s-1", "wear rate of each ball"),
     Variable("history_pocket_wear_rate", _STEP_BALL, "m3 s-1",
         "wear rate of the cage in one pocket"),
     Variable("history_land_wear_rate", _STEP, "m3 s-1",
         "wear rate of the cage at its guiding land"),
     Variable("history_pocket_clearance", _STEP, "m",
-        "diametral clearance of pocket and most worn ball", label="pocket clearance then",
-        shown="mm"),
+        "diametral clearance of pocket and most worn ball", label="pocket clearance then"),
     Variable("history_guide_clearance", _STEP, "m", "diametral clearance of cage and guiding land",
-        label="guide clearance then", shown="mm"),
+        label="guide clearance then"),
     Variable("steady_status", (), "", "whether there is a steady life to compare with", "i1",
         flags=STATUS_NAMES, comment=_OF_STEADY),
     Variable("steady_life", (), "h", "time to the end of life by the steady model",
@@ -450,8 +420,24 @@ LIFE = table(
     Variable("steady_end_criterion", (), "", "the criterion that the steady life meets first", "i1",
         flags=CRITERIA, comment=_OF_STEADY),
     Variable("steady_loss_at_end", (), "m", "loss of ball diameter at the end of the steady life",
-        comment=_OF_STEADY, label="loss at its end", shown="um"),
+        comment=_OF_STEADY, label="loss at its end"),
     Variable("steady_time_to_loss", (), "h", "time that the steady model takes to loss_at_end",
         scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="its time to the loss above"),
 )
 # fmt: on
+
+DIAGNOSTICS = frozenset(
+    name
+    for name in CASE | LIFE
+    if name.endswith(("_residual", "_rounding", "_error", "_error_qv", "_error_estimate", "_bound"))
+) | {
+    "coriolis_energy_share",
+    "azimuth_energy_share",
+    "steps_accepted",
+    "steps_rejected",
+    "evaluations",
+    "contact_events",
+    "final_state",
+    "final_time",
+}
+"""What says how well a result was solved, and not what came of it."""

@@ -79,7 +79,8 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     plain = _copied(data, "", 0, file)
     if faults := list(_faults(plain, file, "", ())):
         fault = min(faults, key=lambda f: (f.rank, f.place))
-        raise SceneError(fault.path, fault.problem)
+        meant = _meant(fault.path, file) if fault.rank == _UNKNOWN else ""
+        raise SceneError(fault.path, meant or fault.problem)
     return plain
 
 
@@ -160,7 +161,7 @@ def _block_faults(
     if unknown is not None:
         near = difflib.get_close_matches(unknown, known, n=2, cutoff=0.6)
         free = [key for key in known if key not in given] or list(known)
-        names = f"nearest allowed: {' or '.join(near)}" if near else f"allowed: {', '.join(free)}"
+        names = f"did you mean {' or '.join(near)}" if near else f"allowed: {', '.join(free)}"
         where = _joined(path, short(unknown))
         yield Fault(_UNKNOWN, place, where, f"given an unknown key; {names}")
     for name, below in known.items():
@@ -170,6 +171,29 @@ def _block_faults(
     for i, (name, value) in enumerate(given.items()):
         if name in known:
             yield from _faults(value, known[name], _joined(path, name), (*place, i))
+
+
+def _meant(path: str, file: Part) -> str:
+    """What to say of an unknown key that is one of another block; nothing where it is none."""
+    block, _, name = path.rpartition(".")
+    beside = part_at(file, block)
+    if beside is not None and difflib.get_close_matches(name, beside.below):
+        return ""
+    places: dict[str, list[str]] = {}
+    for place in _places(file, ""):
+        places.setdefault(place.rpartition(".")[2], []).append(place)
+    near = difflib.get_close_matches(name, places, n=1, cutoff=0.8)
+    meant = [place for one in near for place in places[one]]
+    return f"given an unknown key; did you mean {' or '.join(meant)}" if meant else ""
+
+
+def _places(block: Part, path: str) -> Iterator[str]:
+    """Every key of a file that takes a value, with the blocks it stands in."""
+    for name, part in block.below.items():
+        if part.kind == "block":
+            yield from _places(part, _joined(path, name))
+        else:
+            yield _joined(path, name)
 
 
 def _mapping_faults(

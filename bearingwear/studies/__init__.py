@@ -34,7 +34,7 @@ def read(config: Mapping[str, Any]) -> dict[str, Study]:
 
 
 def registry(name: str) -> dict[str, str]:
-    """What the studies' modules say under a name: SUMMARIES or PLOTS, by the kind of a file."""
+    """What the studies' modules say under a name: SHEETS or PLOTS, by the kind of a file."""
     found: dict[str, str] = {}
     for study in NAMES:
         module = importlib.import_module(f"bearingwear.studies.{study}.study")

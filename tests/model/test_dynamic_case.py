@@ -2,12 +2,14 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
@@ -18,7 +20,7 @@ from support import ROOT, scene_file
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.model import transient
+from bearingwear.model import time_run, transient
 from bearingwear.model.fidelity import NotAvailable, choice, choice_for_life
 from bearingwear.results import variables
 from bearingwear.results.netcdf import CaseFileError, load
@@ -178,8 +180,7 @@ def test_failed_case(monkeypatch, solver, tmp_path, capsys):
 
 def test_progress_is_one_line_each(solver, tmp_path, capsys):
     assert solve(tmp_path / "x.nc") == 0
-    out, err = capsys.readouterr()
-    assert not out and err.splitlines() == [
+    assert capsys.readouterr().err.splitlines() == [
         f"{S1}: turn 10 of 20, simulated 0.02 s?in 1 s",
         f"{S1}: turn 20 of 20",
     ]
@@ -193,6 +194,20 @@ def test_nobody_reads_about_progress(solver, tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "stderr", Closed())
     assert solve(tmp_path / "x.nc") == 0
     assert int(load(tmp_path / "x.nc")["status"]) == code.OK
+
+
+def test_the_time_left_is_told_from_the_recent_rate(monkeypatch):
+    """Turns that come to cost ten times as much: the first ones do not flatter the rest."""
+    now, lines = [0.0], []
+    monkeypatch.setattr(time_run, "clock", SimpleNamespace(monotonic=lambda: now[0]))
+    report = time_run._Progress(lines.append, turns=100.0, turn=2e-3)
+    for turn in range(1, 61):
+        now[0] += 0.5 if turn <= 30 else 5.0
+        report(float(turn), None)
+    told = [re.search(r"about (\d+) s left", line) for line in lines]
+    assert all(told) and "at most" not in "".join(lines)
+    assert int(told[0][1]) == pytest.approx(0.5 * 94, abs=1.0)  # after the first six turns
+    assert int(told[-1][1]) == pytest.approx(5.0 * 40, abs=1.0)
 
 
 def test_progress_in_python(solver):
@@ -310,12 +325,12 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
 
 def test_show(case, capsys):
     capsys.readouterr()
-    assert main(["show", str(case)]) == 0
+    assert main(["show", str(case), "--all"]) == 0
     lines = capsys.readouterr().out.splitlines()
     rows = {line[2:28].strip(): line.split()[-1] for line in lines if line.startswith("  ")}
     assert rows["turns simulated"] == "40" and rows["turns averaged"] == "20"
     assert "  settled: QV drifts +1.0e-04 a turn" in lines
-    assert rows["slow time scale"] == "0.3" and rows["speed over orbit speed"] == "0.99"
+    assert rows["slow time scale"] == "300" and rows["speed over orbit speed"] == "0.99"
     for label in (
         "drift of QV", "drift of the wear rate", "energy account error", "wear rate, pockets",
         "wear rate, land", "mean pocket torque", "mean land torque",

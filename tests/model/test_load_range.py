@@ -1,5 +1,7 @@
 """Largest load and pressure of a dynamic case: over balls and instants, not their means."""
 
+import re
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -90,15 +92,16 @@ def test_names_say_what_a_number_is(solved):
 def test_show_and_tables_take_the_extreme_of_all_balls(solved, tmp_path, capsys):
     write_result(solved, tmp_path / "case.nc")
     assert main(["show", str(tmp_path / "case.nc")]) == 0
-    rows = {line[2:28].strip(): line.split()[-2:] for line in capsys.readouterr().out.splitlines()}
+    rows = {line[2:30].strip(): line.split() for line in capsys.readouterr().out.splitlines()}
     v = solved.values
     for label, largest in (
-        ("maximum pressure, of all", 1e-6 * v["maximum_pressure"].max(axis=0)),
+        ("maximum pressure, of all", 1e-9 * v["maximum_pressure"].max(axis=0)),
         ("largest load, of all", v["maximum_contact_load"].max(axis=0)),
         ("smallest load, of all", v["minimum_contact_load"].min(axis=0)),
         ("contact load", v["contact_load"].mean(axis=0)),
     ):
-        assert_allclose([float(text) for text in rows[label]], largest, rtol=1e-4)
+        shown = [float(text) for text in rows[label] if re.fullmatch(r"[\d.]+", text)]
+        assert_allclose(shown[:2], largest, rtol=5e-3)  # three digits
     axes = {"preload_method": 1, "friction": 1, "ball_diameter_loss": 1}
     gathered = dataset(solved)[[*RANGE, "contact_load"]].expand_dims(axes)
     gathered = gathered.assign_coords({axis: [0.0] for axis in axes})

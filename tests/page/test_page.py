@@ -276,7 +276,7 @@ def test_lives_stand_with_their_spread(folder, sure, made, capsys):
     assert rows["constant force", "0.08"] == constant
     assert rows["fixed position", "0.08"][0] == fixed
     assert rows["constant force", "0.02"] == ("no spread computed",) * 2
-    assert "uncertain_lives" in table.read_text()
+    assert "the command bearingwear uncertainty computes it" in table.read_text()
 
     drawn = figures.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
     drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
@@ -292,9 +292,37 @@ def test_lives_stand_with_their_spread(folder, sure, made, capsys):
     assert main(["show", str(lives)]) == 0
     shown = capsys.readouterr().out
     of_force = shown.partition("constant_force, mu 0.08\n  L10")[2].partition("fixed_pos")[0]
-    assert "L50                       h                    3             4" in of_force
-    assert "0.9 to 1.25    1.8 to 2.5" in shown
-    assert "no spread computed for the other 2; see" in shown
+    assert re.search(r"L50 +h +3 +4\n", of_force)
+    assert re.search("0.9 to 1.25 +1.8 to 2.5", shown)
+    assert "no spread computed for the other 2; the command" in shown
+
+
+def test_errors_in_the_answer_are_those_of_its_bearing(folder, results, made, tmp_path):
+    """Another bearing's worst stands under that bearing."""
+    other = tmp_path / "other" / "study.nc"
+    other.parent.mkdir()
+    study = load(folder / "study.nc")
+    study["qv_error_estimate"] = study["qv_error_estimate"] * 0.0 + 0.55
+    name = json.dumps(json.loads(study.attrs["scene"]) | {"name": "other"})
+    study.assign_attrs(scene=name).to_netcdf(other)
+    tree = check_self_contained(made(*results, other))
+    (box,) = [node for node in tree.iter("dl") if node.attrib.get("class") == "answer"]
+    assert "Largest estimated numerical errors of mine: QV" in words(box)
+    assert "55 %" not in words(box) and "QV 55 %" in words(tree)
+
+
+def test_words_are_explained_and_keys_are_words(results, made):
+    text = made(*results)
+    tree = check_self_contained(text)
+    said = words(tree)
+    sentence = "QV, by which friction and wear are measured here, is the load"
+    assert said.index(sentence) < said.index("Which preload method")
+    explained = [words(n) for n in tree.iter("dt")]
+    assert {"QV", "skid ratio", "residual preload", "wear life"} <= set(explained)
+    assert "bearing: pitch diameter (mm)" in said and "lubricant: drag density (kg/m³)" in said
+    visible = said.partition("Run it again")[0].replace("gyro_s1", "")
+    for raw in ("pitch_diameter_mm", "drag_density", "preload_fraction", "loss um", "`"):
+        assert raw not in visible, raw
 
 
 def test_no_spread_is_invented(folder, sure, results, made, capsys):
@@ -307,13 +335,13 @@ def test_no_spread_is_invented(folder, sure, results, made, capsys):
     path.unlink()
     other.to_netcdf(path)
     said = words(check_self_contained(made(lives, answers=[path])))
-    assert "L10" not in said and "No spread computed, see uncertain_lives" in said
+    assert "L10" not in said and "No spread computed, the command bearingwear uncertainty" in said
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
     for place in (lives, folder / "wear_life.nc"):
         capsys.readouterr()
         assert main(["show", str(place)]) == 0
         shown = capsys.readouterr().out
-        assert "L10" not in shown and "  no spread computed; see `uncertain_lives`" in shown
+        assert "L10" not in shown and "  no spread computed; the command" in shown
     made_of = {"study": folder / "study.nc", "lives": lives, "uncertainty": [lives]}
     written = [lives.parent / "a.csv", lives.parent / "b.md"]
     assert step("studies.grid.tables.study_tables", *written, **made_of) == 2

@@ -19,6 +19,7 @@ from bearingwear.studies.accuracy.plan import AccuracyPlan
 
 SCENE = str(scene_file("gyro_s1"))
 QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]
+NOT_DRAWN = ("sweep", "trade study")
 CASES = [
     f"{method}-mu0.080-loss{loss}"
     for method in ("constant_force", "fixed_position")
@@ -79,14 +80,14 @@ def kinds(tmp_path_factory):
     [
         ("steady case", r"axial stiffness +N/um +4\.\d+"),
         ("race control case", r"model race_control"),
-        ("case in time", r"turns simulated +1 +0\.5"),
+        ("case in time", r"turns simulated +0\.5\n"),
         ("failed case", r"status undetermined"),
-        ("life", r"ended by +preload_fraction"),
+        ("life", r"ended by +preload fraction"),
         ("life in time", r"steady, the scene without cage"),
-        ("study", r"friction +1  0\.08\n(.|\n)*total_qv +W +0\.\d+ +0\.\d+"),
+        ("study", r"friction +1  0\.08\n(.|\n)*total_qv +mW +\d+ +\d+"),
         ("wear life", r"fixed_position, mu 0\.08 +h +[\d.]+ +[\d.]+ +0\.49\d+  preload_fraction"),
-        ("sweep", r"wall_time +s +[\d.e-]+ +[\d.e-]+"),
-        ("trade study", r"total_qv +W"),
+        ("sweep", r"wall_time +[mu]?s +[\d.]+ +[\d.]+"),
+        ("trade study", r"total_qv +mW"),
     ],
 )
 def test_show(kinds, kind, said, capsys):
@@ -97,10 +98,19 @@ def test_show(kinds, kind, said, capsys):
     assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
 
 
+def test_a_life_in_time_shows_what_it_followed(kinds, capsys):
+    """It follows one way of counting wear; labels do not run into their units."""
+    assert main(["show", str(kinds["life in time"])]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"^  wear counted +ball \+ races$", text, re.M)
+    assert re.search(r"^  life +h +[\d.]+$", text, re.M) and "not solved" not in text
+    assert re.search(r"^  its time to the loss above +h +[\d.]+$", text, re.M)
+
+
 def test_show_scene(capsys):
     assert main(["show", SCENE]) == 0
     text = capsys.readouterr().out
-    assert text.startswith("gyro_s1: 9 balls of 2 mm\n30000 r/min, constant_force preload 7 N")
+    assert text.startswith("gyro_s1: 9 balls of 2 mm\n30000 r/min, constant force preload 7 N")
     # Harris: 2 (f_i + f_o - 1) D (1 - cos a0)
     play = 2e3 * 0.125 * 2.0 * (1.0 - np.cos(np.radians(20.0)))
     assert float(re.search(r"diametral clearance +um +(\S+)", text)[1]) == pytest.approx(play, 1e-4)
@@ -172,6 +182,22 @@ def test_compare_tells_scene_and_place(kinds, tmp_path, capsys):
     assert "\n2 keys of the scene and " in text
 
 
+def test_compare_lists_results_before_how_they_were_solved(kinds, tmp_path, capsys):
+    """The residuals differ by far more, and mean nothing; they stand apart."""
+    other = tmp_path / "other.nc"
+    made("solve", SCENE, "-o", other, "--set", "operation.preload_N=9")
+    capsys.readouterr()
+    assert main(["compare", str(kinds["steady case"]), str(other)]) == 1
+    text = capsys.readouterr().out
+    heads = ("  result ", "  scene ", "  how well it was solved ", "  how it was made ")
+    places = [text.index(head) for head in heads]
+    assert places == sorted(places)
+    results, _, numerics, _ = (text[a:b] for a, b in zip(places, [*places[1:], None], strict=True))
+    assert re.search(r"^  axial_stiffness +N/um +4\.48\d+ ", results, re.M)
+    assert "friction_residual" in numerics and "residual  " not in results
+    assert "error" not in results and "rounding" not in results
+
+
 def test_what_made_a_file_does_not_count(kinds, tmp_path, capsys):
     copy = tmp_path / "copy.nc"
     shutil.copy(kinds["steady case"], copy)
@@ -191,7 +217,7 @@ def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
     assert main(["compare", str(kinds["study"]), str(copy), "--tolerance", "0.9"]) == 1
     text = capsys.readouterr().out
     place = "preload_method fixed_position, ball_diameter_loss 0.5"
-    assert re.search(rf"^  total_qv +W +0\.\d+ +missing +- +{place}$", text, re.M), text
+    assert re.search(rf"^  total_qv +mW +\d+\.\d+ +missing +- +{place}$", text, re.M), text
     assert re.search(r"^  status +ok +\w+ +- +preload_method constant_force", text, re.M), text
 
 
@@ -242,6 +268,24 @@ def test_a_life_in_time_is_drawn_and_tabulated(kinds, tmp_path, capsys):
         for run, given in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
             assert step(run, tmp_path / "no.svg", **given) == 2
             assert re.fullmatch(r".*: not a life followed in time\n", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k not in NOT_DRAWN])
+def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
+    copy = tmp_path / "a.nc"
+    shutil.copy(kinds[kind], copy)
+    assert main(["plot", str(copy)]) == 0
+    assert capsys.readouterr().out.endswith(f"{tmp_path / 'a.svg'}: written\n")
+    text = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert "<path" in text and (kind != "case in time" or "turns in time: contact loads" in text)
+
+
+@pytest.mark.parametrize("kind", NOT_DRAWN)
+def test_what_cannot_be_drawn_says_so(kinds, kind, tmp_path, capsys):
+    """Parts of a study of accuracy are no results of their own."""
+    capsys.readouterr()
+    assert main(["plot", str(kinds[kind]), "-o", str(tmp_path / "a.svg")]) == 2
+    assert re.fullmatch(r"given .*sweep.*; allowed .*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -1,5 +1,7 @@
 """Kinds of files are told in one place, and studies hand in what serves theirs."""
 
+import re
+
 import netCDF4
 import numpy as np
 import pytest
@@ -9,12 +11,15 @@ from bearingwear.plotting.drawing import Figure, new_figure
 from bearingwear.plotting.plot import figure_of, plot
 from bearingwear.results.kinds import function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.show import number, row, summary, values
+from bearingwear.results.rows import values
+from bearingwear.results.sheet import Block, Row, Sheet
+from bearingwear.results.show import sheet
 
 
-def lines_of_a_map(file) -> list[str]:
+def sheet_of_a_map(file) -> Sheet:
     """What a study might show of its own file."""
-    return [row("longest", "h", number(values(file, "life").max()))]
+    longest = Row("longest", "h", (float(values(file, "life").max()),))
+    return Sheet(("A map",), {}, (Block("", (), (longest,)),))
 
 
 def figure_of_a_map(dataset: xr.Dataset) -> Figure:
@@ -60,11 +65,11 @@ def test_function_of_a_dotted_name():
 
 
 def test_a_study_shows_its_own_kind(path, monkeypatch):
-    monkeypatch.setattr("bearingwear.results.show.lines_of_a_map", lines_of_a_map, raising=False)
-    shown = summary(path, {KIND: "bearingwear.results.show:lines_of_a_map"})
-    assert shown.startswith(f"  {'longest':<26}h{'3':>21}\n")
+    monkeypatch.setattr("bearingwear.results.show.sheet_of_a_map", sheet_of_a_map, raising=False)
+    shown = sheet(path, {KIND: "bearingwear.results.show:sheet_of_a_map"}).text
+    assert re.match(r"A map\n\n  longest +h +3\n", shown)
     # without it, it is shown like any other file
-    assert "longest" in summary(path) and "least" in summary(path)
+    assert "longest" in sheet(path).text and "least" in sheet(path).text
 
 
 def test_a_study_draws_its_own_kind(path, tmp_path, monkeypatch):

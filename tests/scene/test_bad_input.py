@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from bearingwear.cli import main
+from bearingwear.scene.read import SceneError, load_scene
 
 SCENES = Path(__file__).parents[2] / "config" / "scenes"
 GOOD = (SCENES / "gyro_s1.yaml").read_text(encoding="utf-8")
@@ -274,7 +275,7 @@ def refused(capsys, argv: list[str]) -> str:
     assert out == ""
     assert err.count("\n") == 1 and err.endswith("\n"), err
     assert "Traceback" not in err
-    assert "given " in err and "allowed" in err, err
+    assert "given " in err and ("allowed" in err or "did you mean" in err), err
     assert len(err) < 500
     return err
 
@@ -423,3 +424,26 @@ def test_refuses_in_a_process_of_its_own(name, tmp_path):
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.count("\n") == 1 and done.stderr.startswith(f"{scene}: {key}")
     assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [
+        ("preload_N", "operation.preload_N"),
+        ("preloadN", "operation.preload_N"),
+        ("bearing.preload_N", "operation.preload_N"),
+        ("ball_race", "friction.ball_race"),
+        ("operation.preload", "preload_N or preload_method"),
+        ("material", "materials"),
+    ],
+)
+def test_a_key_of_another_block_is_named_whole(key, meant):
+    with pytest.raises(SceneError, match=f"^--set {key}: .*; did you mean {meant}$"):
+        load_scene(SCENES / "gyro_s1.yaml", [f"{key}=3"])
+
+
+def test_a_key_in_the_wrong_block_of_a_file(tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text(put("bearing", "preload_N: 7.0"), encoding="utf-8")
+    with pytest.raises(SceneError, match=r"bearing\.preload_N: .* did you mean operation\.preload"):
+        load_scene(path)

@@ -66,7 +66,7 @@ def test_data_become_records():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"secnes": []}, "secnes: given an unknown key; nearest allowed: scenes"),
+        ({"secnes": []}, "secnes: given an unknown key; did you mean scenes"),
         ({"": 1}, "given an unknown key; allowed: sampling, factor, aim"),
         ({"sampling": {"samples": 0}}, "sampling.samples: given 0; allowed a whole number >= 1"),
         ({"sampling": {"samples": 3}}, "sampling.samples: given 3; allowed a power of two"),

@@ -337,10 +337,12 @@ def accuracy_plot(trade: xr.Dataset) -> Figure:
     Raises
     ------
     CaseFileError
-        One line: a single sweep has no errors yet.
+        One line: a single sweep has no errors yet; both kinds of sweeps stand side by side.
     """
     if "scene" not in trade:
         raise CaseFileError("given a single sweep; allowed all of them, gathered in one file")
+    if not all(of_sweeps(trade, against).sizes["point"] for against in ("steady", "long")):
+        raise CaseFileError("given sweeps of one kind; allowed steady ones and ones in time")
     return overview_figure(trade)
 
 

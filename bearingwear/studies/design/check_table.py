@@ -13,12 +13,13 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, scene_of
 from bearingwear.plotting.markdown import markdown_table, plain_text
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.units import Display, digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES
 from bearingwear.studies.design.recommend import RECOMMENDATION
 
-MICRONS_PER_HOUR = 3.6e9  # from m/s
+LOSS_RATE = display("m s-1", shown="um/1000 h")
 SHARE_LABEL = "largest gyroscopic slip share"
 
 
@@ -111,7 +112,7 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
             [row for point in points for row in _rows(point, limit)],
         ),
         "The gyroscopic slip share has no error estimate. How far the means in time are settled:",
-        "\n".join(f"- {point.preload:.4g} N: {plain_text(point.settled)}" for point in points),
+        "\n".join(f"- {digits(point.preload)} N: {plain_text(point.settled)}" for point in points),
     ]
     return "\n\n".join(text) + "\n"
 
@@ -152,27 +153,32 @@ def _point(preload: float, tiers: dict[str, xr.Dataset]) -> CheckedPreload:
 
 
 def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Compared]:
-    def compared(name: str, variable: str, error: str, k: int = 0, scale: float = 1.0) -> Compared:
+    def compared(name: str, variable: str, error: str, unit: Display, k: int = 0) -> Compared:
         """The k-th value, along the loss basis if there is one."""
-        values = [scale * float(case[variable].values.ravel()[k]) for case in (steady, dynamic)]
+        values = [unit.of(float(case[variable].values.ravel()[k])) for case in (steady, dynamic)]
         errors = [
             float(case[error].values.ravel()[k]) if error in case else np.nan
             for case in (steady, dynamic)
         ]
         return Compared(
-            preload=preload, name=name, steady=values[0], dynamic=values[1], errors=sum(errors)
+            preload=preload,
+            name=unit.label(name),
+            steady=values[0],
+            dynamic=values[1],
+            errors=sum(errors),
         )
 
     share = "gyroscopic_slip_share"
+    power = display("W", steady["total_qv"], dynamic["total_qv"])
     return [
-        compared("QV of the bearing (W)", "total_qv", "qv_error_estimate"),
+        compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         *(
             compared(
-                f"loss of ball diameter counting {in_words(way)} (µm/h)",
+                f"loss of ball diameter counting {in_words(way)}",
                 "ball_diameter_loss_rate",
                 "wear_rate_error_estimate",
+                LOSS_RATE,
                 k,
-                MICRONS_PER_HOUR,
             )
             for k, way in enumerate(COUNTS)
         ),
@@ -188,7 +194,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
 def agreement(points: Sequence[CheckedPreload]) -> str:
     """Whether the tiers agree, in a sentence or two."""
     unsolved = [
-        f"{tier} at {point.preload:.4g} N: {in_words(state)}"
+        f"{tier} at {digits(point.preload)} N: {in_words(state)}"
         for point in points
         for tier, state in point.status.items()
         if state != STATUS_NAMES[OK]
@@ -204,7 +210,7 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
         rated = [one.name for one in numbers if np.isfinite(one.errors)]
         beyond = {one.name for one in numbers if one.beyond}
         told = {
-            name: f"{_short(name)} by {_percent(one.difference)} at {one.preload:.4g} N"
+            name: f"{_short(name)} by {_percent(one.difference)} at {digits(one.preload)} N"
             + (f" (estimates {100.0 * one.errors:.2g} %)" if np.isfinite(one.errors) else "")
             for name, one in worst.items()
         }
@@ -250,7 +256,7 @@ def _about_cage(there: bool) -> str:
 
 
 def _rows(point: CheckedPreload, limit: float | None) -> list[list[str]]:
-    preload = f"{point.preload:.4g}"
+    preload = digits(point.preload)
     if not point.numbers:
         return [
             [
@@ -274,8 +280,8 @@ def _rows(point: CheckedPreload, limit: float | None) -> list[list[str]]:
             [
                 preload,
                 one.name,
-                f"{one.steady:.5g}",
-                f"{one.dynamic:.5g}",
+                digits(one.steady),
+                digits(one.dynamic),
                 f"{100.0 * one.difference:+.3g} %",
                 f"{100.0 * one.errors:.2g} %" if rated else "–",
                 beyond,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -26,25 +25,17 @@ from bearingwear.plotting.drawing import (
     scene_of,
 )
 from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
+from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, front, limit_margins, limits_of
 from bearingwear.studies.design.recommend import best_method
+from bearingwear.studies.design.words import LIMIT_WORDS
 
-LIMIT_WORDS = {
-    "gyroscopic_slip_share": "gyroscopic slip share",
-    "axial_stiffness_N_um": "axial stiffness",
-    "maximum_pressure_GPa": "contact pressure",
-    "friction_power_W": "friction power",
-    "none": "nothing: life is longest there",
-    "end_of_range": "end of the map",
-    "not_solved": "an unsolved neighbour",
-    "no_preload_within_limits": "no preload keeps to all limits",
-}
 LETTERS = dict(zip(ACTIVE, "GSPFLEU×", strict=True))
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
-IN_N_UM, IN_GPA = 1e-6, 1e-9
+STIFFNESS_UNIT = display("N m-1")
 
 
 def at_scene(design: xr.Dataset) -> xr.Dataset:
@@ -93,7 +84,7 @@ def design_figure(
         panel.yaxis.set_minor_formatter(NullFormatter())
         panel.set_ylabel("wear life (h)")
     over_preload.set_xlabel("initial preload (N)")
-    over_stiffness.set_xlabel("least axial stiffness over the life (N/µm)")
+    over_stiffness.set_xlabel(STIFFNESS_UNIT.label("least axial stiffness over the life"))
     over_preload.set_title("life over preload")
     over_stiffness.set_title("life against stiffness")
     _choices(figure, panels[1], design)
@@ -122,7 +113,7 @@ def _over_stiffness(
 ) -> None:
     """Lives of a method, pale where a limit is passed, with dots on the Pareto front."""
     lives = one["life"].where(lambda h: h > 0.0)
-    stiffness = IN_N_UM * one["axial_stiffness"]
+    stiffness = STIFFNESS_UNIT.of(one["axial_stiffness"])
     look = {"color": COLOURS[name]}
     dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
     panel.plot(stiffness, lives, alpha=0.35, linewidth=0.8, **look)
@@ -135,7 +126,10 @@ def _recommended(panels: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataA
     look = {"color": COLOURS[name], "zorder": 6}
     life = float(chosen["life"])
     over_preload, over_stiffness = panels
-    preload, stiffness = float(chosen["preload"]), IN_N_UM * float(chosen["axial_stiffness"])
+    preload, stiffness = (
+        float(chosen["preload"]),
+        STIFFNESS_UNIT.of(float(chosen["axial_stiffness"])),
+    )
     low, high = float(quantiles.min("probability")), float(quantiles.max("probability"))
     over_preload.vlines(preload, low, high, linewidth=1.2, color=COLOURS[name], zorder=5)
     for panel, x in ((over_preload, preload), (over_stiffness, stiffness)):
@@ -230,28 +224,28 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
     lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
     l10, l50 = (float(lives.isel(loss_basis=basis).sel(probability=p)) for p in (0.1, 0.5))
     held = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
+    preload, life = (digits(float(chosen[name])) for name in ("preload", "life"))
     return (
-        f"{name}: {in_words(method)} at {float(chosen['preload']):.3g} N lives longest within the "
-        f"limits, {float(chosen['life']):.3g} h (L10 {l10:.2g} h, L50 {l50:.2g} h), "
+        f"{name}: {in_words(method)} at {preload} N lives longest within the limits, "
+        f"{life} h (L10 {digits(l10)} h, L50 {digits(l50)} h), "
         f"counting {in_words(COUNTS[basis])}; held by {held}"
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mapped:
+class Mapped(NamedTuple):
     """How a quantity is drawn over preload and friction."""
 
     label: str
+    units: str
     cmap: str
-    scale: float = 1.0
 
 
 MAPPED = {
-    "life": Mapped(label="wear life (h)", cmap="viridis"),
-    "time_to_slip_limit": Mapped(label="time to the limit\nof gyroscopic slip (h)", cmap="viridis"),
-    "residual_preload_at_end": Mapped(label="residual preload\nat the end (N)", cmap="cividis"),
-    "friction_power": Mapped(label="largest friction\npower (W)", cmap="magma"),
-    "axial_stiffness": Mapped(label="least axial\nstiffness (N/µm)", cmap="cividis", scale=IN_N_UM),
+    "life": Mapped("wear life", "h", "viridis"),
+    "time_to_slip_limit": Mapped("time to the limit\nof gyroscopic slip", "h", "viridis"),
+    "residual_preload_at_end": Mapped("residual preload\nat the end", "N", "cividis"),
+    "friction_power": Mapped("largest friction\npower", "W", "magma"),
+    "axial_stiffness": Mapped("least axial\nstiffness", "N m-1", "cividis"),
 }
 
 
@@ -267,10 +261,11 @@ def map_overview(design: xr.Dataset) -> Figure:
     )
     basis = counted(design)
     for row, (quantity, look) in zip(panels, quantities.items(), strict=True):
-        values = look.scale * plane[quantity]
+        unit = display(look.units, plane[quantity])
+        values = unit.of(plane[quantity])
         if "loss_basis" in values.dims:
             values = values.isel(loss_basis=basis)
-        _mapped(figure, row, plane, values, look)
+        _mapped(figure, row, plane, values, look.cmap, unit.label(look.label))
     for panel, (name, _) in zip(panels[0], columns, strict=True):
         panel.set_title(in_words(name))
     for panel in panels[-1]:
@@ -290,17 +285,26 @@ def map_overview(design: xr.Dataset) -> Figure:
 
 
 def _mapped(
-    figure: Figure, row: np.ndarray, plane: xr.Dataset, values: xr.DataArray, look: Mapped
+    figure: Figure,
+    row: np.ndarray,
+    plane: xr.Dataset,
+    values: xr.DataArray,
+    cmap: str,
+    label: str,
 ) -> None:
     """A quantity of every method, a panel each."""
     drawn = values.where(np.isfinite(values) & (values > 0.0))
+    if not bool(drawn.notnull().any()):  # never solved, or nothing but zeros
+        for panel in row:
+            panel.axis("off")
+        return
     norm = LogNorm(float(drawn.min()), float(drawn.max()))
     axes = plane["preload"], plane["friction"]
     image = None
     for k, (panel, (_, one)) in enumerate(zip(row, methods(plane), strict=True)):
         shown = drawn.isel(preload_method=k).transpose("friction", "preload")
         image = panel.pcolormesh(
-            *axes, shown, shading="nearest", cmap=look.cmap, norm=norm, rasterized=True
+            *axes, shown, shading="nearest", cmap=cmap, norm=norm, rasterized=True
         )
         bad = np.argwhere((one["status"] != OK).transpose("friction", "preload").values)
         if bad.size:
@@ -320,6 +324,6 @@ def _mapped(
     row[0].set_ylabel("friction coefficient")
     if image is not None:
         bar = figure.colorbar(image, ax=list(row), pad=0.01, format="{x:g}")
-        bar.set_label(look.label)
+        bar.set_label(label)
         bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
         bar.ax.yaxis.set_minor_formatter(NullFormatter())

@@ -25,9 +25,13 @@ _FILES = {
 }
 _FIGURES = ("design", "map", "uncertainty")
 
+SHEETS = {"recommendation": "bearingwear.studies.design.show:recommendation_sheet"}
+"""What `bearingwear show` says of the kinds of files that this study makes."""
+
 PLOTS = {
-    "design map": "bearingwear.studies.design.figures:map_overview",
-    "uncertainty": "bearingwear.studies.design.uncertainty_figure:uncertainty_figure",
+    "design map": "bearingwear.studies.design.plots:map_plot",
+    "uncertainty": "bearingwear.studies.design.plots:uncertainty_plot",
+    "recommendation": "bearingwear.studies.design.plots:recommendation_plot",
 }
 """What `bearingwear plot` draws of the kinds of files that this study makes and reads."""
 

@@ -22,21 +22,16 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
+from bearingwear.results.units import digits, display, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.draw import design_files
-from bearingwear.studies.design.figures import IN_GPA, IN_N_UM, LIMIT_WORDS, design_message
+from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
-
-LIMIT_TEXT = {
-    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} in any contact",
-    "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
-    "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
-    "friction_power_W": "power of friction and drag at most {:g} W",
-}
+from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
 
 
 def tables(design: Path, recommendation: Path, uncertainty: Path) -> tuple[str, str]:
@@ -111,7 +106,7 @@ def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
     method, one = methods(recommendation)[k]
     known = quantiles_of([uncertainty], scene, method, scene["friction"]["ball_race"], RECOMMENDED)
     said = [
-        f"{float(one['life'].isel(loss_basis=c)):.4g} h counting {in_words(way)} "
+        f"{digits(float(one['life'].isel(loss_basis=c)))} h counting {in_words(way)} "
         f"({quantiles_text((known or {}).get(way, ()))})"
         for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
     ]
@@ -121,23 +116,26 @@ def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
 def _choice(recommendation: xr.Dataset) -> list[str]:
     basis = counted(recommendation)
     rows: dict[str, list[str]] = {}
+    quantities = {
+        name: (label, display(recommendation[name].attrs["units"], recommendation[name], shown=as_))
+        for name, (label, as_) in RECOMMENDED_WORDS.items()
+    }
     for _, one in methods(recommendation):
         error = float(one["life_error_estimate"].isel(loss_basis=basis))
         cells = {
-            "preload (N)": f"{float(one['preload']):.3f}",
+            "preload (N)": digits(float(one["preload"])),
             "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
             **{
                 f"life counting {in_words(COUNTS[k])} (h)": (
-                    f"{float(one['life'].isel(loss_basis=k)):.4g}"
+                    digits(float(one["life"].isel(loss_basis=k)))
                 )
                 for k in (basis, 1 - basis)
             },
             "estimated numerical error of the life": f"{100 * error:.2g} %",
-            "largest gyroscopic slip share": f"{float(one['gyroscopic_slip_share']):.3f}",
-            "least stiffness (N/µm)": f"{IN_N_UM * float(one['axial_stiffness']):.3f}",
-            "largest pressure (GPa)": f"{IN_GPA * float(one['maximum_pressure']):.3f}",
-            "largest friction power (W)": f"{float(one['friction_power']):.4f}",
-            "preload left at the end (N)": f"{float(one['residual_preload_at_end']):.3f}",
+            **{
+                unit.label(label): unit.text(one[name])
+                for name, (label, unit) in quantities.items()
+            },
         }
         for label, cell in cells.items():
             rows.setdefault(label, []).append(cell)
@@ -168,17 +166,17 @@ def _quantile_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
     everything = one.sel(uncertain_inputs=ALL_INPUTS)
     columns = ("life_quantile", "life_quantile_low", "life_quantile_high")
     quantiles = [
-        f"{value:.3g} [{low:.3g}, {high:.3g}]"
+        f"{digits(value)} [{digits(low)}, {digits(high)}]"
         for value, low, high in zip(*(everything[name].values for name in columns), strict=True)
     ]
     known = one["life_quantile"].sel(uncertain_inputs=ALL_BUT_WEAR)
     low, high = float(known.sel(probability=0.1)), float(known.sel(probability=0.9))
     return [
-        f"{where}, {float(one['preload']):.3g} N",
+        f"{where}, {digits(float(one['preload']))} N",
         in_words(way),
-        f"{float(one['nominal_life']):.4g}",
+        digits(float(one["nominal_life"])),
         *quantiles,
-        f"{low:.3g} to {high:.3g}",
+        f"{digits(low)} to {digits(high)}",
         f"{100 * float(one['solved_share']):.4g} % of {int(one['evaluations'])}",
     ]
 
@@ -200,7 +198,7 @@ def _indices(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
             f"{float(one['total_index']):.3f} ± {float(one['total_index_error']):.3f}"
             for one in indices
         ]
-        rows.append([f"`{name}`", distribution_text(scene["uncertainty"][name]), *cells])
+        rows.append([key_in_words(name)[0], distribution_text(scene["uncertainty"][name]), *cells])
     names = [in_words(name) for name, _ in methods(uncertainty)]
     return [
         markdown_table(
@@ -231,9 +229,13 @@ def _statuses(design: xr.Dataset) -> list[str]:
     solves = int(design["solves"].sum())
     failed = int(design["failed_solves"].sum())
     count = np.bincount(status.ravel(), minlength=len(STATUS_NAMES))
-    rows = [[STATUS_NAMES[k], str(number)] for k, number in enumerate(count) if number or k == OK]
+    rows = [
+        [in_words(STATUS_NAMES[k]), str(number)]
+        for k, number in enumerate(count)
+        if number or k == OK
+    ]
     return [
-        f"{status.size} lives over preload, method, friction and speed (`map.csv`), made of "
+        f"{status.size} lives over preload, method, friction and speed (in map.csv), made of "
         f"{solves} steady states, of which {failed} were not found. A life that was not solved "
         "keeps its status and is never chosen.",
         markdown_table("status of the life | lives", rows),

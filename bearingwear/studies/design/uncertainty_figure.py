@@ -18,7 +18,6 @@ from bearingwear.plotting.drawing import (
     new_figure,
     scene_of,
 )
-from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, GIVEN, RECOMMENDED
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -44,14 +43,14 @@ def quantities_of(uncertainty: xr.Dataset) -> list[str]:
 
 def preload_drawn(one: xr.Dataset) -> int:
     """The recommended preload, or the scene's own where none is recommended."""
+    if RECOMMENDED not in one["preload_choice"]:
+        return GIVEN
     recommended = one["preload"].sel(preload_choice=RECOMMENDED)
     return RECOMMENDED if np.isfinite(recommended) else GIVEN
 
 
 def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     """How lives spread, what each uncertain value does, and which one decides."""
-    if "total_index" not in uncertainty:
-        raise CaseFileError("a file without Sobol indices; allowed one of the study of uncertainty")
     rows = methods(uncertainty)
     figure, panels = new_figure(len(rows), 3, 7.2, 2.9 * len(rows) + 0.9)
     basis = counted(uncertainty)
@@ -60,7 +59,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     for (cumulated, tornado, bars), (name, one) in zip(panels, rows, strict=True):
         colour = COLOURS[name]
         drawn = one.sel(preload_choice=preload_drawn(one))
-        _cumulated(cumulated, drawn.sel(uncertain_inputs=ALL_INPUTS), colour)
+        draw_cumulated(cumulated, drawn.sel(uncertain_inputs=ALL_INPUTS), colour)
         cumulated.set_title(f"{in_words(name)}, {float(drawn['preload']):.3g} N")
         cumulated.set_xlabel("wear life (h)")
         cumulated.set_ylabel("share worn out")
@@ -84,7 +83,8 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
     return figure
 
 
-def _cumulated(panel: Any, one: xr.Dataset, colour: str) -> None:
+def draw_cumulated(panel: Any, one: xr.Dataset, colour: str) -> None:
+    """Shares of the lives that are over, and their quantiles with the sampling error."""
     for way, dash in LOSS_DASHES.items():
         counted_so = one.isel(loss_basis=COUNTS.index(way))
         lives = counted_so["life_sample"].values

@@ -27,7 +27,8 @@ from bearingwear.plotting.drawing import (
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.studies.grid.figures import LOSS_AXIS, MILLI, MM3_PER_HOUR
+from bearingwear.results.units import Display, display
+from bearingwear.studies.grid.figures import LOSS_AXIS, WEAR_RATE
 
 IN_TIME = {
     "linestyle": "none",
@@ -68,26 +69,27 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
     figure, panels = new_figure(
         rows, columns, max(4.4, 3.6 * columns), 2.2 * rows + 0.6, sharex=True, sharey="row"
     )
+    power = display("W", study["total_qv"], dynamic["total_qv"])
     failed = False
     for column, mu in zip(panels.T, frictions, strict=True):
         here = dynamic.sel(friction=mu)
         for name, state in methods(study.sel(friction=mu, preload_method=here["preload_method"])):
-            _draw(column, state, color=COLOURS[name])
+            _draw(column, state, power, color=COLOURS[name])
         for slot, (name, state) in enumerate(methods(here)):
             colour = {"color": COLOURS[name], "markeredgecolor": COLOURS[name]}
-            _draw(column, state, **colour, **IN_TIME, marker="o")
+            _draw(column, state, power, **colour, **IN_TIME, marker="o")
             loss = state["ball_diameter_loss"]
             for part, (_, marker) in parts.items():
-                rate = MILLI * MM3_PER_HOUR * state[part]
+                rate = WEAR_RATE.of(state[part])
                 column[2].plot(loss, rate, **colour, **IN_TIME, marker=marker)
             for panel in column:
                 failed |= mark_failed(panel, loss, state["status"], COLOURS[name], slot)
         column[0].set_title(mu_is(mu))
         column[-1].set_xlabel(LOSS_AXIS)
     labels = (
-        "QV of the bearing (mW)",
-        "wear rate of one ball\n(10⁻³ mm³/h)",
-        "wear rate of the cage\n(10⁻³ mm³/h)",
+        power.label("QV of the bearing"),
+        WEAR_RATE.label("wear rate of one ball\n"),
+        WEAR_RATE.label("wear rate of the cage\n"),
     )
     for row, label in zip(panels, labels, strict=False):
         row[0].set_ylabel(label)
@@ -106,12 +108,12 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw(column: np.ndarray, state: xr.Dataset, **look: Any) -> None:
+def _draw(column: np.ndarray, state: xr.Dataset, power: Display, **look: Any) -> None:
     """QV and wear rate of one preload method in the panels that both ways share."""
     loss = state["ball_diameter_loss"]
-    column[0].plot(loss, MILLI * state["total_qv"], **look)
+    column[0].plot(loss, power.of(state["total_qv"]), **look)
     rate = state["ball_wear_rate"].mean("ball")
-    column[1].plot(loss, MILLI * MM3_PER_HOUR * rate, **look)
+    column[1].plot(loss, WEAR_RATE.of(rate), **look)
 
 
 def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
@@ -147,20 +149,21 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
         if len(known.get(part, ())) or any(RUNNING[label][0] == part for label in means)
     ] or ["ball_1"]
     figure, panels = new_figure(1, len(parts), 3.6 * max(len(parts), 1.5), 3.6)
+    span = display("s", *(mean["time"] for mean in means.values()))
     messages = []
     for panel, part in zip(panels[0], parts, strict=True):
         here = {label: mean for label, mean in means.items() if RUNNING[label][0] == part}
         points = known.get(part, np.empty((0, 2)))
         unit = power_of_ten([*here.values(), xr.DataArray(points[:, 1])])
         for label, mean in here.items():
-            panel.plot(MILLI * mean["time"], 10.0**-unit * mean, **RUNNING[label][2])
-        panel.plot(MILLI * points[:, 0], 10.0**-unit * points[:, 1], **REFERENCE)
+            panel.plot(span.of(mean["time"]), 10.0**-unit * mean, **RUNNING[label][2])
+        panel.plot(span.of(points[:, 0]), 10.0**-unit * points[:, 1], **REFERENCE)
         if here:
             messages.append(_end_of(part, next(iter(here.values())), _turn(case)))
         elif not solved:
             list_failed(panel, [STATUS_NAMES[int(case["status"])]])
         panel.set_title(PARTS[part])
-        panel.set_xlabel("time (ms)")
+        panel.set_xlabel(span.label("time"))
         panel.set_ylabel(f"mean wear rate since the start ({_unit(unit)})")
         panel.set_xlim(left=0.0)
         from_zero(panel)

@@ -9,12 +9,12 @@ import xarray as xr
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.plotting.markdown import markdown_table
+from bearingwear.results.units import Display, digits, display
 from bearingwear.results.variables import of_all_balls
 from bearingwear.studies.dataset import both_ways
-from bearingwear.studies.grid.figures import MILLI, MM3_PER_HOUR
 from bearingwear.studies.grid.tables import AXES, cases_csv
 
-MILLI_MM3_PER_HOUR = MILLI * MM3_PER_HOUR  # from m3/s to 1e-3 mm3/h
+_RATE, _PERCENT = display("m3 s-1"), display("1", shown="%")
 LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
 
 
@@ -71,25 +71,26 @@ def _text(both: xr.Dataset) -> str:
             ("cage land", "cage_land_wear_rate"),
         )
     ]
+    power = display("W", both["total_qv.steady"], both["total_qv.dynamic"])
     parts = [
         f"# {scene_of(both)['name']}: solved in time, beside the steady state",
         "## QV and preload",
         _table(
             both,
             [
-                ("QV (mW), steady", _number(both, "total_qv.steady", 1e3, ".1f")),
-                ("in time", _number(both, "total_qv.dynamic", 1e3, ".1f")),
+                (f"{power.label('QV')}, steady", _number(both, "total_qv.steady", power)),
+                ("in time", _number(both, "total_qv.dynamic", power)),
                 ("in time over steady", _ratio(both, "total_qv")),
                 ("residual preload (N), steady", _number(both, "residual_preload.steady")),
                 ("in time", _number(both, "residual_preload.dynamic")),
             ],
         ),
         "QV is that of the whole bearing.",
-        "## Wear rates (10⁻³ mm³/h)",
+        f"## {_RATE.label('Wear rates')}",
         _table(
             both,
             [
-                (label, _number(both, name + way, MILLI_MM3_PER_HOUR, ".4g", race))
+                (label, _number(both, name + way, _RATE, race))
                 for label, name, way, race in balls + races + cage
                 if name + way in both
             ],
@@ -102,15 +103,15 @@ def _text(both: xr.Dataset) -> str:
         _table(
             both,
             [
-                ("turns simulated", _number(both, "simulated_turns", 1.0, "g")),
-                ("averaged over", _number(both, "evaluated_turns", 1.0, "g")),
+                ("turns simulated", _number(both, "simulated_turns")),
+                ("averaged over", _number(both, "evaluated_turns")),
                 (
-                    "drift of QV per turn",
-                    _number(both, "qv_drift_per_turn", 100.0, "+z.3f", unit=" %"),
+                    "drift of QV per turn (%)",
+                    _number(both, "qv_drift_per_turn", _PERCENT, form="+z.3f"),
                 ),
                 (
-                    "drift of the wear of all parts per turn",
-                    _number(both, "wear_rate_drift_per_turn", 100.0, "+z.3f", unit=" %"),
+                    "drift of the wear of all parts per turn (%)",
+                    _number(both, "wear_rate_drift_per_turn", _PERCENT, form="+z.3f"),
                 ),
             ],
         ),
@@ -142,26 +143,27 @@ def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
 def _number(
     both: xr.Dataset,
     name: str,
-    scale: float = 1.0,
-    digits: str = ".3f",
+    unit: Display | None = None,
     race: int | None = None,
-    unit: str = "",
+    form: str = "",
 ) -> Callable[[tuple[int, ...]], str]:
-    """Text of a variable at a place in the grid; a dash where it is not known."""
+    """Text of a variable at a place in the grid, with three digits or in a form; a dash where it
+    is not known."""
     if name not in both:
         return lambda index: "–"
     values = both[name] if race is None else both[name].isel(race=race)
-    numbers = scale * values.transpose(*AXES).values
+    numbers = (unit.of(values) if unit else values).transpose(*AXES).values
 
     def text(index: tuple[int, ...]) -> str:
-        return f"{numbers[index]:{digits}}{unit}" if np.isfinite(numbers[index]) else "–"
+        known = form and np.isfinite(numbers[index])
+        return f"{numbers[index]:{form}}" if known else digits(numbers[index])
 
     return text
 
 
 def _ratio(both: xr.Dataset, name: str) -> Callable[[tuple[int, ...]], str]:
     ratio = both[f"{name}.dynamic"] / both[f"{name}.steady"]
-    return _number(xr.Dataset({name: ratio}), name, digits=".4f")
+    return _number(xr.Dataset({name: ratio}), name, form=".4f")
 
 
 def _unsettled(both: xr.Dataset) -> Iterator[str]:
@@ -180,7 +182,7 @@ def _unsolved(both: xr.Dataset) -> Iterator[str]:
         for way, said in (("steady", "steady"), ("dynamic", "in time")):
             status = int(both[f"status.{way}"].transpose(*AXES).values[index])
             if status != OK:
-                yield f"- {_case_in_words(words)}, {said}: {STATUS_NAMES[status]}"
+                yield f"- {_case_in_words(words)}, {said}: {in_words(STATUS_NAMES[status])}"
 
 
 def _case_in_words(words: list[str]) -> str:

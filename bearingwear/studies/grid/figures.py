@@ -33,10 +33,9 @@ from bearingwear.plotting.drawing import (
     scene_of,
 )
 from bearingwear.results.quantiles import NO_QUANTILES, hours_of, quantiles_of
-from bearingwear.results.variables import SECONDS_PER_HOUR
+from bearingwear.results.units import Display, digits, display, span
 
-MILLI = 1e3
-MM3_PER_HOUR = 1e9 * SECONDS_PER_HOUR  # from m3/s
+WEAR_RATE = display("m3 s-1")
 FRICTION_AXIS = "ball/race friction coefficient µ"
 LOSS_AXIS = "loss of ball diameter (µm)"
 
@@ -47,17 +46,19 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     qv_panel, load_panel = panels[0]
     states = methods(study.sel(ball_diameter_loss=loss_um))
     mu = study["friction"]
+    power = power_unit(*(state for _, state in states))
     failed = False
     for slot, (name, state) in enumerate(states):
         colour = {"color": COLOURS[name]}
         mean = state[["qv", "contact_load"]].mean("ball")
         for k, style in enumerate(RACE_STYLES.values()):
-            qv_panel.plot(mu, MILLI * mean["qv"].isel(race=k), **colour, **style)
+            qv_panel.plot(mu, power.of(mean["qv"].isel(race=k)), **colour, **style)
             load_panel.plot(mu, mean["contact_load"].isel(race=k), **colour, **style)
-        qv_panel.plot(mu, MILLI * mean["qv"].sum("race", skipna=False), **colour, **BALL_STYLE)
+        ball = power.of(mean["qv"].sum("race", skipna=False))
+        qv_panel.plot(mu, ball, **colour, **BALL_STYLE)
         for panel in panels[0]:
             failed |= mark_failed(panel, mu, state["status"], COLOURS[name], slot)
-    qv_panel.set_ylabel("QV (mW)")
+    qv_panel.set_ylabel(power.label("QV"))
     load_panel.set_ylabel("normal contact load (N)")
     from_zero(qv_panel)
     for panel in panels[0]:
@@ -85,6 +86,11 @@ def _friction_message(mu: xr.DataArray, states: Sequence[tuple[str, xr.Dataset]]
     )
     at, of = (mu_is(float(mu[k])) for k in (last, first))
     return f"QV at {at} is {ratios} of that at {of}"
+
+
+def power_unit(*states: xr.Dataset) -> Display:
+    """The unit for QV of the contacts and of a ball in some cases."""
+    return display("W", *(state["qv"].sum("race", skipna=False) for state in states))
 
 
 def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
@@ -133,26 +139,30 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     """QV, residual preload, angles and wear rate against wear, a column each (Fig. 10)."""
     columns = len(frictions)
     figure, panels = new_figure(4, columns, max(4.4, 3.6 * columns), 8.6, sharex=True, sharey="row")
-    failed, ratios = False, []
+    failed = False
+    ratios: dict[str, list[str]] = {}
+    pairs = zip(studies, frictions, strict=True)
+    power = power_unit(*(study.sel(friction=mu) for study, mu in pairs))
     for column, study, mu in zip(panels.T, studies, frictions, strict=True):
         loss = study["ball_diameter_loss"]
         states = methods(study.sel(friction=mu))
         for slot, (name, state) in enumerate(states):
-            _wear_column(column, loss, name, state)
+            _wear_column(column, loss, name, state, power)
             for panel in column:
                 failed |= mark_failed(panel, loss, state["status"], COLOURS[name], slot)
         name, state = states[-1]
         ratio = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
-        ratios.append(f"{ratio} of QV at {mu_is(mu)}")
-        drag = scene_of(study).get("lubricant", {}).get("drag_density_kg_m3", 0.0)
-        with_drag = f", drag {drag:g} kg/m³" if drag else ""
-        column[0].set_title(f"{scene_of(study)['name']}, {mu_is(mu)}{with_drag}")
+        scene = scene_of(study)
+        drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
+        bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
+        column[0].set_title(f"{bearing}, {mu_is(mu)}")
+        ratios.setdefault(bearing, []).append(f"{ratio} of QV at {mu_is(mu)}")
         column[-1].set_xlabel(LOSS_AXIS)
     labels = (
-        "QV (mW)",
+        power.label("QV"),
         "residual preload (N)",
         "contact angle (degree)",
-        "wear rate of race and ball\n(10⁻³ mm³/h)",
+        WEAR_RATE.label("wear rate of race and ball\n"),
     )
     for row, label in zip(panels, labels, strict=True):
         row[0].set_ylabel(label)
@@ -161,7 +171,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     at = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        f"{at:g} µm of wear leaves {' and '.join(ratios)} ({in_words(name)})",
+        f"{in_words(name)}, {at:g} µm of wear: "
+        + "; ".join(f"{bearing} keeps {' and '.join(of)}" for bearing, of in ratios.items()),
         method_keys(name for name, _ in states)
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
@@ -170,20 +181,21 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     return figure
 
 
-def _wear_column(column: np.ndarray, loss: xr.DataArray, name: str, state: xr.Dataset) -> None:
+def _wear_column(
+    column: np.ndarray, loss: xr.DataArray, name: str, state: xr.Dataset, power: Display
+) -> None:
     """The lines of one preload method in the four panels of a column."""
     colour = {"color": COLOURS[name]}
     mean = state[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
-    qv = MILLI * mean["qv"]
-    milli_mm3_per_hour = MILLI * MM3_PER_HOUR
+    qv = power.of(mean["qv"])
     for k, style in enumerate(RACE_STYLES.values()):
         column[0].plot(loss, qv.isel(race=k), **colour, **style)
         column[2].plot(loss, mean["contact_angle"].isel(race=k), **colour, **style)
-        rate = milli_mm3_per_hour * state["race_wear_rate"].isel(race=k)
+        rate = WEAR_RATE.of(state["race_wear_rate"].isel(race=k))
         column[3].plot(loss, rate, **colour, **style)
     column[0].plot(loss, qv.sum("race", skipna=False), **colour, **BALL_STYLE)
     column[1].plot(loss, state["residual_preload"], **colour, marker="d")
-    column[3].plot(loss, milli_mm3_per_hour * mean["ball_wear_rate"], **colour, **BALL_STYLE)
+    column[3].plot(loss, WEAR_RATE.of(mean["ball_wear_rate"]), **colour, **BALL_STYLE)
 
 
 END_MARKS = {
@@ -281,8 +293,8 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
         return "no end of life was found"
     (shortest, which), (longest, _) = min(found), max(found)
     if len(found) == 1:
-        return f"balls and races last {shortest:.2f} h ({which})"
-    return f"balls and races last {shortest:.2f} h ({which}) to {longest:.2f} h"
+        return f"balls and races last {digits(shortest)} h ({which})"
+    return f"balls and races last {digits(shortest)} h ({which}) to {digits(longest)} h"
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
@@ -290,5 +302,5 @@ def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[
     points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
     spreads = (quantiles_of(known, scene_of(lives), *point) for point in points)
     found = hours_of(spreads, "ball_and_races")
-    ranges = [f"{name}: {min(hours):.2g} to {max(hours):.2g} h" for name, hours in found.items()]
+    ranges = [f"{name}: {span(hours)} h" for name, hours in found.items()]
     return ", ".join(ranges) or NO_QUANTILES

@@ -20,13 +20,13 @@ from bearingwear.plotting.drawing import (
     percent,
     scene_of,
 )
-from bearingwear.results.variables import SECONDS_PER_HOUR
-from bearingwear.studies.grid.figures import LOSS_AXIS, MILLI
+from bearingwear.results.units import display, in_print, key_in_words
+from bearingwear.studies.grid.figures import LOSS_AXIS
 
 MARKERS = "osd^vP"
-_UM_PER_HOUR = 1e6 * SECONDS_PER_HOUR  # from m/s
-UNITS = {"mm": "mm", "deg": "°", "rpm": "r/min", "N": "N", "GPa": "GPa", "um": "µm"}
+_LOSS_RATE = display("m s-1", shown="um/1000 h")
 MOST_DIFFERENCES = 4
+NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
 
 
 def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
@@ -35,6 +35,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     looks = [
         {"color": f"C{k % 6}", "marker": MARKERS[k % len(MARKERS)]} for k in range(len(studies))
     ]
+    power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
     failed = False
     ratios: list[float] = []
     for number, (study, look) in enumerate(zip(studies, looks, strict=True)):
@@ -42,25 +43,26 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
         states = methods(study.sel(friction=friction))
         for column, (name, state) in zip(panels.T, states, strict=False):
             column[0].set_title(in_words(name))
-            column[0].plot(loss, MILLI * state["total_qv"], **look)
+            column[0].plot(loss, power.of(state["total_qv"]), **look)
             column[1].plot(loss, state["residual_preload"], **look)
             if "ball_diameter_loss_rate" in state:  # not if nothing at all was solved
                 rate = state["ball_diameter_loss_rate"].isel(counts=-1)
-                column[2].plot(loss, _UM_PER_HOUR * rate, **look)
+                column[2].plot(loss, _LOSS_RATE.of(rate), **look)
             column[2].set_xlabel(LOSS_AXIS)
             for panel in column:
                 failed |= mark_failed(panel, loss, state["status"], look["color"], number)
         ratio = float(state["total_qv"][-1] / state["total_qv"][0])
         ratios += [ratio] if np.isfinite(ratio) else []
-    panels[0, 0].set_ylabel("QV of the bearing (mW)")
+    panels[0, 0].set_ylabel(power.label("QV of the bearing"))
     panels[1, 0].set_ylabel("residual preload (N)")
-    panels[2, 0].set_ylabel("loss rate, balls\nand races (µm/h)")
+    panels[2, 0].set_ylabel(_LOSS_RATE.label("loss rate, balls\nand races"))
     for panel in panels.flat:
         from_zero(panel)
     low, high = (percent(f(ratios, default=np.nan)) for f in (min, max))
     frame(
         figure,
-        f"{mu_is(friction)}: {float(loss[-1]):g} µm of wear leaves {low} to {high} of QV "
+        f"{', '.join(scene_of(study)['name'] for study in studies)} at {mu_is(friction)}: "
+        f"{float(loss[-1]):g} µm of wear leaves {low} to {high} of QV "
         f"({in_words(name)})",
         [
             key(label, **look)
@@ -75,14 +77,14 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
 def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
     """What tells scenes apart, in words: `gyro_s2: ball count 10, pitch diameter 9 mm`.
 
-    Names, descriptions and the cage, which no steady model knows, do not count.
+    What a steady case does not depend on does not count: names, descriptions, the cage, and what
+    of a scene is uncertain.
     """
     flat = [_flat(scene) for scene in scenes]
     differing = [
         path
         for path in dict.fromkeys(path for values in flat for path in values)
-        if len({str(values.get(path)) for values in flat}) > 1
-        and path[0] not in ("name", "description", "cage")
+        if len({str(values.get(path)) for values in flat}) > 1 and path[0] not in NOT_SOLVED_FOR
     ]
     return [
         ": ".join(
@@ -99,14 +101,12 @@ def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _quantity(name: str, value: Any) -> str:
     """A key and its value in words: `pitch_diameter_mm`, 9.0 -> `pitch diameter 9 mm`."""
-    words, unit = name.removesuffix("_kg_m3").split("_"), ""
-    if name.endswith("_kg_m3"):
-        unit = "kg/m³"
-    elif words[-1] in UNITS:
-        unit = UNITS[words.pop()]
+    words, unit = key_in_words(name)
+    if value is None:
+        return f"no {words}"
     number = f"{value:g}" if isinstance(value, float) else str(value)
-    space = "" if unit == "°" else " "
-    return f"{' '.join(words)} {number}{space}{unit}".strip()
+    space = "" if unit == "degree" else " "
+    return f"{words} {number}{space}{in_print(unit)}".strip()
 
 
 def _flat(data: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:

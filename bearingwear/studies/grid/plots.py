@@ -5,7 +5,8 @@ No step draws so: what is imported here makes no figure of the study outdated.
 
 import xarray as xr
 
-from bearingwear.plotting.drawing import Figure, scene_of
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure, scene_of
+from bearingwear.results.units import digits, display, span
 from bearingwear.studies.grid import figures
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Grid
@@ -14,8 +15,38 @@ LIFE_AXES = ("preload_method", "friction")
 
 
 def case_plot(case: xr.Dataset) -> Figure:
-    """Slip over the contact ellipse."""
-    return figures.slip_figure([case])
+    """Slip over the contact ellipse; of a dynamic case, what it did in time."""
+    return _histories(case) if "history_contact_load" in case else figures.slip_figure([case])
+
+
+def _histories(case: xr.Dataset) -> Figure:
+    """Loads and slip of every ball, QV and preload over the simulated time."""
+    load, slip, qv = (case[f"history_{name}"] for name in ("contact_load", "slip", "contact_qv"))
+    total = qv.astype(float).sum(["ball", "race"], skipna=False)
+    time, power = display("s", case["time"]), display("W", total)
+    balls, whole = {"color": "C0", "linewidth": 0.6}, {"color": "black", "linewidth": 0.9}
+    drawn = {
+        "contact load,\ninner race (N)": (load.isel(race=0), balls),
+        "contact load,\nouter race (N)": (load.isel(race=1), balls),
+        "slip speed,\ninner race (m/s)": (slip.isel(race=0), balls),
+        "slip speed,\nouter race (m/s)": (slip.isel(race=1), balls),
+        power.label("QV of the bearing"): (power.of(total), whole),
+        "residual preload (N)": (case["history_residual_preload"], whole),
+    }
+    figure, panels = new_figure(3, 2, 7.2, 6.4, sharex=True)
+    for panel, (label, (values, look)) in zip(panels.flat, drawn.items(), strict=True):
+        panel.plot(time.of(case["time"]), values, **look)
+        panel.set_ylabel(label)
+    for panel in panels[-1]:
+        panel.set_xlabel(time.label("time"))
+    name, turns = scene_of(case)["name"], digits(float(case["simulated_turns"]))
+    frame(
+        figure,
+        f"{name}, {turns} turns in time: contact loads of {span(load.values.ravel())} N",
+        [key("each ball", **balls), key("whole bearing", **whole)],
+        columns=2,
+    )
+    return figure
 
 
 def study_plot(study: xr.Dataset) -> Figure:

@@ -19,10 +19,12 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
+from bearingwear.results.units import digits, display, key_in_words
 from bearingwear.results.variables import of_all_balls
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
+_LOSS = display("m")
 AXES = ("preload_method", "friction", "ball_diameter_loss")
 
 
@@ -91,12 +93,13 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     scene = scene_of(study)
     losses = study["ball_diameter_loss"].values
     first, last = f"{losses[0]:g} µm", f"{losses[-1]:g} µm"
+    power = display("W", study["total_qv"].isel(ball_diameter_loss=[0, -1]))
     wear = [
         [
             in_words(name),
             f"{mu:g}",
-            *(f"{1e3 * state['total_qv'].sel(friction=mu)[k]:.1f}" for k in (0, -1)),
-            *(f"{state['residual_preload'].sel(friction=mu)[k]:.3f}" for k in (0, -1)),
+            *(power.text(state["total_qv"].sel(friction=mu)[k]) for k in (0, -1)),
+            *(digits(float(state["residual_preload"].sel(friction=mu)[k])) for k in (0, -1)),
         ]
         for name, state in methods(study)
         for mu in study["friction"].values
@@ -115,10 +118,10 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
                     *(
                         cell
                         for hours, way in zip(one["life"].values, COUNTS, strict=True)
-                        for cell in (f"{hours:.4g}", quantiles_text(spread.get(way, ())))
+                        for cell in (digits(float(hours)), quantiles_text(spread.get(way, ())))
                     ),
-                    in_words(ends[int(one["end_criterion"])]),
-                    f"{1e6 * one['loss_at_end']:.4f}",
+                    key_in_words(ends[int(one["end_criterion"])])[0],
+                    _LOSS.text(one["loss_at_end"]),
                     f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
                 ]
             )
@@ -127,7 +130,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
         plain_text(scene.get("description", "")),
         "## What wear does",
         markdown_table(
-            "preload method | friction | QV (mW) at " + first + " | at " + last
+            f"preload method | friction | {power.label('QV')} at " + first + " | at " + last
             + " | residual preload (N) at " + first + " | at " + last,
             wear,
         ),
@@ -135,11 +138,11 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
         "## Wear life",
         markdown_table(
             "preload method | friction | life (h), ball alone | its spread | balls and races "
-            "| its spread | ended by | at loss (µm) | interpolated against solved",
+            "| its spread | ended by | at a loss of (µm) | interpolated against solved",
             life,
         ),
         QUANTILES_TEXT if any(spreads) else "",
-        f"Where no spread is computed: {SEE}." if not all(spreads) else "",
+        f"Where no spread is computed, {SEE}." if not all(spreads) else "",
         "## Not solved",
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
     ]  # fmt: skip
@@ -152,5 +155,5 @@ def _unsolved(study: xr.Dataset) -> Iterator[str]:
             one = state["status"][tuple(index)]
             yield (
                 f"- {in_words(name)}, friction {float(one['friction']):g}, "
-                f"loss {float(one['ball_diameter_loss']):g} µm: {STATUS_NAMES[int(one)]}"
+                f"loss {float(one['ball_diameter_loss']):g} µm: {in_words(STATUS_NAMES[int(one)])}"
             )

@@ -18,6 +18,7 @@ from bearingwear.plotting.drawing import (
     methods,
     new_figure,
 )
+from bearingwear.results.units import span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
 from bearingwear.studies.identify.search import FITS, NO_ANGLE, NO_ROOM
@@ -125,7 +126,7 @@ def candidates_message(candidates: xr.Dataset) -> str:
     spans = []
     for name, one in methods(fits):
         hours = one["life"].isel(loss_basis=basis).values
-        spans.append(f"{np.nanmin(hours):.2f} to {np.nanmax(hours):.2f} h ({in_words(name)})")
+        spans.append(f"{span(hours)} h ({in_words(name)})")
     return (
         f"{fits.sizes['candidate']} bearings fit what the paper states; among them life spreads "
         f"over {' and '.join(spans)}"

@@ -9,6 +9,7 @@ import numpy as np
 
 from bearingwear.plotting.drawing import in_words, methods
 from bearingwear.plotting.markdown import markdown_table
+from bearingwear.results.units import digits
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
 from bearingwear.studies.identify.figures import candidates_message, fitting
@@ -31,7 +32,7 @@ def candidates_table(candidates: Path) -> str:
             f"{float(one['drag_low']):g} to {float(one['drag_high']):g}",
             f"{float(one['skid_ratio']):.3f}",
             *(
-                f"{float(life.isel(loss_basis=c)):.4g}"
+                digits(float(life.isel(loss_basis=c)))
                 for c in (basis, 1 - basis)
                 for life in one["life"]
             ),

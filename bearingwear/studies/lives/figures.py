@@ -19,6 +19,7 @@ from bearingwear.plotting.drawing import (
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.units import digits
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import dynamic_life, ended_by
 
@@ -120,8 +121,8 @@ def _cubed(exponent: int) -> str:
 def _message(life: xr.Dataset) -> str:
     hours, name = float(life["life"][counted(life)]), scene_of(life)["name"]
     if int(life["status"]) != OK:
-        return f"{name}: no end was reached in {hours:.3g} h ({ended_by(life)})"
-    text = f"{name}: {ended_by(life)} ends the life after {hours:.3g} h"
+        return f"{name}: no end was reached in {digits(hours)} h ({ended_by(life)})"
+    text = f"{name}: {ended_by(life)} ends the life after {digits(hours)} h"
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text

@@ -7,6 +7,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.units import key_in_words
 from bearingwear.studies.dataset import loaded
 
 
@@ -33,4 +34,4 @@ def ended_by(life: xr.Dataset) -> str:
 def criterion(life: xr.Dataset, name: str) -> str:
     """A criterion of a life in words, without its unit."""
     met = life[name].attrs["flag_meanings"].split()[int(life[name])]
-    return in_words(met.removesuffix("_mm").removesuffix("_um"))
+    return key_in_words(met)[0]

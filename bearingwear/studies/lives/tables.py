@@ -7,10 +7,11 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.plotting.markdown import markdown_table
+from bearingwear.results.units import Display, display
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import criterion, dynamic_life, ended_by
 
-MICRO = 1e6
+HOURS, LOSS, VOLUME = display("h"), display("m"), display("m3", 1e-9)
 
 
 def lives_table(lives: Sequence[Path]) -> str:
@@ -21,7 +22,7 @@ def lives_table(lives: Sequence[Path]) -> str:
         markdown_table(
             "life of | life (h) | ± (h) | ended by | steady life (h) | ended by "
             "| steady time to the same loss (h) | loss (µm) | balls' wear, least and most of the "
-            "mean | pockets and land (10³ µm³)",
+            f"mean | {VOLUME.label('pockets and land')}",
             rows,
         ),
         "±: bound of what steps and scatter of the runs do. Balls' wear: worn off each since the "
@@ -35,9 +36,8 @@ def _numbers(life: xr.Dataset) -> list[str]:
     """A row of the table."""
     k = counted(life)
 
-    def one(name: str, scale: float = 1.0) -> str:
-        value = float(life[name]) if name in life else float("nan")
-        return f"{scale * value:.4g}"
+    def one(name: str, unit: Display = HOURS) -> str:
+        return unit.text(life[name] if name in life else np.nan)
 
     # of a life that no run was solved for there is no history
     if "history_ball_worn_volume" not in life:
@@ -48,16 +48,16 @@ def _numbers(life: xr.Dataset) -> list[str]:
     if "history_pocket_worn_volume" in life:
         pockets = life["history_pocket_worn_volume"].values[-1].sum()
         land = life["history_land_worn_volume"].values[-1]
-        cage = f"{1e15 * pockets:.4g}, {1e15 * land:.4g}"
+        cage = f"{VOLUME.text(pockets)}, {VOLUME.text(land)}"
     steady = criterion(life, "steady_end_criterion") if "steady_life" in life else "–"
     return [
-        f"{float(life['life'][k]):.4g}",
-        f"{float(life['life_error_bound'][k]):.2g}",
+        HOURS.text(life["life"][k]),
+        HOURS.text(life["life_error_bound"][k]),
         ended_by(life),
         one("steady_life"),
         steady,
         one("steady_time_to_loss"),
-        one("loss_at_end", MICRO),
+        one("loss_at_end", LOSS),
         f"{spread.min():.3f}, {spread.max():.3f}",
         cage,
     ]

@@ -1,6 +1,8 @@
 """The design study: its plan, the choice of a preload, and its steps on a map of a few lives."""
 
 import math
+import re
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
@@ -11,7 +13,10 @@ from support import ROOT, scene_file, with_value
 
 from bearingwear.cli import main
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import load
+from bearingwear.results.show import sheet
+from bearingwear.results.units import digits
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
@@ -126,6 +131,45 @@ def test_choice_and_what_holds_it(line, limits, index, active):
     found, held = best_within(line, limits, basis=1)
     assert int(found) == index
     assert ACTIVE[int(held)] == active
+
+
+def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, capsys):
+    """Its status is -1, which must not be read as the last of the names."""
+    scene, parts = scene_file("gyro_s1"), []
+    for method in METHODS:
+        parts.append(tmp_path / f"{method}.nc")
+        part = map_part(scene, method, 0.08, [30000.0], [5.0, 7.0, 9.0], slip_limit=0.25)
+        write_dataset(part, parts[-1])
+    design, file = tmp_path / "design.nc", tmp_path / "recommendation.nc"
+    write_dataset(design_map(parts, LIMITS | {"axial_stiffness_N_um": 4.6}), design)
+    write_dataset(recommendation_of(scene, design), file)
+    assert load(file)["status"].values.tolist() == [0, -1]
+    assert main(["show", str(file)]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"held by +axial stiffness +no preload keeps to all limits\n", text)
+    assert re.search(r"least axial stiffness +N/um +4\.6 +–\n", text)
+    # and so it is where a file is shown like any other
+    several = sheet(file).text
+    assert "there was none to solve" in several and "jammed" not in several
+
+
+def test_single_files_are_drawn(folder, tmp_path, capsys):
+    """A map of one friction as lines, a recommendation, the spread of one scene's life."""
+    spread = tmp_path / "spread.nc"
+    scene = str(scene_file("gyro_s1"))
+    assert main(["uncertainty", scene, "--samples", "16", "-o", str(spread)]) == 0
+    files = {
+        folder / "design.nc": "life, stiffness and slip over preload",
+        folder / "constant_force.nc": "life, stiffness and slip over preload",
+        folder / "recommendation.nc": "life at the recommended preload",
+        folder / "uncertainty.nc": "life spreads by a factor",
+        spread: "L10",
+    }
+    for path, said in files.items():
+        figure = tmp_path / f"{path.stem}.svg"
+        assert main(["plot", str(path), "-o", str(figure)]) == 0
+        title = ET.parse(figure).getroot().findtext("{http://www.w3.org/2000/svg}title")
+        assert said in title, title
 
 
 def test_front_leaves_out_what_is_beaten_or_unsolved():
@@ -289,11 +333,11 @@ def test_every_status_is_counted(folder, tmp_path):
     assert step("design.tables.tables", out, **files) == 0
     text = (tmp_path / "design.md").read_text()
     for name, count in (("ok", 8), ("not_converged", 1), ("beyond_groove", 1)):
-        assert f"| {name} | {count} |" in text
+        assert f"| {in_words(name)} | {count} |" in text
         assert (tmp_path / "map.csv").read_text().count(f",{name},") == count
     solves = int(design["solves"].sum())
     assert (
-        f"10 lives over preload, method, friction and speed (`map.csv`), made of {solves}" in text
+        f"10 lives over preload, method, friction and speed (in map.csv), made of {solves}" in text
     )
 
 
@@ -308,7 +352,8 @@ def test_answer_stands_first(folder):
     )
     l10, l50 = (float(q) for q in spread["life_quantile"][:2])
     assert f"constant force at {float(found['preload']):.3g} N" in first
-    assert f"{float(found['life'][1]):.3g} h (L10 {l10:.2g} h, L50 {l50:.2g} h)" in first
+    life, l10, l50 = (digits(x) for x in (float(found["life"][1]), l10, l50))
+    assert f"{life} h (L10 {l10} h, L50 {l50} h)" in first
     assert first.endswith("held by axial stiffness")
 
 

@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose
 from support import scene_file, step, step_arguments
 
 from bearingwear.kernels.status import OK
+from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variables import CRITERIA
 from bearingwear.results.warnings import warnings_in
@@ -498,6 +499,47 @@ def test_labels_say_what_tells_scenes_apart():
         for name, d in (("a", 7.5), ("b", 9.0))
     ]
     assert scene_labels(scenes) == ["a: pitch diameter 7.5 mm", "b: pitch diameter 9 mm"]
+
+
+def test_labels_leave_out_what_a_case_does_not_depend_on():
+    """The scenes of the study that differ in drag: one of them says how uncertain its drag is."""
+    from bearingwear.scene.read import load_scene
+    from bearingwear.studies.grid.overlay import scene_labels
+
+    names = ("gyro_s1", "gyro_s1_drag200", "gyro_s1_drag400")
+    scenes = [load_scene(scene_file(name)).to_dict() for name in names]
+    for scene in scenes:
+        del scene["friction"]["ball_race"]  # varied by the study
+    assert scene_labels(scenes) == [
+        f"{name}: drag density {drag} kg/m³"
+        for name, drag in zip(names, (0, 200, 400), strict=True)
+    ]
+
+
+def test_a_key_that_one_scene_lacks_is_said_in_words():
+    from bearingwear.studies.grid.overlay import scene_labels
+
+    scenes = [{"name": "a", "wear": {"counts": "ball"}}, {"name": "b", "wear": {"counts": None}}]
+    assert scene_labels(scenes) == ["a: counts ball", "b: no counts"]
+
+
+def test_titles_name_their_scenes(folder):
+    """Else figures of several scenes seem to contradict each other."""
+    from bearingwear.studies.grid import figures
+    from bearingwear.studies.grid.overlay import spread
+
+    study = load(folder / "study.nc")
+    mu = float(study["friction"][0])
+    other = study.assign_attrs(
+        scene=json.dumps(
+            scene_of(study) | {"name": "other", "lubricant": {"drag_density_kg_m3": 250.0}}
+        )
+    )
+    name = scene_of(study)["name"]
+    for drawn in (spread([study, other], mu), figures.wear_figure([study, other], [mu, mu])):
+        title = drawn.get_suptitle().replace("\n", " ")
+        assert name in title and "other" in title
+    assert "other, drag 250 kg/m³" in title
 
 
 def test_degrees_stand_close():

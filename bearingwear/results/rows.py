@@ -1,0 +1,100 @@
+"""Rows of a result sheet, made of an open result file and the table of variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from bearingwear.results.sheet import Block, Row
+from bearingwear.results.units import Display, display
+from bearingwear.results.variables import CASE, LIFE
+from bearingwear.scene.scene import COUNTS
+
+VARIABLES = CASE | LIFE
+COUNTED = tuple(name.replace("_and_", " + ") for name in COUNTS)
+
+
+def values(file: Any, name: str, factor: float = 1.0) -> np.ndarray:
+    """Values of a variable, NaN where not solved; all NaN if it is not there."""
+    if name not in file.variables:
+        return np.array(np.nan)
+    return np.ma.filled(np.ma.asarray(file[name][...], dtype=float), np.nan) * factor
+
+
+def row_of(
+    name: str, numbers: Iterable[Any], limit: float | None = None, unit: Display | None = None
+) -> Row:
+    """The row of a variable of a case or life, from values of the file."""
+    known = VARIABLES[name]
+    found = [float(number) for number in numbers]
+    unit = unit or display(known.units, found, [] if limit is None else limit, shown=known.shown)
+    return Row(
+        known.label or name.replace("_", " "),
+        unit.unit,
+        tuple(unit.of(number) for number in found),
+        name,
+        None if limit is None else unit.of(limit),
+    )
+
+
+def meaning(file: Any, name: str) -> str:
+    """The word for a single flag."""
+    return str(file[name].flag_meanings.split()[int(file[name][...])])
+
+
+def solved_rows(block: Block) -> Block:
+    """A block without the rows of which nothing is known."""
+
+    def known(value: Any) -> bool:
+        return not isinstance(value, float) or not np.isnan(value)
+
+    rows = tuple(row for row in block.rows if any(map(known, row.values)))
+    return Block(block.title, block.columns, rows, block.lines, block.unit)
+
+
+def mean(of: np.ndarray) -> float:
+    return float(of.mean()) if of.size else float("nan")
+
+
+def mean_rows(
+    file: Any, names: Iterable[str], limits: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Row, ...]:
+    """A row for each variable that is there, with the mean of its values."""
+    return tuple(
+        row_of(name, [mean(values(file, name))], limits.get(name))
+        for name in names
+        if name in file.variables
+    )
+
+
+def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
+    """Two lines that say which bearing runs how."""
+    bearing, operation = scene["bearing"], scene["operation"]
+    loss = scene["wear"]["ball_diameter_loss_um"]
+    worn = f"{loss:g}" if isinstance(loss, float) else "unequal"
+    radial = operation.get("radial_load_N") or [0.0]
+    loads = [
+        f"{text} {value:g} N"
+        for text, value in (
+            ("radial load", sum(part * part for part in radial) ** 0.5),
+            ("rotating load", operation.get("rotating_load_N") or 0.0),
+        )
+        if value
+    ]
+    outer = operation.get("outer_speed_rpm")
+    speeds = [f"{operation['shaft_speed_rpm']:g} r/min", *([f"outer {outer:g}"] if outer else [])]
+    method = operation["preload_method"].replace("_", " ")
+    parts = (
+        *speeds,
+        f"{method} preload {operation['preload_N']:g} N",
+        *loads,
+        f"friction {scene['friction']['ball_race']:g}",
+        f"ball diameter loss {worn} um",
+    )
+    return (
+        f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
+        ", ".join(parts),
+    )

@@ -1,0 +1,137 @@
+"""The result sheet of a life: how long, what ends it and where, and what has worn off."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.results.rows import COUNTED, VARIABLES, mean, mean_rows, meaning, row_of, values
+from bearingwear.results.sheet import Block, Row
+from bearingwear.results.units import display, key_in_words
+from bearingwear.results.variables import RACES
+from bearingwear.scene.scene import COUNTS
+
+LIVES = ("life", "normalised_life")
+STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
+WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
+WORN_RACES = "history_race_worn_volume"
+WORN_WHOLE = (
+    "history_land_worn_volume",
+    "history_groove_depth",
+    "history_pocket_clearance",
+    "history_guide_clearance",
+)
+CRITERION_ROWS = {
+    "preload_fraction": ("preload left", "history_residual_preload", "%"),
+    "gyroscopic_slip_share": ("gyroscopic slip share", "history_gyroscopic_slip_share", "%"),
+    "skid_ratio": ("skid ratio", "history_skid_ratio", "%"),
+    "ball_diameter_loss_um": ("loss of ball diameter", "history_ball_diameter_loss", "um"),
+    "pocket_clearance_mm": ("pocket clearance", "history_pocket_clearance", "mm"),
+    "guide_clearance_mm": ("guide clearance", "history_guide_clearance", "mm"),
+}
+"""Of each criterion that may end a life: its name, its history, the unit in which it is shown."""
+
+_UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3}
+"""From a history of the file to the unit of `CRITERION_ROWS`."""
+
+
+def life_blocks(file: Any) -> list[Block]:
+    scene = json.loads(getattr(file, "scene", "{}"))
+    counted = COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
+    # a life in time follows one way of counting
+    followed = [k for k in range(len(COUNTS)) if k == counted or np.isfinite(_life_of(file, k))]
+    lives = tuple(
+        row_of(n, np.atleast_1d(values(file, n))[followed]) for n in LIVES if n in file.variables
+    )
+    own = Row(f"counts: {COUNTED[counted]}", "h", (_life_of(file, counted),), "life_of_the_scene")
+    loss = row_of("loss_at_end", [values(file, "loss_at_end")])
+    ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
+    said = (str(file.ended_by),) if hasattr(file, "ended_by") else ()
+    blocks = [
+        Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
+        Block("life", (), (own, ended, loss), said),
+    ]
+    if "step" in file.dimensions and file.dimensions["step"].size:
+        names = ("history_residual_preload", "history_total_qv")
+        ends = tuple(row_of(n, np.atleast_1d(values(file, n))[[0, -1]]) for n in names)
+        rate = values(file, "history_ball_diameter_loss_rate")
+        if rate.ndim:
+            loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1], counted])
+            ends += (loss_rate._replace(name="history_ball_diameter_loss_rate"),)
+        blocks.append(Block("along the life", ("start", "end"), ends))
+        blocks.append(Block("what may end it", ("start", "end"), _criteria(file, scene)))
+    return [*blocks, *_steady_life(file), *_worn(file)]
+
+
+def _life_of(file: Any, k: int) -> float:
+    """The life by a way of counting [h]."""
+    return float(np.atleast_1d(values(file, "life"))[k])
+
+
+def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
+    """A row for each criterion that the scene gives: what it was, what it came to, its limit."""
+    given = scene["wear"].get("end_of_life") or {}
+    ended = meaning(file, "end_criterion")
+    rows = []
+    for criterion, (label, name, unit) in CRITERION_ROWS.items():
+        limit = given.get(criterion)
+        if limit is None:
+            continue
+        found = np.atleast_1d(values(file, name))
+        if found.ndim > 1:  # of both races the larger counts
+            found = found.max(axis=1)
+        factor = _UNITS_OF_LIMITS[unit]
+        if criterion == "preload_fraction":
+            found = found / scene["operation"]["preload_N"]
+        elif criterion == "skid_ratio":
+            found = np.abs(found)
+        ends = tuple(factor * float(x) for x in found[[0, -1]])
+        note = "ends the life" if criterion == ended else ""
+        bound = factor * limit if unit == "%" else limit
+        rows.append(Row(label, unit, ends, criterion, bound, note))
+    return tuple(rows)
+
+
+def _words(file: Any, name: str) -> str:
+    return key_in_words(meaning(file, name))[0]
+
+
+def _steady_life(file: Any) -> list[Block]:
+    """The life by the steady model, which a dynamic life has beside its own."""
+    if "steady_status" not in file.variables:
+        return []
+    status = int(values(file, "steady_status"))
+    end = _words(file, "steady_end_criterion") if status == OK else STATUS_NAMES[status]
+    rows = (*mean_rows(file, STEADY_LIFE), Row("ended by", "", (end,), "steady_end_criterion"))
+    return [Block(f"steady, {getattr(file, 'steady_life_of', '?')}", (), rows)]
+
+
+def _worn(file: Any) -> list[Block]:
+    """What has worn off the parts of a bearing at the end of a dynamic life."""
+    if "history_ball_worn_volume" not in file.variables:
+        return []
+    at_end = {
+        name: values(file, name)[-1]
+        for name in (*WORN_OF_EACH, WORN_RACES, *WORN_WHOLE)
+        if name in file.variables
+    }
+    cubic = [name for name in at_end if VARIABLES[name].units == "m3"]
+    unit = display("m3", *(at_end[name] for name in cubic))
+
+    def worn(name: str, *numbers: float) -> Row:
+        """Volumes stand in one unit, to be compared."""
+        return row_of(name, numbers, unit=unit if name in cubic else None)
+
+    rows = [
+        worn(name, mean(at_end[name]), at_end[name].min(), at_end[name].max())
+        for name in WORN_OF_EACH
+        if name in at_end
+    ]
+    for race, volume in zip(RACES, at_end[WORN_RACES], strict=True):
+        rows.append(worn(WORN_RACES, volume)._replace(label=f"{race} race"))
+    rows += [worn(name, at_end[name]) for name in WORN_WHOLE if name in at_end]
+    return [Block("worn since the start", ("mean", "least", "most"), tuple(rows))]

@@ -1,0 +1,166 @@
+"""The sheet of a file of several cases or lives, and how sure the lives of a file are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
+from bearingwear.results.quantiles import (
+    CONFIDENCE,
+    GIVEN,
+    KIND,
+    NO_QUANTILES,
+    PRELOAD_CHOICE,
+    RECOMMENDED,
+    SEE,
+    quantiles_of,
+    uncertainties_at,
+)
+from bearingwear.results.rows import COUNTED, VARIABLES, values
+from bearingwear.results.sheet import NOT_SOLVED, Block, Row, Sheet
+from bearingwear.results.units import digits, display
+
+MOST_LISTED = 8
+"""Values of a coordinate that are listed; of more, the first and the last are."""
+
+STUDY_RANGES = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
+
+
+def several(file: Any) -> Sheet:
+    """The sheet of a file with more than one case or life in it."""
+    title = str(getattr(file, "title", "study"))
+    points = tuple(
+        Row(name, "", (dim.size,), note=_along(file, name)) for name, dim in file.dimensions.items()
+    )
+    blocks = [Block("dimension", ("points",), points)]
+    if "status" in file.variables:
+        blocks.append(Block("status", ("cases",), tuple(_statuses(file))))
+    is_study = kind_of(file) in (STUDY_KIND, WEAR_LIFE_KIND)
+    names = [n for n in STUDY_RANGES if n in file.variables] if is_study else _numbers_in(file)
+    if names:
+        ranges = tuple(_range_row(file, name) for name in names)
+        blocks.append(Block("variable", ("least", "most"), ranges))
+    return Sheet((title,), {"kind": kind_of(file), "title": title}, (*blocks, *_lives(file)))
+
+
+def _statuses(file: Any) -> Iterator[Row]:
+    """How many cases have each status; one that none has says why there was nothing to solve."""
+    codes, counts = np.unique(values(file, "status"), return_counts=True)
+    missing = str(getattr(file["status"], "missing", "-1: there was none to solve"))
+    for code, count in zip(codes, counts, strict=True):
+        name = NOT_SOLVED
+        if np.isfinite(code):
+            name = STATUS_NAMES[int(code)] if code >= 0 else missing.partition(": ")[2]
+        yield Row(name, "", (int(count),), "status")
+
+
+def _range_row(file: Any, name: str) -> Row:
+    """Least and most of a variable, in the unit that both are shown in."""
+    found = values(file, name)
+    solved = found[np.isfinite(found)]
+    ends = (float(solved.min()), float(solved.max())) if solved.size else (np.nan, np.nan)
+    known = VARIABLES.get(name)
+    units = str(getattr(file[name], "units", ""))
+    unit = display(units, *ends, shown=known.shown if known and known.units == units else "")
+    return Row(name, unit.unit, tuple(unit.of(end) for end in ends), name)
+
+
+def quantile_blocks(file: Any, path: Path) -> list[Block]:
+    """How sure the lives of a file are, by itself or by files of uncertainty beside it."""
+    lives = list(_lives_with_quantiles(file)) if hasattr(file, "scene") else []
+    if not lives:
+        unknown = f"{NO_QUANTILES}; {SEE}"
+        return [Block("", lines=(unknown,))] if "life" in file.variables else []
+    known, scene = uncertainties_at(path), json.loads(file.scene)
+    rows: list[Row] = []
+    missing = 0
+    for label, method, friction, choice in lives:
+        found = quantiles_of(known, scene, method, friction, choice)
+        if not found or not all(found.values()):
+            missing += 1
+            continue
+        rows += [Row(label)] if label else []
+        for quantiles in zip(*found.values(), strict=True):
+            name = quantiles[0].name
+            rows.append(Row(name, "h", tuple(q.hours for q in quantiles), f"life_{name}"))
+            ends = tuple(f"{digits(q.low)} to {digits(q.high)}" for q in quantiles)
+            rows.append(Row(f"  {100 * CONFIDENCE:g} % confidence", "h", ends))
+    where = "" if missing == len(lives) else f" for the other {missing}"
+    lines = (f"{NO_QUANTILES}{where}; {SEE}",) if missing else ()
+    return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), lines)]
+
+
+def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float, int]]:
+    """Label, preload method, friction and choice of preload of each life that may have L10."""
+    kind = kind_of(file)
+    if kind == LIFE_KIND:
+        scene = json.loads(file.scene)
+        yield "", scene["operation"]["preload_method"], scene["friction"]["ball_race"], GIVEN
+    elif kind == "recommendation" or (kind == KIND and PRELOAD_CHOICE in file.variables):
+        mu = json.loads(file.scene)["friction"]["ball_race"]
+        for method in _methods(file):
+            for choice in values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,):
+                where = "own" if choice == GIVEN else "recommended"
+                yield f"{method}, {where}", method, mu, choice
+    elif _has_lives(file):
+        for method in _methods(file):
+            for mu in values(file, "friction"):
+                yield f"{method}, mu {mu:g}", method, float(mu), GIVEN
+
+
+def _methods(file: Any) -> list[str]:
+    """The preload methods along the dimension of that name."""
+    names = file["preload_method"].flag_meanings.split()
+    return [names[int(flag)] for flag in values(file, "preload_method")]
+
+
+def _along(file: Any, name: str) -> str:
+    """The values of a coordinate, or the first and the last where they are many."""
+    if name not in file.variables or file[name].dimensions != (name,):
+        return ""
+    flags = str(getattr(file[name], "flag_meanings", "")).split()
+    texts = [flags[int(v)] if flags else f"{v:g}" for v in values(file, name)]
+    unit = str(getattr(file[name], "units", "")).replace("1", "", 1)
+    listed = ", ".join(texts) if len(texts) <= MOST_LISTED else f"{texts[0]} to {texts[-1]}"
+    return f"{listed} {unit}".rstrip()
+
+
+def _numbers_in(file: Any) -> list[str]:
+    """Variables with numbers that are no coordinates and no flags."""
+    return [
+        name
+        for name, variable in file.variables.items()
+        if name not in file.dimensions
+        and variable.dtype is not str
+        and "flag_values" not in variable.ncattrs()
+        and name != "status"
+    ]
+
+
+def _has_lives(file: Any) -> bool:
+    axes = ("preload_method", "friction")
+    return "end_criterion" in file.variables and file["end_criterion"].dimensions == axes
+
+
+def _lives(file: Any) -> list[Block]:
+    """A row for each life in a file that has them over preload method and friction."""
+    if not _has_lives(file):
+        return []
+    ends = file["end_criterion"].flag_meanings.split()
+    lives, loss = values(file, "life"), values(file, "loss_at_end")
+    criteria = values(file, "end_criterion")
+    unit = display("m", loss)
+    rows = []
+    for i, method in enumerate(_methods(file)):
+        for j, mu in enumerate(values(file, "friction")):
+            end = ends[int(criteria[i, j])] if np.isfinite(criteria[i, j]) else ends[-1]
+            numbers = (*(float(x) for x in lives[i, j]), float(unit.of(loss[i, j])))
+            rows.append(Row(f"{method}, mu {mu:g}", "h", numbers, "life", note=end))
+    columns = (*COUNTED, f"loss, {unit.unit}")
+    return [Block("life, wear counted", columns, tuple(rows), unit="h")]

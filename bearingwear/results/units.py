@@ -1,0 +1,152 @@
+"""The one table of units in which a person reads a quantity, and with how many digits.
+
+Files have the units of `results/variables.py`. A number is shown in the largest unit of its row
+that leaves something before the point, with three significant digits.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+PER_1000_HOURS = 3.6e6
+_R_PER_MIN = 30.0 / math.pi
+
+
+class _Scale(NamedTuple):
+    """A unit, what takes a value of the file to it, and the least number that is shown in it."""
+
+    unit: str
+    factor: float
+    least: float = 1.0
+
+
+SCALES: dict[str, tuple[_Scale, ...]] = {
+    "%": (_Scale("%", 100.0),),
+    "%/turn": (_Scale("%/turn", 100.0),),
+    "1": (_Scale("", 1.0),),
+    "N m": (_Scale("uN m", 1e6), _Scale("mN m", 1e3), _Scale("N m", 1.0)),
+    "N m-1": (_Scale("N/um", 1e-6),),
+    "Pa": (_Scale("MPa", 1e-6), _Scale("GPa", 1e-9)),
+    "W": (_Scale("mW", 1e3), _Scale("W", 1.0), _Scale("kW", 1e-3)),
+    "m": (_Scale("um", 1e6), _Scale("mm", 1e3)),
+    "m s-1": (_Scale("m/s", 1.0),),
+    "m3": (_Scale("um3", 1e18), _Scale("mm3", 1e9, 1e-3)),
+    "m3 s-1": (_Scale("mm3/1000 h", 1e9 * PER_1000_HOURS),),
+    "rad s-1": (_Scale("r/min", _R_PER_MIN),),
+    "s": (_Scale("us", 1e6), _Scale("ms", 1e3), _Scale("s", 1.0)),
+    "s Pa-1": (_Scale("s/Pa", 1.0),),
+    "um/1000 h": (_Scale("um/1000 h", 1e6 * PER_1000_HOURS),),
+}
+"""Units for a person, the smallest first, by the unit of the file or by what a variable is shown
+as (`Variable.shown`). A unit that is not here is shown as it is."""
+
+LEAST_PERCENT = 1e-3
+"""Percentages below are shown as less than this one."""
+
+
+class Display(NamedTuple):
+    """How a quantity is shown: its unit, and what takes a value of the file to it."""
+
+    unit: str
+    factor: float
+
+    @property
+    def printed(self) -> str:
+        """The unit as figures, tables and the page have it: `N/µm`."""
+        return in_print(self.unit)
+
+    def of(self, values: Any) -> Any:
+        """Values of the file in this unit."""
+        return self.factor * values
+
+    def label(self, text: str) -> str:
+        """A name with the unit in brackets, for an axis or a column."""
+        return f"{text} ({self.printed})" if self.unit else text
+
+    def text(self, value: Any) -> str:
+        """A value of the file, in this unit, with three digits; a dash where it is not known."""
+        return digits(self.of(float(value)), self.unit)
+
+
+def display(units: str, *values: Any, shown: str = "") -> Display:
+    """The unit in which values are shown together.
+
+    Parameters
+    ----------
+    units : str
+        Of the file.
+    *values : array_like
+        Those that are shown; the largest magnitude decides.
+    shown : str
+        What the quantity is shown as, where its unit does not say: `%`.
+    """
+    scales = SCALES.get(shown or units, (_Scale(shown or units, 1.0),))
+    numbers = [np.abs(np.asarray(v, dtype=float)).ravel() for v in values]
+    every = np.concatenate(numbers) if numbers else np.empty(0)
+    largest = float(every[np.isfinite(every)].max(initial=0.0))
+    # what would round up to the next unit is shown in it
+    fitting = [s for s in scales if rounded(s.factor * largest) >= s.least] or [scales[0]]
+    return Display(fitting[-1].unit, fitting[-1].factor)
+
+
+def rounded(value: float) -> float:
+    """A number with three significant digits."""
+    return float(f"{value:.3g}")
+
+
+def digits(value: float, unit: str = "") -> str:
+    """A number with three significant digits; a dash where it is not known.
+
+    Of a percentage too small to matter it only says so.
+    """
+    if not math.isfinite(value):
+        return "–" if math.isnan(value) else f"{value:g}"
+    if unit.startswith("%") and 0.0 < abs(value) < LEAST_PERCENT:
+        return f"< {LEAST_PERCENT:g}"
+    return f"{rounded(value) + 0.0:.7g}"
+
+
+def span(values: Iterable[float]) -> str:
+    """The least and the most of the values that are known: `1.2 to 3`; a dash without any."""
+    known = sorted(value for value in values if math.isfinite(value))
+    ends = [digits(value) for value in (known[0], known[-1])] if known else ["–"]
+    return " to ".join(dict.fromkeys(ends))
+
+
+def in_print(unit: str) -> str:
+    """A unit with its proper characters, in one piece: `N/um` as `N/µm`."""
+    text = re.sub(r"u(?=[mNs])", "µ", unit).replace("m3", "m³").replace("degree", "°")
+    return text.replace(" ", "\N{NO-BREAK SPACE}")
+
+
+KEY_UNITS = {
+    "_N_um": "N/um",
+    "_kg_m3": "kg/m3",
+    "_m_s": "m/s",
+    "_GPa": "GPa",
+    "_mrad": "mrad",
+    "_rpm": "r/min",
+    "_deg": "degree",
+    "_mm": "mm",
+    "_um": "um",
+    "_N": "N",
+    "_W": "W",
+}
+"""Units at the ends of the keys of scenes and limits."""
+
+
+def key_in_words(key: str) -> tuple[str, str]:
+    """The last part of a key in words, and its unit: `ball diameter`, `mm`."""
+    name = key.rpartition(".")[2]
+    end = next((end for end in KEY_UNITS if name.endswith(end)), "")
+    return name.removesuffix(end).replace("_", " "), KEY_UNITS.get(end, "")
+
+
+def in_ascii(text: str) -> str:
+    """A text with its units as a terminal has them: `N/µm` as `N/um`."""
+    return text.replace("µ", "u").replace("³", "3").replace("\N{NO-BREAK SPACE}", " ")

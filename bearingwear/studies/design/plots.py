@@ -1,0 +1,121 @@
+"""What `bearingwear plot` draws of single files of this study and of the lives that are uncertain.
+
+No step draws so: what is imported here makes no figure of the study outdated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK
+from bearingwear.plotting.drawing import (
+    COLOURS,
+    FAILED,
+    Figure,
+    failed_keys,
+    frame,
+    in_words,
+    key,
+    method_keys,
+    methods,
+    new_figure,
+    scene_of,
+)
+from bearingwear.results.quantiles import ALL_INPUTS
+from bearingwear.results.units import digits, display, span
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.choice import ACTIVE
+from bearingwear.studies.design.figures import LOSS_DASHES, MAPPED, map_overview
+from bearingwear.studies.design.uncertainty_figure import (
+    draw_cumulated,
+    preload_drawn,
+    uncertainty_figure,
+)
+from bearingwear.studies.design.words import LIMIT_WORDS
+
+
+def map_plot(design: xr.Dataset) -> Figure:
+    """A design map over preload and friction, or over preload alone where it has one friction."""
+    return map_overview(design) if design.sizes["friction"] > 1 else _lines_over_preload(design)
+
+
+def _lines_over_preload(design: xr.Dataset) -> Figure:
+    """The quantities of a map of one friction, a panel each."""
+    scene = scene_of(design)
+    speed = scene["operation"]["shaft_speed_rpm"]
+    line = design.sel(shaft_speed=speed).isel(friction=0)
+    basis = counted(design)
+    quantities = {name: look for name, look in MAPPED.items() if name in line}
+    figure, panels = new_figure(1, len(quantities), 2.6 * len(quantities), 3.2)
+    failed = False
+    for panel, (name, look) in zip(panels[0], quantities.items(), strict=True):
+        unit = display(look.units, line[name])
+        for method, one in methods(line):
+            values = unit.of(one[name])
+            values = values.isel(loss_basis=basis) if "loss_basis" in values.dims else values
+            known = values.where(np.isfinite(values))
+            panel.plot(one["preload"], known, color=COLOURS[method], marker=".")
+            lost = one["preload"].values[one["status"].values != OK]
+            panel.plot(lost, np.zeros(lost.size), color=COLOURS[method], **FAILED)
+            failed |= bool(lost.size)
+        panel.set_xlabel("initial preload (N)")
+        panel.set_ylabel(unit.label(look.label))
+    frame(
+        figure,
+        f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "
+        f"stiffness and slip over preload; counting {in_words(COUNTS[basis])}",
+        [*method_keys([name for name, _ in methods(line)]), *failed_keys(failed)],
+        columns=3,
+    )
+    return figure
+
+
+def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
+    """How lives spread; and what decides, where that was computed."""
+    if "total_index" in uncertainty:
+        return uncertainty_figure(uncertainty)
+    rows = methods(uncertainty)
+    figure, panels = new_figure(1, len(rows), max(5.6, 4.2 * len(rows)), 3.6)
+    basis = counted(uncertainty)
+    said = []
+    for panel, (name, one) in zip(panels[0], rows, strict=True):
+        drawn = one.sel(preload_choice=preload_drawn(one), uncertain_inputs=ALL_INPUTS)
+        draw_cumulated(panel, drawn, COLOURS[name])
+        panel.set_title(f"{in_words(name)}, {digits(float(drawn['preload']))} N")
+        panel.set_xlabel("wear life (h)")
+        panel.set_ylabel("share worn out")
+        quantile = drawn["life_quantile"].isel(loss_basis=basis)
+        l10, l50 = (float(quantile.sel(probability=p)) for p in (0.1, 0.5))
+        said.append(f"{in_words(name)}, L10 {digits(l10)} h, L50 {digits(l50)} h")
+    handles = [
+        *(key(f"counting {in_words(w)}", color="0.3", linestyle=d) for w, d in LOSS_DASHES.items()),
+        key("L10, L50, L90 with their sampling error", color="0.3", linestyle="none", marker="o"),
+    ]
+    counting = in_words(COUNTS[basis])
+    name = scene_of(uncertainty)["name"]
+    frame(figure, f"{name}: {'; '.join(said)}; counting {counting}", handles, columns=2)
+    return figure
+
+
+def recommendation_plot(recommendation: xr.Dataset) -> Figure:
+    """Life at the recommended preload of each method, by both ways of counting wear."""
+    figure, panels = new_figure(1, len(COUNTS), 3.6 * len(COUNTS), 2.6)
+    rows = methods(recommendation)
+    for panel, (k, way) in zip(panels[0], enumerate(COUNTS), strict=True):
+        for at, (name, one) in enumerate(rows):
+            life = float(one["life"].isel(loss_basis=k))
+            held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
+            text = f"{digits(float(one['preload']))} N, held by {held}"
+            panel.barh(at, np.nan_to_num(life), color=COLOURS[name], height=0.5)
+            said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
+            panel.text(0.0, at + 0.32, said, va="bottom", fontsize=7)
+        panel.set_yticks(range(len(rows)), [in_words(name) for name, _ in rows])
+        panel.set_ylim(-0.5, len(rows) - 0.1)
+        panel.set_xlabel("wear life (h)")
+        panel.set_title(f"counting {in_words(way)}")
+    lives = recommendation["life"].isel(loss_basis=counted(recommendation)).values
+    text = f"{scene_of(recommendation)['name']}: life at the recommended preload, {span(lives)} h"
+    frame(figure, text, method_keys([name for name, _ in rows]), columns=2)
+    return figure

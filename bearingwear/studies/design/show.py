@@ -1,0 +1,58 @@
+"""The sheet of a recommendation: the preload to take by each method, and what holds it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from bearingwear.results.rows import values
+from bearingwear.results.sheet import Block, Row, Sheet
+from bearingwear.results.units import display, in_ascii
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
+
+
+def recommendation_sheet(file: Any) -> Sheet:
+    """What to take, a column for each preload method."""
+    scene = json.loads(file.scene)
+    names = file["preload_method"].flag_meanings.split()
+    columns = tuple(names[int(flag)].replace("_", " ") for flag in values(file, "preload_method"))
+    lives = values(file, "life")
+    rows = [
+        Row("held by", "", tuple(_held(file)), "active_limit"),
+        *(
+            Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
+            for k, way in enumerate(COUNTS)
+        ),
+        _row(file, "preload", "preload", ""),
+        *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
+    ]
+    given = json.loads(getattr(file, "limits", "{}"))
+    limits = [in_ascii(LIMIT_TEXT[name].format(value)) for name, value in given.items() if value]
+    rows = [row._replace(values=tuple(map(_known, row.values))) for row in rows]
+    heading = (
+        f"{scene['name']}: {getattr(file, 'title', 'recommended preload').lower()} "
+        f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
+        f"friction {scene['friction']['ball_race']:g}",
+        *(f"limit: {text}" for text in limits),
+    )
+    facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits}
+    return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)),))
+
+
+def _held(file: Any) -> list[str]:
+    names = file["active_limit"].flag_meanings.split()
+    return [LIMIT_WORDS[names[int(flag)]] for flag in values(file, "active_limit")]
+
+
+def _known(value: Any) -> Any:
+    """A dash where there is no preload to say it of."""
+    return "–" if isinstance(value, float) and np.isnan(value) else value
+
+
+def _row(file: Any, name: str, label: str, shown: str) -> Row:
+    found = values(file, name)
+    unit = display(str(file[name].units), found, shown=shown)
+    return Row(label, unit.unit, tuple(float(x) for x in np.atleast_1d(unit.of(found))), name)

@@ -1,0 +1,30 @@
+"""Limits of the design study and what holds a preload, in words."""
+
+LIMIT_WORDS = {
+    "gyroscopic_slip_share": "gyroscopic slip share",
+    "axial_stiffness_N_um": "axial stiffness",
+    "maximum_pressure_GPa": "contact pressure",
+    "friction_power_W": "friction power",
+    "none": "nothing: life is longest there",
+    "end_of_range": "end of the map",
+    "not_solved": "an unsolved neighbour",
+    "no_preload_within_limits": "no preload keeps to all limits",
+}
+"""What keeps a preload from another one with a longer life."""
+
+LIMIT_TEXT = {
+    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} in any contact",
+    "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
+    "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
+    "friction_power_W": "power of friction and drag at most {:g} W",
+}
+"""What a limit asks for."""
+
+RECOMMENDED_WORDS = {
+    "axial_stiffness": ("least axial stiffness", ""),
+    "maximum_pressure": ("largest pressure", ""),
+    "friction_power": ("largest friction power", ""),
+    "gyroscopic_slip_share": ("largest gyroscopic slip share", "%"),
+    "residual_preload_at_end": ("preload left at the end", ""),
+}
+"""Quantities beside a recommended life, and what they are shown as where a unit does not say."""

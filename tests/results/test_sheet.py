@@ -1,0 +1,134 @@
+"""The result sheet: the same text after a solve and from its file; JSON and CSV of it."""
+
+import csv
+import io
+import json
+import re
+
+import netCDF4
+import pytest
+from support import scene_file
+
+from bearingwear.cli import main
+
+SCENE = str(scene_file("gyro_s1"))
+FIXED = ["--set", "operation.preload_method=fixed_position"]
+
+
+def printed(capsys, *argv) -> str:
+    capsys.readouterr()
+    assert main([str(part) for part in argv]) == 0
+    out, err = capsys.readouterr()
+    assert all(
+        line.partition(": ")[2].startswith("warning: ") or line.startswith("warning: ")
+        for line in err.splitlines()
+    )
+    return out
+
+
+def test_a_case_says_what_was_solved(capsys):
+    text = printed(capsys, "solve", SCENE)
+    assert text.startswith("gyro_s1: 9 balls of 2 mm\n30000 r/min, constant force preload 7 N")
+    assert "model steady (thrust alone), status ok: solved and verified" in text
+    for line in (
+        r"maximum pressure +MPa +980 +943",
+        r"gyroscopic slip share +% +8\.49 +2\.29  limit 50",
+        r"residual preload +N +7  limit 2\.8",
+        r"axial stiffness +N/um +4\.49",
+        r"shaft torque +uN m +15\.6",
+        r"friction power +mW +48\.9",
+        r"loss of ball diameter +um/1000 h +29\.7 +528",
+    ):
+        assert re.search(rf"^  {line}$", text, re.M), line
+    assert "residual  " not in text and "source_hash" not in text
+
+
+def test_friction_power_is_torque_times_speed(capsys):
+    """The power balance of the whole bearing: what the shaft gives, friction and drag take."""
+    drag = ["--set", "lubricant.drag_density_kg_m3=20"]
+    found = json.loads(printed(capsys, "solve", SCENE, "--json", *drag))["quantities"]
+    known = {one["name"]: one for one in found}
+    watts = {"mW": 1e-3, "W": 1.0, "uN m": 1e-6, "mN m": 1e-3}
+    power, torque = (
+        known[name]["value"] * watts[known[name]["unit"]]
+        for name in ("friction_power", "shaft_torque")
+    )
+    assert known["drag_power"]["value"] > 0.0
+    assert power == pytest.approx(torque * 30000.0 * 3.14159265358979 / 30.0, rel=1e-6)
+
+
+def test_a_life_says_what_ends_it(capsys):
+    text = printed(capsys, "life", SCENE, *FIXED)
+    assert re.search(r"^  ended by +preload fraction$", text, re.M)
+    assert re.search(r"^  preload left +% +105 +40  limit 40, ends the life$", text, re.M)
+    assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  limit 50$", text, re.M)
+    assert re.search(r"^  loss of ball diameter +um/1000 h +\d+ +\d+$", text, re.M)
+
+
+@pytest.mark.parametrize("command", ["solve", "life"])
+def test_with_and_without_a_file(command, tmp_path, capsys):
+    file = tmp_path / "x.nc"
+    text = printed(capsys, command, SCENE, "-o", file, *FIXED)
+    assert printed(capsys, "show", file) == text
+    alone = printed(capsys, command, SCENE, *FIXED)
+    assert text.startswith(alone.rstrip("\n"))  # a file of a life says where its spread would be
+    assert printed(capsys, command, SCENE, "-o", file, "--quiet", *FIXED) == ""
+
+
+def test_formats_for_programs(tmp_path, capsys):
+    file = tmp_path / "x.nc"
+    found = json.loads(printed(capsys, "solve", SCENE, "-o", file, "--json"))
+    assert json.loads(printed(capsys, "show", file, "--json")) == found
+    assert (found["scene"], found["fidelity"], found["status"]) == ("gyro_s1", "steady", "ok")
+    known = {one["name"]: one for one in found["quantities"]}
+    with netCDF4.Dataset(file) as case:
+        stiffness, pressure = float(case["axial_stiffness"][...]), case["maximum_pressure"][0]
+    assert known["axial_stiffness"]["unit"] == "N/um"
+    assert known["axial_stiffness"]["value"] == pytest.approx(1e-6 * stiffness, rel=1e-12)
+    assert known["maximum_pressure"]["values"]["outer"] == pytest.approx(1e-6 * pressure[1])
+    assert known["residual_preload"]["limit"] == pytest.approx(2.8)
+    rows = list(csv.DictReader(io.StringIO(printed(capsys, "show", file, "--csv"))))
+    (row,) = [r for r in rows if (r["name"], r["column"]) == ("maximum_pressure", "inner")]
+    assert row["unit"] == "MPa" and float(row["value"]) == pytest.approx(1e-6 * pressure[0])
+
+
+def test_a_scene_for_programs(capsys):
+    found = json.loads(printed(capsys, "show", SCENE, "--json"))
+    known = {one["name"]: one for one in found["quantities"]}
+    assert known["ball diameter"] == {
+        "block": "bearing", "name": "ball diameter", "label": "ball diameter", "unit": "mm",
+        "value": 2.0,
+    }  # fmt: skip
+
+
+def test_diagnostics_on_request(tmp_path, capsys):
+    file = tmp_path / "x.nc"
+    few = printed(capsys, "solve", SCENE, "-o", file)
+    text = printed(capsys, "show", file, "--all")
+    assert text.startswith(few.rstrip("\n"))
+    assert re.search(r"^  friction residual +[\d.e-]+$", text, re.M)
+    assert re.search(r"^  numerical error of QV +% +0\.28", text, re.M)
+    assert re.search(r"^  error of residual preload +% +< 0\.001$", text, re.M)
+    assert re.search(r"^  source_hash: \w+$", text, re.M)
+    assert re.search(r"^  iterations: \d+$", text, re.M)
+    assert "lubricant drag: none in the scene" in text
+
+
+def test_warnings_stand_at_the_head(tmp_path, capsys):
+    file = tmp_path / "x.nc"
+    printed(capsys, "solve", SCENE, "-o", file)
+    with netCDF4.Dataset(file, "a") as case:
+        warning = {"sentence": "the ellipse runs over the shoulder", "advice": "less load"}
+        case.warnings = json.dumps([warning])
+    head = printed(capsys, "show", file).partition("\n\n")[0].splitlines()
+    assert head[-1] == "warning: the ellipse runs over the shoulder; less load"
+    assert json.loads(printed(capsys, "show", file, "--json"))["warnings"] == [
+        "the ellipse runs over the shoulder; less load"
+    ]
+
+
+def test_a_failed_solve_says_so_and_no_more(capsys):
+    assert main(["solve", SCENE, "--set", "friction.ball_race=0"]) == 3
+    out, err = capsys.readouterr()
+    assert "status undetermined" in out and len(out.splitlines()) == 3
+    assert err.count("\n") == 1 and "(see" not in err

@@ -1,0 +1,73 @@
+"""Display units: scaled so that three digits say it, the same wherever a person reads a number."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bearingwear.results.units import digits, display, in_print
+
+
+@pytest.mark.parametrize(
+    ("units", "values", "unit", "text"),
+    [
+        ("W", [0.61492], "mW", "615"),
+        ("W", [307.1322], "W", "307"),
+        ("W", [70.3e3], "kW", "70.3"),
+        ("W", [0.9999], "W", "1"),  # 1000 mW would round up to it
+        ("W", [], "mW", "–"),
+        ("N m", [15.567e-6], "uN m", "15.6"),
+        ("N m", [0.0213], "mN m", "21.3"),
+        ("N m", [-2.5], "N m", "-2.5"),
+        ("N m-1", [4.48975e6], "N/um", "4.49"),
+        ("Pa", [980.16e6], "MPa", "980"),
+        ("Pa", [1054e6], "GPa", "1.05"),
+        ("m", [2.1435e-6], "um", "2.14"),
+        ("m", [0.012], "mm", "12"),
+        ("m3 s-1", [1e-16], "mm3/1000 h", "0.36"),
+        ("rad s-1", [1177.7], "r/min", "11200"),
+        ("degree", [21.526], "degree", "21.5"),
+        ("N", [7.33], "N", "7.33"),
+        ("kg m-3", [12.0], "kg m-3", "12"),  # a unit that the table does not know
+    ],
+)
+def test_the_unit_is_scaled(units, values, unit, text):
+    chosen = display(units, values)
+    assert chosen.unit == unit
+    assert chosen.text(values[0] if values else math.nan) == text
+
+
+def test_a_row_has_one_unit():
+    """The largest magnitude decides; what is not known does not count."""
+    unit = display("W", [2e-3, np.nan, -0.5], [[30.0]])
+    assert unit.unit == "W" and unit.text(2e-3) == "0.002"
+    np.testing.assert_allclose(unit.of(np.array([1.0, 2.0])), [1.0, 2.0])
+
+
+def test_a_share_is_a_percentage():
+    share = display("1", 0.0849, shown="%")
+    assert share.unit == "%" and share.text(0.0849) == "8.49"
+    assert [share.text(x) for x in (3e-9, -3e-9, 0.0)] == ["< 0.001", "< 0.001", "0"]
+
+
+def test_rates_are_those_of_1000_hours():
+    """One micrometre an hour."""
+    assert display("m s-1", 1e-6 / 3600.0, shown="um/1000 h").text(1e-6 / 3600.0) == "1000"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(28268.4, "28300"), (3.72e-12, "3.72e-12"), (-0.0, "0"), (0.0274, "0.0274"),
+     (1.2e9, "1.2e+09"),
+     (math.inf, "inf")],
+)  # fmt: skip
+def test_three_digits(value, text):
+    assert digits(value) == text
+
+
+def test_units_in_print():
+    assert in_print("N/um") == "N/µm" and in_print("um") == "µm" and in_print("degree") == "°"
+    assert in_print("mm3/1000 h") == "mm³/1000\N{NO-BREAK SPACE}h"
+    assert in_print("uN m") == "µN\N{NO-BREAK SPACE}m"
+    assert display("Pa", 2e9).label("pressure") == "pressure (GPa)"
+    assert display("1").label("friction") == "friction"
