@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.compile import inlined, jit
-from bearingwear.kernels.linear import solve_in_place
+from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import CONTACT_LOST, NO_STEADY_STATE, NOT_CONVERGED, OK
 from bearingwear.kernels.steady_balance import (
     Seat,
@@ -105,7 +105,7 @@ def newton(p, v_r, seat, u, tolerance):
         floor = noise.share
         if not noise.light <= LIGHTEST:
             return Solution(status=CONTACT_LOST, seat=seat, iterations=iteration, size=size)
-        p.matrix[:, :] = p.jacobian
+        copy(p.jacobian, p.matrix)
         for i in range(4):
             p.step[i] = -p.residual[i]
         if not solve_in_place(p.matrix, p.step, 4):
@@ -115,7 +115,7 @@ def newton(p, v_r, seat, u, tolerance):
         if not found:
             status = OK if size <= max(STALLED, floor) else NOT_CONVERGED
             return Solution(status=status, seat=seat, iterations=iteration, size=size)
-        u[:] = p.trial
+        copy(p.trial, u)
         seat = moved
         if near and new > SLOW * size:
             return Solution(status=OK, seat=seat, iterations=iteration, size=new)
@@ -196,7 +196,7 @@ def pseudo_transient(p, v_r, seat, u, tolerance, most):
         if not found:
             status = NOT_CONVERGED if why == OK else why
             return Solution(status=status, seat=seat, iterations=iteration, size=size)
-        u[:] = p.trial
+        copy(p.trial, u)
         seat = moved
         dt *= GROWTH if unexplained > WELL_EXPLAINED * size else FAST_GROWTH
     status = NO_STEADY_STATE if why == OK else why

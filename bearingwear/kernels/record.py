@@ -16,6 +16,7 @@ from bearingwear.kernels.contact import (
     surface_height,
 )
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.linear import copy
 from bearingwear.kernels.params import BallState
 from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O, assemble_condensed
 from bearingwear.kernels.race import axial_stiffness
@@ -327,7 +328,7 @@ def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, r
     time = grid.origin + (grid.first + begin) * grid.dt
     before, history = recorder.sums.before, recorder.history
     for place in range(begin, begin + count):
-        before[:] = y[bearing.layout.qv :]
+        copy(y[bearing.layout.qv :], before)
         start = grid.origin + (grid.first + place) * grid.dt
         end = grid.origin + (grid.first + place + 1) * grid.dt
         tally = advance(control, start, end, h, y, bearing, buf, stage)
