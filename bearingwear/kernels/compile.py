@@ -25,7 +25,7 @@ from bearingwear.provenance import kernel_cache_folder
 # signed zero keep their meaning, so that a broken number is still seen.
 REORDER_SUMS = {"reassoc", "contract", "nsz"}
 
-INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
+_INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
 _STACK = 2**26  # bytes, enough for LLVM on any system
 
 _FOLDER = kernel_cache_folder()  # of the sources as they are imported
@@ -116,7 +116,7 @@ def _leave(future: Future) -> None:
     if not future.done():
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(INTERRUPTED)
+        os._exit(_INTERRUPTED)
 
 
 class Kernel(CPUDispatcher):
