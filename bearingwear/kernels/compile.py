@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 
 import numba
+from numba import types
 from numba.core.caching import FunctionCache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
@@ -136,6 +137,8 @@ class Kernel(CPUDispatcher):
         return Callee(self.py_func, self.targetoptions)
 
     def get_call_template(self, args, kws):
+        # One version for all constants; LLVM puts them in where that pays.
+        args = tuple(types.unliteral(arg) for arg in args)
         return self.callee.get_call_template(args, kws)
 
     def get_overload(self, sig):

@@ -9,12 +9,6 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.cage import axial_momentum
 from bearingwear.kernels.cage_law import INNER_TORQUE
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import (
-    loaded_contact,
-    slip_coefficients,
-    slip_velocity,
-    surface_height,
-)
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.params import BallState
@@ -27,11 +21,11 @@ from bearingwear.kernels.step_control import Tally, advance
 from bearingwear.kernels.summary import (
     COLUMNS,
     LOAD,
-    MAJOR,
     QV,
     TORQUE,
     Workspace,
     contact_summary,
+    slip_profile,
     workspace,
 )
 from bearingwear.kernels.verification import polygon_residual
@@ -168,15 +162,13 @@ def ball_state(bearing, buf, j, Omega):
 
 
 @jit
-def add_slip_profiles(bearing, state, u, r, j, k, sums):
+def add_slip_profiles(bearing, u, r, j, k, sums):
     """Add the slip along both axes of contact k of ball j."""
-    row, profile = sums.row[k], sums.profile
-    angle = state.alpha_o if k == 1 else state.alpha_i
-    sine, cosine = math.sin(angle), math.cos(angle)
-    contact = loaded_contact(bearing.g, bearing.op, k, row[LOAD], row[MAJOR], sine, cosine)
-    surface_height(contact, 0.5 * bearing.D[j], sums.strips, profile[2])
-    c = slip_coefficients(contact, u, r)
-    slip_velocity(contact, c, sums.strips, profile[2], profile[0], profile[1])
+    profile = sums.profile
+    slip_profile(
+        bearing.g, bearing.D[j], bearing.op, u, r, k, sums.row[k], sums.strips,
+        profile[2], profile[0], profile[1],
+    )  # fmt: skip
     for i in range(sums.strips.size):
         sums.slip[0, j, k, i] += profile[0, i]
         sums.slip[1, j, k, i] += profile[1, i]
@@ -197,7 +189,7 @@ def add_contacts(bearing, state, u, r, j, recorder, place):
             history.load[place, j, k] = row[LOAD]
             history.slip[place, j, k] = row[QV] / row[LOAD] if row[LOAD] > 0.0 else 0.0
         if row[LOAD] > 0.0:
-            add_slip_profiles(bearing, state, u, r, j, k, sums)
+            add_slip_profiles(bearing, u, r, j, k, sums)
 
 
 @jit
