@@ -10,9 +10,8 @@ import contextlib
 import copy
 from collections.abc import Iterator
 
-from llvmlite.binding import parse_assembly
 from numba.core import ir
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary, ll
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import LoweringPass, register_pass
@@ -183,16 +182,10 @@ def entry(callee: Callee, args: tuple) -> CompileResult:
         metadata={},
         reload_init=list(library._reload_init),
     )
-    for used in result._find_referenced_environments():
+    environments = result._find_referenced_environments()
+    for used in environments:
         codegen.set_env(used.env_name, used)
-    # Beside machine code numba keeps text for callers, who have their own here; it reads the names.
-    names = [
-        name.llvm_cpython_wrapper_name,
-        *(
-            g.name
-            for g in library._final_module.global_variables
-            if g.name.startswith("_ZN08NumbaEnv")
-        ),
-    ]
-    library._shared_module = parse_assembly("\n".join(f'@"{n}" = global i8 0' for n in names))
+    # numba would keep its text on disk for callers, who have their own here; it reads the names.
+    names = name.llvm_cpython_wrapper_name, *(used.env_name for used in environments)
+    library._shared_module = ll.parse_assembly("\n".join(f'@"{n}" = global i8 0' for n in names))
     return result
