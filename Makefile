@@ -6,24 +6,21 @@ BIN := .venv/bin
 ALL_CORES := -n auto --dist loadgroup
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test quick kernels test-slurm test-faults fuzz always accuracy-docs bench venv clean
+.PHONY: study test quick test-slurm test-faults fuzz always accuracy-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
 
-test: kernels # on all cores
+test: $(STAMP) # on all cores
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/mypy
 	$(BIN)/python -m pytest $(ALL_CORES)
 
-quick: kernels # half a minute: what solves little and starts no other programs
+quick: $(STAMP) # half a minute: what solves little and starts no other programs
 	$(BIN)/python -m pytest $(ALL_CORES) tests/kernels tests/scene tests/plotting tests/test_names.py \
 		tests/test_provenance.py --ignore tests/kernels/test_kernel_cache.py
-
-kernels: $(STAMP) # compiled once, before test processes start side by side
-	PYTHONPATH=tests $(BIN)/python tests/compile_kernels.py
 
 test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'

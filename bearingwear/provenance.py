@@ -142,3 +142,8 @@ def kernel_cache_folder() -> str:
         if os.access(folder, os.W_OK):
             return str(folder)
     return tempfile.mkdtemp(prefix="bearingwear-numba-")
+
+
+def is_compiled(kernel: str) -> bool:
+    """Whether machine code of a kernel that Python calls is in the cache folder."""
+    return any(Path(kernel_cache_folder()).rglob(f"*.{kernel}-*.nbc"))

@@ -12,6 +12,7 @@ import numpy as np
 from bearingwear.kernels.cage import INNER_LAND, inverse_inertia
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.jacobian import ball_point, cage_point, condense_ball_centre
+from bearingwear.kernels.linear import copy
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -151,13 +152,13 @@ def contact_slope(K, C, X, V, columns, out):
 @jit
 def keep_contacts(balls, contacts, system):
     """Keep what `add_cage_powers` needs of the contacts while the stages move on."""
-    system.r[:] = balls.r
-    system.arm[:, :] = contacts.arm
-    system.reach[:, :] = contacts.reach
-    system.K[:, :, :] = contacts.K
-    system.C[:, :, :] = contacts.C
-    system.heat[:, :] = contacts.heat
-    system.loss[:, :] = contacts.loss
+    copy(balls.r, system.r)
+    copy(contacts.arm, system.arm)
+    copy(contacts.reach, system.reach)
+    copy(contacts.K, system.K)
+    copy(contacts.C, system.C)
+    copy(contacts.heat, system.heat)
+    copy(contacts.loss, system.loss)
 
 
 @jit
@@ -259,7 +260,7 @@ def factorise(shift, y, bearing, buf, system):
         if touching:
             eliminate_ball(j, system)
     if cage.present:
-        system.matrix[:, :] = system.schur
+        copy(system.schur, system.matrix)
         return invert(system.matrix, CAGE, system.schur)
     return True
 

@@ -1,20 +1,47 @@
-"""The decorators of all kernels."""
+"""The decorators of all kernels, and what happens when one has to be compiled."""
 
+import atexit
 import contextlib
+import fcntl
+import functools
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 
 import numba
+from numba import types
 from numba.core.caching import FunctionCache
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import CPUDispatcher
+from numba.core.sigutils import normalize_signature
 from numba.extending import overload
 
+from bearingwear.kernels.code import Callee, entry
 from bearingwear.provenance import kernel_cache_folder
 
 # Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
 # signed zero keep their meaning, so that a broken number is still seen.
 REORDER_SUMS = {"reassoc", "contract", "nsz"}
 
+_INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
+_STACK = 2**26  # bytes, enough for LLVM on any system
+
+_FOLDER = kernel_cache_folder()  # of the sources as they are imported
+
 
 class _Cache(FunctionCache):
     """numba's disk cache, from a disk that may be full or have lost what it held."""
+
+    def __init__(self, function):
+        # numba's global setting; put back so that other users of numba here keep theirs
+        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _FOLDER
+        try:
+            super().__init__(function)
+        finally:
+            numba.config.CACHE_DIR = before
 
     def load_overload(self, sig, target_context):
         try:
@@ -28,6 +55,121 @@ class _Cache(FunctionCache):
         with contextlib.suppress(OSError):  # compiled code also runs where it cannot be kept
             super().save_overload(sig, data)
 
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Held by one process at a time, as far as the disk knows locks.
+
+        A process holds no other such lock meanwhile, and loses it when it ends.
+        """
+        with contextlib.ExitStack() as stack:
+            with contextlib.suppress(OSError):
+                os.makedirs(self.cache_path, exist_ok=True)
+                file = stack.enter_context(open(f"{self._cache_file._index_path}.lock", "w"))
+                try:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    tell("waiting for another process that compiles the solver ...")
+                    fcntl.flock(file, fcntl.LOCK_EX)
+            yield
+
+
+@functools.cache
+def tell(line: str) -> None:
+    """Print a line to standard error, once."""
+    print(line, file=sys.stderr, flush=True)
+
+
+def interruptible(work: Callable):
+    """What `work()` returns; Ctrl-C is answered at once, though LLVM goes on for seconds.
+
+    In a thread of its own, which ends what it began: nothing is left half compiled.
+    """
+    if (
+        threading.current_thread() is not threading.main_thread()
+        or global_compiler_lock.is_locked()
+    ):
+        return work()
+    future: Future = Future()
+
+    def run() -> None:
+        try:
+            future.set_result(work())
+        except BaseException as error:
+            future.set_exception(error)
+
+    size, before = threading.stack_size(_STACK), signal.getsignal(signal.SIGINT)
+    try:
+        if callable(before):  # it is not ignored
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+        threading.Thread(target=run, daemon=True).start()
+        threading.stack_size(size)
+        return future.result()
+    except KeyboardInterrupt:
+        atexit.register(_leave, future)
+        raise
+    finally:
+        if callable(before):
+            signal.signal(signal.SIGINT, before)
+
+
+def _leave(future: Future) -> None:
+    """End the process here if LLVM still works: it crashes when it is taken down meanwhile."""
+    if not future.done():
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(_INTERRUPTED)
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function. Python and other kernels may call it."""
+
+    def __init__(self, function, options):
+        super().__init__(function, targetoptions=options)
+
+    @functools.cached_property
+    def disk(self) -> _Cache:
+        """Compiled code on disk, for calls from Python; other kernels bring it along in theirs."""
+        return _Cache(self.py_func)
+
+    @functools.cached_property
+    def callee(self) -> Callee:
+        """As other kernels call it."""
+        return Callee(self.py_func, self.targetoptions)
+
+    def get_call_template(self, args, kws):
+        # One version for all constants; LLVM puts them in where that pays.
+        args = tuple(types.unliteral(arg) for arg in args)
+        return self.callee.get_call_template(args, kws)
+
+    def get_overload(self, sig):
+        return self.callee.get_overload(sig)
+
+    def compile(self, sig):
+        args, _ = normalize_signature(sig)
+        found = self._known(args)
+        return (found or interruptible(lambda: self._compiled(args))).entry_point
+
+    def _known(self, args):
+        """Compiled by this process or another one before, or None."""
+        with global_compiler_lock:
+            found = self.overloads.get(args)
+            if found is None:
+                found = self.disk.load_overload(args, self.targetctx)
+                if found is not None:
+                    self.add_overload(found)
+            return found
+
+    def _compiled(self, args):
+        with self.disk.locked():
+            found = self._known(args)  # by another process, meanwhile
+            if found is None:
+                tell("compiling the solver, once on this machine; it may take a minute ...")
+                with global_compiler_lock:
+                    found = entry(self.callee, args)
+                    self.add_overload(found)
+                    self.disk.save_overload(args, found)
+        return found
+
 
 def jit(function=None, **options):
     """`numba.njit` with a disk cache that a changed source invalidates.
@@ -35,21 +177,12 @@ def jit(function=None, **options):
     `error_model="numpy"` because the check for division by zero would stop vectorisation. With
     `forceinline=True` a function is always compiled into its callers; the functions that it calls
     in its turn do not inherit that.
-    The cache folder is numba's global setting; it is put back so that other users of numba in
-    the same process keep theirs.
     """
     if function is None:
         return lambda f: jit(f, **options)
-    options = {"error_model": "numpy", "forceinline": False} | options
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = kernel_cache_folder()
-    try:
-        compiled = numba.njit(**options)(function)
-        if not numba.config.DISABLE_JIT:
-            compiled._cache = _Cache(function)
-        return compiled
-    finally:
-        numba.config.CACHE_DIR = before
+    if numba.config.DISABLE_JIT:
+        return function
+    return Kernel(function, {"nopython": True, "error_model": "numpy"} | options)
 
 
 def inlined(function):

@@ -8,6 +8,7 @@ from bearingwear.kernels.bearing_model import load_at
 from bearingwear.kernels.cage import INNER_LAND
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.compile import jit
+from bearingwear.kernels.linear import add_multiple, copy
 from bearingwear.kernels.quasistatic import (
     AT_1,
     AT_2,
@@ -131,10 +132,11 @@ def joint_equilibrium(time, y, bearing, balls, contacts):
             if not (regular and solve_race(bearing, balls)):
                 return NOT_CONVERGED
             size = left
-            X[:, :], delta[:] = balls.X, balls.delta
+            copy(balls.X, X)
+            copy(balls.delta, delta)
             largest = back_substitute(y, bearing, balls)
-            dX[:, :] = balls.X - X
-            d_delta[:] = balls.delta - delta
+            add_multiple(balls.X, -1.0, X, dX)
+            add_multiple(balls.delta, -1.0, delta, d_delta)
             share = min(1.0, 0.3 * BD / largest) if largest > 0.0 else 1.0
             done = largest <= 1e-10 * BD
         else:
@@ -144,8 +146,8 @@ def joint_equilibrium(time, y, bearing, balls, contacts):
                 if size > 1e-7 * load:
                     return NOT_CONVERGED
                 share, done = 0.0, True
-        balls.X[:, :] = X + share * dX
-        balls.delta[:] = delta + share * d_delta
+        add_multiple(X, share, dX, balls.X)
+        add_multiple(delta, share, d_delta, balls.delta)
     return NOT_CONVERGED
 
 
@@ -166,7 +168,7 @@ def equilibrium(time, y, bearing, buf):
         balls.cage_linear[:, :] = 0.0
         balls.land_linear[:] = 0.0
         balls.factors[:, :, :] = math.nan
-        balls.delta[:] = buf.rest
+        copy(buf.rest, balls.delta)
         status = free_equilibrium(time, y, bearing, balls)
         if status == OK and with_cage:
             status = joint_equilibrium(time, y, bearing, balls, buf.cage)
@@ -186,18 +188,18 @@ def places_size(n):
 def keep_places(balls, kept):
     """Copy where balls, race and cage contacts were found into `kept` (places_size(n),)."""
     n = balls.r.size
-    kept[: 2 * n].reshape(n, 2)[:, :] = balls.X
-    kept[2 * n : 10 * n].reshape(n, 8)[:, :] = balls.cage_linear
-    kept[10 * n : 10 * n + 3] = balls.delta
-    kept[10 * n + 3 :] = balls.land_linear
+    copy(balls.X, kept[: 2 * n].reshape(n, 2))
+    copy(balls.cage_linear, kept[2 * n : 10 * n].reshape(n, 8))
+    copy(balls.delta, kept[10 * n : 10 * n + 3])
+    copy(balls.land_linear, kept[10 * n + 3 :])
 
 
 @jit
 def restore_places(balls, kept):
     """The opposite of `keep_places`: the next equilibrium starts there."""
     n = balls.r.size
-    balls.X[:, :] = kept[: 2 * n].reshape(n, 2)
-    balls.cage_linear[:, :] = kept[2 * n : 10 * n].reshape(n, 8)
-    balls.delta[:] = kept[10 * n : 10 * n + 3]
-    balls.land_linear[:] = kept[10 * n + 3 :]
+    copy(kept[: 2 * n].reshape(n, 2), balls.X)
+    copy(kept[2 * n : 10 * n].reshape(n, 8), balls.cage_linear)
+    copy(kept[10 * n : 10 * n + 3], balls.delta)
+    copy(kept[10 * n + 3 :], balls.land_linear)
     balls.factors[:, :, LOG_KAPPA] = 0.0  # known

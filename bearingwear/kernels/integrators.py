@@ -22,6 +22,7 @@ from bearingwear.kernels.block_system import (
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import places_size
 from bearingwear.kernels.jacobian import add_ball_powers, ball_blocks
+from bearingwear.kernels.linear import copy
 from bearingwear.kernels.rates import state_rates
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 
@@ -189,7 +190,7 @@ def rosenbrock_step(method, time, h, y, bearing, buf, stage):
 def runge_kutta_step(method, time, h, y, bearing, buf, stage):
     """One step of an explicit method, see `take_step`."""
     size = y.size
-    stage.U[0, :] = stage.rates
+    copy(stage.rates, stage.U[0])
     for i in range(1, method.stages):
         for k in range(size):
             value = y[k]

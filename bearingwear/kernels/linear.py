@@ -1,6 +1,25 @@
-"""Solution of the small dense linear systems of the solvers, without allocation."""
+"""Small dense linear systems of the solvers, and copies of arrays, without allocation."""
+
+import numpy as np
 
 from bearingwear.kernels.compile import jit
+
+
+@jit
+def copy(values, out):
+    """Write an array into another of its shape.
+
+    `out[:] = values` would compile a library of strings with it, for a message about shapes.
+    """
+    for place in np.ndindex(values.shape):
+        out[place] = values[place]
+
+
+@jit
+def add_multiple(a, factor, b, out):
+    """out = a + factor b, for arrays of one shape."""
+    for place in np.ndindex(out.shape):
+        out[place] = a[place] + factor * b[place]
 
 
 @jit

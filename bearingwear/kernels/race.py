@@ -7,7 +7,7 @@ import numpy as np
 
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import ball_equilibrium, cold_start, groove_distance
-from bearingwear.kernels.linear import solve_in_place
+from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Hertz
 from bearingwear.kernels.status import NOT_CONVERGED, OK, PRELOAD_GONE
 
@@ -240,7 +240,7 @@ def race_line_search(p, delta, step, size, out, trial):
     length, share = step_within_reach(step, n, p.g.BD)
     scale = 0.0
     for _ in range(1 if length <= _ROUNDED_STEP * p.g.BD else _HALVINGS):
-        trial[:] = delta
+        copy(delta, trial)
         for i in range(n):
             trial[p.first + i] += share * step[i]
         scale = race_forces(p, trial, out)
@@ -287,7 +287,7 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
         if size <= BALANCED * (scale + load):
             status = OK
             break
-        matrix[:n, :n] = now.stiffness[first:, first:]
+        copy(now.stiffness[first:, first:], matrix[:n, :n])
         for i in range(n):
             matrix[i, i] += damping
         if not solve_in_place(matrix, step, n):
@@ -298,9 +298,9 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
             found, new_scale = race_line_search(p, delta, step, size, next_, trial)
             if found:
                 damping = SOFTER * damping if damping > softest else 0.0
-                delta[:] = trial
-                now.force[:] = next_.force
-                now.stiffness[:, :] = next_.stiffness
+                copy(trial, delta)
+                copy(next_.force, now.force)
+                copy(next_.stiffness, now.stiffness)
                 scale = new_scale
                 continue
             if as_good_as_rounding(g, size, scale + load, now.stiffness, first):

@@ -9,13 +9,8 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.cage import axial_momentum
 from bearingwear.kernels.cage_law import INNER_TORQUE
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import (
-    loaded_contact,
-    slip_coefficients,
-    slip_velocity,
-    surface_height,
-)
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.linear import copy
 from bearingwear.kernels.params import BallState
 from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O, assemble_condensed
 from bearingwear.kernels.race import axial_stiffness
@@ -26,11 +21,11 @@ from bearingwear.kernels.step_control import Tally, advance
 from bearingwear.kernels.summary import (
     COLUMNS,
     LOAD,
-    MAJOR,
     QV,
     TORQUE,
     Workspace,
     contact_summary,
+    slip_profile,
     workspace,
 )
 from bearingwear.kernels.verification import polygon_residual
@@ -167,15 +162,13 @@ def ball_state(bearing, buf, j, Omega):
 
 
 @jit
-def add_slip_profiles(bearing, state, u, r, j, k, sums):
+def add_slip_profiles(bearing, u, r, j, k, sums):
     """Add the slip along both axes of contact k of ball j."""
-    row, profile = sums.row[k], sums.profile
-    angle = state.alpha_o if k == 1 else state.alpha_i
-    sine, cosine = math.sin(angle), math.cos(angle)
-    contact = loaded_contact(bearing.g, bearing.op, k, row[LOAD], row[MAJOR], sine, cosine)
-    surface_height(contact, 0.5 * bearing.D[j], sums.strips, profile[2])
-    c = slip_coefficients(contact, u, r)
-    slip_velocity(contact, c, sums.strips, profile[2], profile[0], profile[1])
+    profile = sums.profile
+    slip_profile(
+        bearing.g, bearing.D[j], bearing.op, u, r, k, sums.row[k], sums.strips,
+        profile[2], profile[0], profile[1],
+    )  # fmt: skip
     for i in range(sums.strips.size):
         sums.slip[0, j, k, i] += profile[0, i]
         sums.slip[1, j, k, i] += profile[1, i]
@@ -196,7 +189,7 @@ def add_contacts(bearing, state, u, r, j, recorder, place):
             history.load[place, j, k] = row[LOAD]
             history.slip[place, j, k] = row[QV] / row[LOAD] if row[LOAD] > 0.0 else 0.0
         if row[LOAD] > 0.0:
-            add_slip_profiles(bearing, state, u, r, j, k, sums)
+            add_slip_profiles(bearing, u, r, j, k, sums)
 
 
 @jit
@@ -327,7 +320,7 @@ def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, r
     time = grid.origin + (grid.first + begin) * grid.dt
     before, history = recorder.sums.before, recorder.history
     for place in range(begin, begin + count):
-        before[:] = y[bearing.layout.qv :]
+        copy(y[bearing.layout.qv :], before)
         start = grid.origin + (grid.first + place) * grid.dt
         end = grid.origin + (grid.first + place + 1) * grid.dt
         tally = advance(control, start, end, h, y, bearing, buf, stage)

@@ -18,6 +18,7 @@ from bearingwear.kernels.level_solver import (
     newton,
     pseudo_transient,
 )
+from bearingwear.kernels.linear import copy
 from bearingwear.kernels.status import (
     CONTACT_LOST,
     NOT_CONVERGED,
@@ -92,7 +93,7 @@ def predict(bearing, kept, before, ahead, seat, u):
     moved = orbit_equilibrium(bearing, u[3], seat)
     if usable(moved.state) == OK:
         return moved
-    u[:] = kept
+    copy(kept, u)
     return seat
 
 
@@ -112,7 +113,8 @@ def settle_from_start(p, first, tried, u):
     status, seat, size, total = tried.status, tried.seat, tried.size, tried.iterations
     for share in (1.0, SKIDDING_START):
         if status != OK:
-            u[:] = share * first
+            for i in range(4):
+                u[i] = share * first[i]
             seat = cold_seat(p.bearing, u)
             if usable(seat.state) == OK:
                 s = pseudo_transient(p, p.bearing.op.v_r, seat, u, NEAR_ROUNDING, TRANSIENT_STEPS)
@@ -128,7 +130,7 @@ def polish(p, v_r, s, u, tolerance):
     better = newton(p, v_r, s.seat, trial, tolerance)
     total = s.iterations + better.iterations
     if better.status == OK and better.size <= s.size:
-        u[:] = trial
+        copy(trial, u)
         return Solution(status=OK, seat=better.seat, iterations=total, size=better.size)
     return Solution(status=OK, seat=s.seat, iterations=total, size=s.size)
 
@@ -227,7 +229,7 @@ def steady_state(p, u, v_start, tolerance):
         if s.status == OUTSIDE_HERTZ_RANGE:
             return Solution(status=s.status, seat=s.seat, iterations=total, size=size)
         if s.status != OK:
-            u[:] = kept
+            copy(kept, u)
             if v < top and (math.isinf(reached) or ratio < LARGEST_RATIO):
                 v, ratio = retry_level(v, reached, ratio, target, top)
                 continue
@@ -241,9 +243,9 @@ def steady_state(p, u, v_start, tolerance):
             return Solution(status=OK, seat=seat, iterations=total, size=size)
         if v < reached:
             reached_before = reached
-            before[:] = kept
+            copy(kept, before)
         reached = v
-        kept[:] = u
+        copy(u, kept)
         v = max(target, v * ratio)
         if v < LAST_RATIO * target:
             v = target

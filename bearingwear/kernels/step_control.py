@@ -12,6 +12,7 @@ from bearingwear.kernels.cage import angular_velocity, turn
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import keep_places, restore_places
 from bearingwear.kernels.integrators import Tableau, take_step
+from bearingwear.kernels.linear import copy
 from bearingwear.kernels.profile import STORED
 from bearingwear.kernels.quasistatic import HERTZ_K
 from bearingwear.kernels.rates import state_rates
@@ -122,7 +123,7 @@ def reset_rotation_vector(y, bearing, contacts, rates):
         z = y[bearing.layout.cage : bearing.layout.cage + CAGE]
         theta = z[ROTATION : ROTATION + 3]
         turn(theta, contacts.R0, contacts.R)
-        contacts.R0[:, :] = contacts.R
+        copy(contacts.R, contacts.R0)
         theta[:] = 0.0
         w = angular_velocity(bearing.cage, z, contacts.R)
         for k in range(3):
@@ -136,7 +137,7 @@ def interferences(buf, out):
     Positive where closed.
     """
     n = buf.balls.r.size
-    out[: n + 2] = buf.cage.approach
+    copy(buf.cage.approach, out[: n + 2])
     for j in range(n):
         for k in range(2):
             out[n + 2 + 2 * j + k] = buf.balls.Q[j, k]
@@ -213,10 +214,10 @@ def try_step(control, time, now, step, y, bearing, buf, stage):
 @jit
 def accept_step(y, bearing, buf, stage):
     """Go on from the end of the step tried last."""
-    y[:] = stage.new
+    copy(stage.new, y)
     y[bearing.layout.hertz] += hertz_factor_work(buf.balls, stage.hertz)
     reset_rotation_vector(y, bearing, buf.cage, stage.rates)
-    stage.before[:] = stage.after
+    copy(stage.after, stage.before)
     keep_places(buf.balls, stage.kept)
 
 

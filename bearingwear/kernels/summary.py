@@ -8,8 +8,10 @@ import numpy as np
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
     dissipation,
+    loaded_contact,
     race_contacts,
     slip_coefficients,
+    slip_velocity,
     surface_height,
 )
 from bearingwear.kernels.ellipse import most_points, quadrature_points
@@ -77,3 +79,22 @@ def contact_summary(g, D, op, state, u, r, rule, work, out):
         row[ROLL] = w_rel * contact.cos_a - u[2] * contact.sin_a
         middle = middle_height(profile(contact.r_g, R, contact.a))
         row[TRACK] = r + contact.sigma * middle * contact.cos_a
+
+
+@jit
+def slip_profile(g, D, op, u, r, k, row, t, h, v1, v2):
+    """Slip of a ball against race k (0 inner, 1 outer), along both axes.
+
+    Parameters
+    ----------
+    row : ndarray (COLUMNS,)
+        Of `contact_summary`, with a load.
+    t : ndarray (n,)
+        Positions x/a.
+    h, v1, v2 : ndarray (n,)
+        Filled: height of the contact [m], slip along the major axis and along rolling [m/s].
+    """
+    sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
+    contact = loaded_contact(g, op, k, row[LOAD], row[MAJOR], sine, cosine)
+    surface_height(contact, 0.5 * D, t, h)
+    slip_velocity(contact, slip_coefficients(contact, u, r), t, h, v1, v2)

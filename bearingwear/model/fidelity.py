@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
+from bearingwear.provenance import is_compiled
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
 
@@ -14,6 +15,12 @@ NEEDS_SLIP = frozenset({"gyroscopic_slip_share", "skid_ratio"})
 # What a shaft turn takes, per ball, in milliseconds (docs/accuracy.md, gyro_s1 at standard), for a
 # rough word on the effort before anything runs.
 TURN_MS, TURN_WITH_CAGE_MS = 0.25, 1.6
+LARGEST_KERNEL = {
+    "race_control": "contact_summary",
+    "steady": "thrust_case",
+    "dynamic": "advance_and_record",
+}
+COMPILING = "up to a minute to compile the solver, once on this machine; then "
 
 
 class NotAvailable(ValueError):
@@ -169,16 +176,17 @@ def accuracy_told(scene: Scene, chosen: Choice) -> str:
 
 def effort(scene: Scene, chosen: Choice) -> str:
     """What a solve takes, roughly, in words."""
+    before = "" if is_compiled(LARGEST_KERNEL[chosen.tier]) else COMPILING
     if chosen.tier != "dynamic":
-        return "effort: milliseconds"
+        return f"effort: {before}milliseconds"
     turns = scene.model.simulated_turns
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
     runs = ""
     if scene.wear.end_of_life is not None:
         runs = f"; a life takes about {scene.model.life_steps} such runs or more"
     return (
-        f"effort: {turns:g} shaft turns at the most, of the order of {1e-3 * turns * ms:.1g} s "
-        f"(an estimate from one measured scene){runs}"
+        f"effort: {before}{turns:g} shaft turns at the most, of the order of "
+        f"{1e-3 * turns * ms:.1g} s (an estimate from one measured scene){runs}"
     )
 
 

@@ -8,17 +8,15 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.ellipse import Rule, most_points
-from bearingwear.kernels.equilibrium import cold_start, static_displacement
+from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
-from bearingwear.kernels.level_solver import pseudo_transient
+from bearingwear.kernels.level_solver import settle_from_motion
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.kernels.steady_balance import (
     BalanceProblem,
     Preload,
-    Seat,
     ThrustBearing,
     balance_problem,
-    orbit_equilibrium,
 )
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
@@ -58,10 +56,13 @@ class ThrustProblem:
         )
         return cls(g, parameters.operating_point(scene), preload, rule, fine_rule)
 
+    def bearing(self, D: float) -> ThrustBearing:
+        """The bearing with balls of diameter D [m]."""
+        return ThrustBearing(g=self.g, D=D, op=self.op, preload=self.preload)
+
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""
-        bearing = ThrustBearing(g=self.g, D=D, op=self.op, preload=self.preload)
-        return balance_problem(bearing, self.rule)
+        return balance_problem(self.bearing(D), self.rule)
 
     def kinematic_start(self, kinematics_model: int) -> np.ndarray:
         """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
@@ -150,16 +151,13 @@ class ThrustProblem:
     def other_states(self, D: float, case: ThrustCase, count: int) -> list[ThrustCase]:
         """Steady states other than `case` that the ball settles in from unlike starts."""
         found = [case]
-        p = self.balance(D)
+        bearing = self.bearing(D)
         for u in self.starts(count):
-            seat = orbit_equilibrium(
-                p.bearing, u[3], Seat(delta_a=case.delta_a, state=cold_start())
+            status = settle_from_motion(
+                bearing, self.rule, case.delta_a, u, SETTLED, SETTLING_STEPS
             )
-            if seat.state.status != code.OK:
-                continue
-            settled = pseudo_transient(p, self.op.v_r, seat, u, SETTLED, SETTLING_STEPS)
             # Newton may go on from a state that had not settled to one that is known.
-            if settled.status == code.OK and is_new(u, found):
+            if status == code.OK and is_new(u, found):
                 other = self.solve(D, start=u)
                 if other.status == code.OK and is_new(other.u, found):
                     found.append(other)

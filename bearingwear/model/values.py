@@ -1,16 +1,8 @@
 """Result variables that all models fill in the same way."""
 
-import math
-
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.contact import (
-    loaded_contact,
-    slip_coefficients,
-    slip_velocity,
-    surface_height,
-)
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.kernels.summary import (
     ANGLE,
@@ -24,6 +16,7 @@ from bearingwear.kernels.summary import (
     SHARE,
     SPIN,
     TRACK,
+    slip_profile,
 )
 from bearingwear.kernels.wear import archard_rate, diameter_loss_rate
 from bearingwear.model import parameters
@@ -127,9 +120,5 @@ def slip_profiles(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows):
         for k in range(2):
             row = rows[j, k]
             if row[LOAD] > 0.0:
-                sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
-                contact = loaded_contact(g, op, k, row[LOAD], row[MAJOR], sine, cosine)
-                surface_height(contact, 0.5 * D[j], t, h)
-                c = slip_coefficients(contact, u[j], r[j])
-                slip_velocity(contact, c, t, h, v1[j, k], v2[j, k])
+                slip_profile(g, D[j], op, u[j], r[j], k, row, t, h, v1[j, k], v2[j, k])
     return v1, v2

@@ -1,0 +1,191 @@
+"""How kernels that call each other become machine code.
+
+numba makes every function a library of its own: optimised, made machine code, and optimised again
+as part of every caller, every caller's caller, and so on. Here a kernel that another one calls is
+only typed and written down as LLVM's text (`Callee`). What Python calls (`entry`) gathers that
+text of all it needs, each once, and is optimised and made machine code as a whole.
+"""
+
+import contextlib
+import copy
+from collections.abc import Iterator
+
+from numba.core import ir
+from numba.core.codegen import JITCodeLibrary, ll
+from numba.core.compiler import Compiler, CompileResult
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import LoweringPass, register_pass
+from numba.core.environment import Environment
+from numba.core.registry import CPUDispatcher
+from numba.core.typed_passes import IRLegalization
+
+NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+VIEWS = {"getattr", "getitem", "static_getitem", "typed_getitem", "build_tuple", "cast", "phi"}
+"""Expressions whose arrays are parts of others, and live as long as those do."""
+
+
+class _NoMachineCode:
+    """Where numba would note addresses of machine code: a `Text` has none."""
+
+    def set_env(self, env_name, env):
+        pass
+
+
+class Text(JITCodeLibrary):
+    """A function as LLVM's text, for whoever calls it."""
+
+    codegen = _NoMachineCode()
+
+    def _optimize_functions(self, ll_module):
+        ll_module.data_layout = self._codegen._data_layout
+
+    def finalize(self):
+        self._raise_if_finalized()
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "external":
+                function.linkage = "linkonce_odr"  # several callers may bring it along
+        self._finalized = True
+
+    def get_pointer_to_function(self, name):
+        self._ensure_finalized()
+        return 0
+
+    def callers_first(self):
+        """This library and all that it needs, each before those that it calls."""
+        found: dict = {}
+
+        def visit(library):
+            if library not in found:
+                for callee in library._linking_libraries if isinstance(library, Text) else ():
+                    visit(callee)
+                found[library] = None
+
+        visit(self)
+        return list(reversed(found))
+
+    def text(self):
+        """Its own function alone."""
+        return self._final_module
+
+    def _get_module_for_linking(self):
+        """For a library of numba's own kind: with all that it calls."""
+        if self._shared_module is None:
+            self._ensure_finalized()
+            module = self._final_module.clone()
+            link(module, self.callers_first()[1:])
+            self._shared_module = module
+        return self._shared_module
+
+
+def link(module, libraries):
+    """Add the functions of libraries to a module; a caller stands before what it calls."""
+    for library in libraries:
+        text = library.text() if isinstance(library, Text) else library._get_module_for_linking()
+        module.link_in(text, preserve=True)
+
+
+@contextlib.contextmanager
+def written_as_text(codegen) -> Iterator[None]:
+    """What numba compiles meanwhile becomes `Text`, its own helpers included."""
+    with global_compiler_lock:
+        before, codegen._library_class = codegen._library_class, Text
+        try:
+            yield
+        finally:
+            codegen._library_class = before
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class Borrow(LoweringPass):
+    """Counts no references to arrays in a function that only looks at its caller's.
+
+    Counting made up a third of the text, and of the time of a step. A function may do without
+    where it makes no array (nor gets a new one from a call, nor assigns one to another, which may
+    take a copy) and returns none: the caller's references outlast the call.
+    """
+
+    _name = "borrow"
+
+    def __init__(self):
+        LoweringPass.__init__(self)
+
+    def run_pass(self, state):
+        models, typemap = state.targetctx.data_model_manager, state.typemap
+
+        def holds_array(name):
+            return models[typemap[name]].contains_nrt_meminfo()
+
+        def makes_array(statement):
+            if isinstance(statement, ir.SetItem | ir.StaticSetItem):
+                return holds_array(statement.value.name)
+            if not isinstance(statement, ir.Assign) or not isinstance(statement.value, ir.Expr):
+                return False
+            return statement.value.op not in VIEWS and holds_array(statement.target.name)
+
+        statements = (s for block in state.func_ir.blocks.values() for s in block.body)
+        if not models[state.return_type].contains_nrt_meminfo() and not any(
+            makes_array(statement) for statement in statements
+        ):
+            state.targetctx = state.targetctx.subtarget(enable_nrt=False)
+        return False
+
+
+class _CalleeCompiler(Compiler):
+    def define_pipelines(self):
+        (steps,) = super().define_pipelines()
+        steps._finalized = False
+        steps.add_pass_after(Borrow, IRLegalization)
+        steps.finalize()
+        return [steps]
+
+
+class Callee(CPUDispatcher):
+    """A kernel as other kernels call it."""
+
+    def __init__(self, function, options):
+        super().__init__(
+            function, targetoptions=options | NO_WRAPPERS, pipeline_class=_CalleeCompiler
+        )
+
+    def compile(self, sig):
+        with written_as_text(self.targetctx.codegen()):
+            return super().compile(sig)
+
+
+def entry(callee: Callee, args: tuple) -> CompileResult:
+    """A kernel as Python calls it, with arguments of these types."""
+    callee.compile(args)
+    inner = callee.overloads[args]
+    # An environment of its own: numba finds them by name, and the callee's lacks what the wrapper
+    # for Python keeps there.
+    name = copy.copy(inner.fndesc)
+    name.env_name += "$entry"
+    env = Environment.from_fndesc(name)
+    codegen = callee.targetctx.codegen()
+    library = codegen.create_library(name.qualname)
+    library.enable_object_caching()
+    context = callee.targetctx.subtarget(
+        enable_nrt=True, error_model=inner.target_context.error_model
+    )
+    with context.push_code_library(library):
+        context.create_cpython_wrapper(library, name, env, inner.call_helper)
+    parts = inner.library.callers_first()
+    link(library._final_module, parts)
+    for part in parts:
+        library._reload_init.update(part._reload_init)
+    pointer = context.get_executable(library, name, env)
+    result = inner._replace(
+        library=library,
+        entry_point=pointer,
+        fndesc=name,
+        environment=env,
+        metadata={},
+        reload_init=list(library._reload_init),
+    )
+    environments = result._find_referenced_environments()
+    for used in environments:
+        codegen.set_env(used.env_name, used)
+    # numba would keep its text on disk for callers, who have their own here; it reads the names.
+    names = name.llvm_cpython_wrapper_name, *(used.env_name for used in environments)
+    library._shared_module = ll.parse_assembly("\n".join(f'@"{n}" = global i8 0' for n in names))
+    return result

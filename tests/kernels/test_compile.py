@@ -1,0 +1,133 @@
+"""While kernels are compiled: a line says so, Ctrl-C is answered, other processes wait."""
+
+import fcntl
+import gc
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numba
+import numpy as np
+import pytest
+from numba.core.runtime import _nrt_python, rtsys
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.kernels.linear import copy
+from bearingwear.model.solve import solve
+from bearingwear.scene.read import load_scene
+
+GYRO = str(scene_file("gyro_s1"))
+LINE = "compiling the solver, once on this machine; it may take a minute ...\n"
+SMALL = """
+from bearingwear.kernels.kinematics import rolling_orbit
+print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
+"""
+
+BOTH_WAYS = """
+import numba, sys
+from bearingwear.kernels.summary import workspace
+from bearingwear.model.parameters import ellipse_rule
+rule = ellipse_rule("gauss", 8)
+# Names count what was compiled before: once without the kernel, once with it.
+first = (lambda rule: workspace(rule).t.size) if "called" in sys.argv else (lambda rule: 0)
+numba.njit(first)(rule)
+print(workspace(rule).t.size)
+"""
+
+
+def started(folder, *arguments):
+    """A process with a folder for compiled code."""
+    return subprocess.Popen(
+        [sys.executable, *arguments],
+        env={**os.environ, "NUMBA_CACHE_DIR": str(folder)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_interrupted_while_llvm_works(tmp_path):
+    output = tmp_path / "out.nc"
+    process = started(tmp_path, "-m", "bearingwear", "solve", GYRO, "-o", str(output))
+    assert process.stderr.readline() == LINE
+    time.sleep(0.5)
+    sent = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30)
+    assert time.monotonic() - sent < 2.0
+    assert (process.returncode, said) == (130, "interrupted\n")
+    assert {file.suffix for file in tmp_path.rglob("*.*") if file.is_file()} <= {
+        ".nbi", ".nbc", ".lock",
+    }  # fmt: skip
+
+
+def test_one_process_compiles_and_the_others_wait(tmp_path):
+    """Whoever holds the lock; and nothing is said where all is there."""
+    first = started(tmp_path, "-c", SMALL)
+    numbers, said = first.communicate(timeout=60)
+    assert said == LINE
+    assert started(tmp_path, "-c", SMALL).communicate(timeout=60) == (numbers, "")
+    (lock,) = tmp_path.rglob("*.lock")
+    for file in tmp_path.rglob("*.nb?"):
+        file.unlink()
+    with open(lock, "w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        waiting = started(tmp_path, "-c", SMALL)
+        assert waiting.stderr.readline().startswith("waiting for another process")
+    assert waiting.communicate(timeout=60) == (numbers, LINE)
+
+
+def test_kernel_from_disk_that_another_one_called_before(tmp_path):
+    """The kernel as others call it lacks what Python needs to get its arrays."""
+    for arguments in ((), ("called",)):
+        process = started(tmp_path, "-c", BOTH_WAYS, *arguments)
+        assert process.communicate(timeout=60)[0] == "8\n"
+        assert process.returncode == 0
+
+
+def test_check_says_that_the_solver_is_compiled_first(tmp_path):
+    process = started(tmp_path, "-m", "bearingwear", "check", GYRO)
+    said, _ = process.communicate(timeout=60)
+    assert "effort: up to a minute to compile the solver" in said
+
+
+def test_check_says_nothing_of_it_afterwards(capsys):
+    solve(load_scene(GYRO))
+    assert main(["check", GYRO]) == 0
+    assert "effort: milliseconds" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("fidelity", ["race_control", "steady", "dynamic"])
+def test_every_array_that_kernels_make_is_freed(fidelity):
+    """Most kernels count no references; a wrong one would leak or free what is in use."""
+    scene = load_scene(GYRO, ["model.simulated_turns=0.1"])
+
+    def left():
+        gc.collect()
+        stats = rtsys.get_allocation_stats()
+        return stats.mi_alloc - stats.mi_free
+
+    solve(scene, fidelity)
+    _nrt_python.memsys_enable_stats()
+    try:
+        before = left()
+        for _ in range(3):
+            solve(scene, fidelity)
+        assert left() == before
+    finally:
+        _nrt_python.memsys_disable_stats()
+
+
+def test_kernel_called_from_code_of_others():
+    """numba's own way of linking finds all that a kernel calls."""
+
+    @numba.njit
+    def doubled(values):
+        out = np.empty(values.size)
+        copy(values, out)
+        return 2.0 * out
+
+    assert doubled(np.arange(3.0)).tolist() == [0.0, 2.0, 4.0]
