@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import shlex
 import sys
 from collections.abc import Mapping
@@ -156,9 +155,11 @@ def step(args: argparse.Namespace) -> int:
 
 def _tried(path: str) -> list[str]:
     """How the scene that was written solves: its status, and what is to be warned of."""
-    from bearingwear.provenance import kernel_cache_folder
+    from bearingwear.model.fidelity import LARGEST_KERNEL
+    from bearingwear.provenance import is_compiled
+    from bearingwear.results.warnings import warning_lines
 
-    if not any(Path(kernel_cache_folder()).glob("*/steady_solver.*.nbi")):
+    if not is_compiled(LARGEST_KERNEL["steady"]):
         return ["not solved: the first solve compiles the kernels, for about a minute"]
     from bearingwear.model.solve import solve as solved
     from bearingwear.scene.read import load_scene
@@ -168,8 +169,7 @@ def _tried(path: str) -> list[str]:
         return [f"does not solve: {result.status}: {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
-    warned = json.loads(result.attrs.get("warnings", "[]"))
-    return told + [f"  warning: {one['sentence']}; {one['advice']}" for one in warned]
+    return told + [f"  {line}" for line in warning_lines(result.attrs)]
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

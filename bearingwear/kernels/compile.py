@@ -13,14 +13,15 @@ from concurrent.futures import Future
 
 import numba
 from numba import types
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 from numba.extending import overload
+from numba.np import linalg
 
 from bearingwear.kernels.code import Callee, entry
-from bearingwear.provenance import kernel_cache_folder
+from bearingwear.provenance import contents_hash, kernel_cache_folder
 
 # Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
 # signed zero keep their meaning, so that a broken number is still seen.
@@ -32,16 +33,52 @@ _STACK = 2**26  # bytes, enough for LLVM on any system
 _FOLDER = kernel_cache_folder()  # of the sources as they are imported
 
 
+def _start_without_scipy() -> None:
+    """Let numba load its NumPy functions without looking for SciPy's BLAS, which takes 0.15 s.
+
+    It only notes that there is one, as SciPy is required; `np.dot` in a kernel still looks for it.
+    """
+    before, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+    try:
+        from numba.np import arraymath
+
+        arraymath.ensure_blas = before
+    finally:
+        linalg.ensure_blas = before
+
+
+_start_without_scipy()
+
+
+class _ByContents(_CacheLocator):
+    """Compiled code by the contents of the kernels, wherever and however old their files are.
+
+    numba itself asks for the path and date of a source, and compiles anew in each copy of it.
+    """
+
+    def __init__(self, function, source):
+        self._line, self._source = function.__code__.co_firstlineno, source
+
+    from_function = classmethod(lambda cls, function, source: cls(function, source))
+
+    def get_cache_path(self):
+        return _FOLDER
+
+    def get_source_stamp(self):
+        return contents_hash([self._source])
+
+    def get_disambiguator(self):
+        return str(self._line)
+
+
+class _Kept(CompileResultCacheImpl):
+    _locator_classes = [_ByContents]
+
+
 class _Cache(FunctionCache):
     """numba's disk cache, from a disk that may be full or have lost what it held."""
 
-    def __init__(self, function):
-        # numba's global setting; put back so that other users of numba here keep theirs
-        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _FOLDER
-        try:
-            super().__init__(function)
-        finally:
-            numba.config.CACHE_DIR = before
+    _impl_class = _Kept
 
     def load_overload(self, sig, target_context):
         try:

@@ -1,7 +1,6 @@
 """A small study in a copy of the project, solved once and handed to each test as a copy of its own.
 
-Kernels run interpreted here: the copies have sources of their own, and compiling them would take
-longer than all their cases.
+The copies take the compiled kernels of the project itself, which are found by their contents.
 """
 
 import json
@@ -17,6 +16,8 @@ from pathlib import Path
 import pytest
 import yaml
 from support import ROOT
+
+from bearingwear.provenance import kernel_cache_folder
 
 CONFIG = {
     "studies": [
@@ -54,7 +55,7 @@ class Project:
     @property
     def environment(self) -> dict[str, str]:
         kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-        return kept | {"NUMBA_DISABLE_JIT": "1"}
+        return kept | {"NUMBA_CACHE_DIR": str(Path(kernel_cache_folder()).parent)}
 
     def command(self, *arguments: str, jobs: int = 2) -> list[str]:
         return [sys.executable, "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]

@@ -183,7 +183,11 @@ def test_what_is_deleted_is_made_again(solved, path, rule):
 
 def test_an_edited_solver_source_solves_anew(solved):
     before = number(solved.case(WORN), "ball_wear_rate")
-    solved.edit("bearingwear/kernels/wear.py", "return K_s * qv / H", "return 2.0 * K_s * qv / H")
+    solved.edit(
+        "bearingwear/model/values.py",
+        '"ball_wear_rate": ball_rate.sum(axis=1)',
+        '"ball_wear_rate": 2.0 * ball_rate.sum(axis=1)',
+    )
     planned = solved.run("-n")
     assert planned.jobs["grid_solve"] == 5 and planned.jobs["grid_wear_life"] == 2
     run = solved.run(str(solved.case(WORN).relative_to(solved.root)))
