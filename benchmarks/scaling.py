@@ -61,7 +61,6 @@ class Size:
 SIZES = [
     Size(20, 25, None),
     Size(20, 25, 500),
-    Size(100, 50, None),
     Size(100, 50, 1000),
     Size(100, 500, 10_000),
 ]
