@@ -33,6 +33,9 @@ MAY_IMPORT = {
 }
 BETWEEN_STUDIES = {
     "grid": {"lives.figures"},  # to plot a life, of which there are two kinds
+    "design": {
+        "uncertainty.plan"
+    },  # a recommended life is quoted with its spread, if that is sampled
     "uncertainty": {"design.recommend"},  # a sample is taken at the preload that design recommends
 }
 """What modules of a study's folder may import of another's; `page` imports none."""

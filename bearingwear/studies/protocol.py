@@ -150,14 +150,11 @@ class Study:
     Attributes
     ----------
     name : str
-    default : bool
-        Whether a plain `snakemake` runs it.
     jobs : sequence of Step or Bundle
         Each is a rule of the workflow.
     """
 
     name: str
-    default = False
     jobs: Sequence[Step | Bundle] = ()
 
     @property
@@ -168,6 +165,10 @@ class Study:
     def targets(self) -> list[str]:
         """Every file that running the study makes."""
         raise NotImplementedError
+
+    def default_targets(self) -> list[str]:
+        """Those of them that a plain `snakemake` makes."""
+        return []
 
     def inputs(self) -> list[str]:
         """Files that it is made from and nobody makes: scenes, values of others."""

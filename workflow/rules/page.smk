@@ -33,8 +33,7 @@ rule verdict:
         rest=[
             path
             for study in STUDIES.values()
-            if study.default
-            for path in study.targets()
+            for path in study.default_targets()
         ],
         page=PAGE,
     output:

@@ -41,7 +41,6 @@ class GridStudy(Study):
     """Everything that config.yaml asks for."""
 
     name = "grid"
-    default = True
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
@@ -54,6 +53,9 @@ class GridStudy(Study):
         gathered = [*plan.studies(), *plan.dynamics(), *plan.lives(), *plan.spreads_of_lives()]
         drawn = [path for bundle in self.drawn for path in bundle.outputs]
         return [*solved, *plan.dynamic_cases(), *gathered, *drawn]
+
+    def default_targets(self) -> list[str]:
+        return self.targets()
 
     def inputs(self) -> list[str]:
         return self.plan.inputs()
