@@ -37,6 +37,8 @@ class Step:
         All else that decides the result, as plain data.
     label : str, or function of the wildcards
         What a person reads while it runs; wildcards may stand in it.
+    about : str
+        What the list of rules says of it, where the label is a function.
     matches : mapping
         Regular expressions for wildcards.
     seconds : float
@@ -60,6 +62,7 @@ class Step:
         default_factory=dict
     )
     label: str | Callable[[Wildcards], str]
+    about: str = ""
     matches: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 0.0
     priority: int = 0

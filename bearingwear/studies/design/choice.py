@@ -198,11 +198,13 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     failed = {
         name: nearest[k] for k, name in enumerate(limits.given) if margin[k, nearest[k]] < 0.0
     }
-    if not failed:  # each can be kept, but not all at once
+    before, but = "", "at best "
+    if not failed:
+        before, but = "each limit can be kept, not all together: ", "but "
         best = usable[margin[:, usable].min(axis=0).argmax()]
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
-    return "; ".join(
-        f"{LIMIT_TEXT[name].format(limits.given[name])}, at best "
+    return before + "; ".join(
+        f"{LIMIT_TEXT[name].format(limits.given[name])}, {but}"
         f"{float(line[LIMITED[name].variable][k]) / LIMITED[name].unit:.3g} "
         f"at {float(line['preload'][k]):.3g} N"
         for name, k in failed.items()

@@ -62,8 +62,6 @@ class MapAxes:
     preload_N: Annotated[RisingAxis, Key("Initial axial preloads", "N")]
 
     def __post_init__(self) -> None:
-        if any(mu != round(mu, 3) for mu in self.friction):  # as the files are named
-            raise SceneError("friction", "allowed numbers of at most three decimals")
         if len(set(self.preload_method)) < len(self.preload_method):
             raise SceneError("preload_method", "given a method twice; allowed each once")
 
@@ -79,7 +77,7 @@ class MapAxes:
         return [f"{method}-mu{mu:.3f}" for method in self.preload_method for mu in self.friction]
 
 
-def axes_around(scene: Scene, frictions: Sequence[float]) -> MapAxes:
+def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene") -> MapAxes:
     """A map by both methods around a scene's own preload, at its own speed.
 
     Raises
@@ -89,9 +87,8 @@ def axes_around(scene: Scene, frictions: Sequence[float]) -> MapAxes:
     """
     own = scene.operation.preload_N
     if own <= 0.0:
-        raise SceneError(
-            "operation.preload_N", f"given {own:g}; allowed, for a map around it, a number > 0"
-        )
+        problem = f"given {own:g}; allowed, for a map around it, a number > 0"
+        raise SceneError("operation.preload_N", problem, source=source)
     preload = key_of_scene("operation.preload_N")
     assert preload is not None
     _, most = preload.key.ends
@@ -116,6 +113,11 @@ class Design:
     limits: Annotated[DesignLimits, Key("Hold from new to the end of life")] = field(
         default_factory=DesignLimits
     )
+
+    def __post_init__(self) -> None:
+        if self.map and any(mu != round(mu, 3) for mu in self.map.friction):
+            # as the files of its parts are named
+            raise SceneError("map.friction", "allowed numbers of at most three decimals")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -34,12 +34,10 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.map import life_point, point_variables, scene_at, solved_part
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.words import NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
 
 RECOMMENDATION = "recommendation"
-NONE_BECAUSE = "none_because"
-"""Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
-
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload")
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
@@ -177,7 +175,7 @@ def _refined(line: PreloadLine, index: int, active: int) -> dict[str, Any]:
     elif active == UNLIMITED:
         best = _longest(line, index)
     values = line.point(best)
-    if active == UNLIMITED:  # the life may fall off so fast beyond a limit that the map misses it
+    if active <= UNLIMITED:  # between points of the map another limit may be met, or met first
         left = limit_margins(values, line.limits)
         if left and min(left) < AT_LIMIT:
             active = ACTIVE.index(list(line.limits.given)[int(np.argmin(left))])

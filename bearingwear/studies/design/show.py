@@ -11,7 +11,12 @@ from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display, in_ascii
 from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
+from bearingwear.studies.design.words import (
+    LIMIT_TEXT,
+    LIMIT_WORDS,
+    NONE_BECAUSE,
+    RECOMMENDED_WORDS,
+)
 
 
 def recommendation_sheet(file: Any) -> Sheet:
@@ -32,13 +37,18 @@ def recommendation_sheet(file: Any) -> Sheet:
     given = json.loads(getattr(file, "limits", "{}"))
     limits = [in_ascii(LIMIT_TEXT[name].format(value)) for name, value in given.items() if value]
     rows = [row._replace(values=tuple(map(_known, row.values))) for row in rows]
+    none = json.loads(getattr(file, NONE_BECAUSE, "{}"))
     heading = (
         f"{scene['name']}: {getattr(file, 'title', 'recommended preload').lower()} "
         f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
         f"friction {scene['friction']['ball_race']:g}",
         *(f"limit: {text}" for text in limits),
+        *(
+            f"none within the limits, {method.replace('_', ' ')}: {in_ascii(why)}"
+            for method, why in none.items()
+        ),
     )
-    facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits}
+    facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
     return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)),))
 
 

@@ -80,7 +80,7 @@ class DesignStudy(Study):
 
     def default_targets(self) -> list[str]:
         drawn = [path for bundle in self.small.values() for path in bundle.outputs]
-        return [*self._recommendations(), *drawn]
+        return [*(f"results/{scene}/preload/recommendation.nc" for scene in self.small), *drawn]
 
     def inputs(self) -> list[str]:
         return [_SCENE.format(scene=scene) for scene in self.plan.scenes]
@@ -93,11 +93,7 @@ class DesignStudy(Study):
         there = [path for kind in kinds for path in glob(f"results/*/design/{kind}")]
         small = [path for path in self.default_targets() if not path.endswith((".csv", ".nc"))]
         # the page takes its headline from the first table
-        leading = sorted(there or small, key=lambda path: ("/design." not in path, path))
-        return [*self._recommendations(), *leading]
-
-    def _recommendations(self) -> list[str]:
-        return [f"results/{scene}/preload/recommendation.nc" for scene in self.small]
+        return sorted(there or small, key=lambda path: ("/design." not in path, path))
 
     def _chosen(self) -> list[Step]:
         plan = self.plan
@@ -219,7 +215,6 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
     files = {name: f"{at}/{name}.nc" for name in names}
     inputs = {"design": files, "map": {"design": files["design"]}, "uncertainty": files}
     figures = ("design", *(("map",) if several else ()), *(("uncertainty",) if sampled else ()))
-    told = {"caption": "design", "category": scene}
     steps = [
         *(
             Step(
@@ -229,7 +224,8 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
                 outputs=(f"{at}/figures/{name}.svg", f"{at}/figures/{name}.png"),
                 label=f"{scene}: figure {name} of the design study",
                 result=f"design, {name}",
-                **told,
+                caption="design",
+                category=scene,
             )
             for name in figures
         ),
@@ -240,7 +236,8 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
             outputs=(f"{at}/tables/map.csv", f"{at}/tables/design.md"),
             label=f"{scene}: tables of the design study",
             result="design, table",
-            **told,
+            caption="design",
+            category=scene,
         ),
     ]
     which = "small map" if folder == _SMALL else "map"

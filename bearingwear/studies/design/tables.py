@@ -30,14 +30,17 @@ from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
-from bearingwear.studies.design.recommend import NONE_BECAUSE, best_method
+from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
-from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
+from bearingwear.studies.design.words import (
+    LIMIT_TEXT,
+    LIMIT_WORDS,
+    NONE_BECAUSE,
+    RECOMMENDED_WORDS,
+)
 
 
-def tables(
-    design: Path, recommendation: Path, uncertainty: Path | None = None
-) -> tuple[str, str]:
+def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
     """Step: the whole map as CSV, and what to choose as Markdown."""
     files = design_files(design, recommendation, uncertainty)
     summary = design_summary(files.design, files.recommendation, files.uncertainty)

@@ -96,6 +96,7 @@ class GridStudy(Study):
                     for loss in losses
                 ),
                 settings=_line_settings(losses),
+                about="{scene}: cases of one preload method and friction, over the wear",
                 matches={"scene": "|".join(scenes), "line": r"[a-z_]+-mu\d+\.\d{3}"},
                 label=_line_label(losses),
                 seconds=START + SOLVE * len(losses),
@@ -130,6 +131,7 @@ class GridStudy(Study):
                 inputs={"scene": _SCENE},
                 outputs=("results/{scene}/dynamic/{case}.nc",),
                 settings=self._dynamic_settings,
+                about="{scene}: a case solved in time",
                 label=lambda w: (
                     f"{w['scene']}, in time: {plan.dynamic[w['scene']].cases()[w['case']].label}"
                 ),
