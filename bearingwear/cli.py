@@ -288,7 +288,10 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         "-j", "--jobs", type=int, default=2, metavar="N", help="at a time; default 2"
     )
     _add_limits(study)
-    study.epilog = "Further arguments are Snakemake's, as in `bearingwear study design -n`."
+    study.epilog = (
+        "Further arguments are Snakemake's and stand after a name, as in `bearingwear study all "
+        "--configfile other.yaml`."
+    )
 
 
 def _add_compare(sub: argparse.ArgumentParser) -> None:
