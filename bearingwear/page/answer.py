@@ -115,7 +115,12 @@ def answer(lives: Sequence[Life]) -> Answer | None:
     facts.append(("How sure that is", _how_sure(here)))
     if others:
         facts.append(("On the other bearings", _elsewhere(others)))
-    facts.append(("How much preload", ["Not varied in this study, so none is recommended here."]))
+    facts.append(
+        (
+            "How much preload",
+            ["Not varied in this study; bearingwear recommend finds one in seconds."],
+        )
+    )
     rows = [_row(life, lives) for life in sorted(here, key=lambda life: life.friction)]
     return Answer(_headline(name, here, contests), facts, rows)
 

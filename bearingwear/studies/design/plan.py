@@ -108,7 +108,10 @@ class Design:
     map: Annotated[MapAxes | None, Key("Axes of the map of lives")] = None
     small_map: Annotated[
         MapAxes | None,
-        Key("Axes of a map of at most a few hundred lives, which is part of the main study"),
+        Key(
+            "Axes of a map of at most a few hundred lives, a part of the main study if that has "
+            "the scene"
+        ),
     ] = None
     limits: Annotated[DesignLimits, Key("Hold from new to the end of life")] = field(
         default_factory=DesignLimits

@@ -40,7 +40,8 @@ PLOTS = {
 def study(config: Mapping[str, Any]) -> DesignStudy:
     """The study of config/design.yaml."""
     sampled = read_record(UncertaintyPlan, _SAMPLED).scenes if Path(_SAMPLED).is_file() else ()
-    return DesignStudy(read_record(DesignPlan, _PLAN), tuple(sampled))
+    studied = [scene for block in config.get("studies", ()) for scene in block["scenes"]]
+    return DesignStudy(read_record(DesignPlan, _PLAN), tuple(sampled), studied)
 
 
 class DesignStudy(Study):
@@ -51,23 +52,28 @@ class DesignStudy(Study):
     plan : DesignPlan
     sampled : sequence of str
         Scenes whose lives the study of uncertainty samples.
+    studied : sequence of str
+        Scenes of the main study; their small maps are a part of it.
     """
 
     name = "design"
 
-    def __init__(self, plan: DesignPlan, sampled: Sequence[str] = ()) -> None:
+    def __init__(
+        self, plan: DesignPlan, sampled: Sequence[str] = (), studied: Sequence[str] = ()
+    ) -> None:
         self.plan = plan
+        self.small_maps = {name: of for name, of in plan.small_maps.items() if name in studied}
         self.drawn = {
             scene: _drawn(scene, _FOLDER, several=True, sampled=scene in sampled)
             for scene in plan.maps
         }
         self.small = {
             scene: _drawn(scene, _SMALL, several=len(axes.friction) > 1)
-            for scene, axes in plan.small_maps.items()
+            for scene, axes in self.small_maps.items()
         }
         self.jobs = (
             *(self._chosen() if plan.maps else ()),
-            *(self._small() if plan.small_maps else ()),
+            *(self._small() if self.small_maps else ()),
             *self.drawn.values(),
             *self.small.values(),
             *(self._checked() if plan.maps else ()),
@@ -141,7 +147,7 @@ class DesignStudy(Study):
         }
 
     def _small(self) -> list[Step]:
-        plan = self.plan
+        maps, scenes = self.small_maps, self.plan.scenes
         return [
             Step(
                 name="small_map",
@@ -149,10 +155,10 @@ class DesignStudy(Study):
                 inputs={"scene": _SCENE},
                 outputs=(f"{_SMALL}/design.nc", f"{_SMALL}/recommendation.nc"),
                 settings=lambda w: {
-                    "axes": asdict(plan.small_maps[w["scene"]]),
-                    "limits": plan.scenes[w["scene"]].limits.given,
+                    "axes": asdict(maps[w["scene"]]),
+                    "limits": scenes[w["scene"]].limits.given,
                 },
-                matches={"scene": "|".join(map(re.escape, plan.small_maps))},
+                matches={"scene": "|".join(map(re.escape, maps))},
                 label="{scene}: small map and recommended preload",
             )
         ]

@@ -482,3 +482,11 @@ def test_scenes_without_an_uncertainty_study_ask_for_none():
 def asked_for(step):
     files = step.inputs({"scene": "gyro_s1"}) if callable(step.inputs) else step.inputs
     return [p for given in files.values() for p in ([given] if isinstance(given, str) else given)]
+
+
+def test_small_maps_are_those_of_scenes_in_the_main_study():
+    plan = read_record(DesignPlan, PLAN_FILE)
+    assert DesignStudy(plan, (), ("another",)).default_targets() == []
+    made = DesignStudy(plan, (), ("gyro_s1",)).default_targets()
+    assert "results/gyro_s1/preload/recommendation.nc" in made
+    assert "results/gyro_s1/preload/tables/design.md" in made
