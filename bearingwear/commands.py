@@ -26,7 +26,14 @@ if TYPE_CHECKING:
 OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
 YAML = (".yaml", ".yml")
 
-NEXT = (("check", ""), ("solve", ".nc"), ("life", "-life.nc"), ("uncertainty", "-uncertainty.nc"))
+NEXT = (
+    ("check", ""),
+    ("solve", ".nc"),
+    ("life", "-life.nc"),
+    ("uncertainty", "-uncertainty.nc"),
+    ("recommend", ""),
+    ("study", ""),
+)
 """What is typed after `new`: the command, and how the name of its output ends."""
 
 

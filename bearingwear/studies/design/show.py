@@ -26,12 +26,12 @@ def recommendation_sheet(file: Any) -> Sheet:
     columns = tuple(names[int(flag)].replace("_", " ") for flag in values(file, "preload_method"))
     lives = values(file, "life")
     rows = [
+        _row(file, "preload", "preload", ""),
         Row("held by", "", tuple(_held(file)), "active_limit"),
         *(
             Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
             for k, way in enumerate(COUNTS)
         ),
-        _row(file, "preload", "preload", ""),
         *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
     ]
     given = json.loads(getattr(file, "limits", "{}"))
