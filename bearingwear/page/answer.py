@@ -143,7 +143,9 @@ def _contests(lives: Iterable[Life]) -> list[_Contest]:
     for (_, mu), pair in by_point.items():
         if len(pair) > 1:
             short, long = sorted(pair, key=lambda life: life.counted)
-            ratio = long.counted / short.counted if short.counted > 0.0 else math.inf
+            ratio = math.inf if long.counted > 0.0 else 1.0  # where the other has no life at all
+            if short.counted > 0.0:
+                ratio = long.counted / short.counted
             errors = sum(life.error for life in pair if math.isfinite(life.error))
             found.append(
                 _Contest(mu, long.method if ratio - 1.0 > errors else None, short.method, ratio)
@@ -182,6 +184,8 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
 
 
 def _margin(ratio: float) -> str:
+    if ratio == math.inf:
+        return "it alone is within the limits when new"
     if ratio < 1.1:
         return f"by {percent_in_text(ratio - 1.0)}"
     return f"{ratio:.2g} times as long"

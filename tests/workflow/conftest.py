@@ -45,13 +45,6 @@ CONFIG = {
     },
 }
 
-SMALL_MAP = {
-    "preload_method": ["constant_force"],
-    "friction": [0.08],
-    "shaft_speed_rpm": [30000],
-    "preload_N": [4, 7],
-}
-
 
 @dataclass(frozen=True)
 class Project:
@@ -151,10 +144,6 @@ def new_project(tmp_path_factory):
         shutil.copy2(ROOT / "Snakefile", root)
         project = Project(root)
         project.configure(CONFIG)
-        design = root / "config/design.yaml"
-        plan = yaml.safe_load(design.read_text(encoding="utf-8"))
-        plan["scenes"]["gyro_s1"]["small_map"] = SMALL_MAP
-        design.write_text(yaml.safe_dump(plan), encoding="utf-8")
         return project
 
     return make
