@@ -5,7 +5,10 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: "config/config.yaml"
+# a configuration is whole: one that is given takes the place of the project's
+if not workflow.overwrite_configfiles:
+
+    configfile: "config/config.yaml"
 
 
 report: "workflow/report/workflow.rst"
@@ -18,7 +21,10 @@ include: "workflow/rules/studies.smk"
 
 
 rule all:
+    """the main study: what a plain `snakemake` makes"""
     default_target: True
     input:
         rules.verdict.input,
         rules.verdict.output,
+    message:
+        "all of it"

@@ -11,6 +11,7 @@ import argparse
 import difflib
 import importlib
 import json
+import math
 import os
 import re
 import sys
@@ -26,6 +27,14 @@ from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 from bearingwear.studies import NAMES
 
+LIMITS = (
+    ("--stiffness", "axial_stiffness_N_um", "N_UM", "least axial stiffness, N/um"),
+    ("--slip", "gyroscopic_slip_share", "SHARE", "largest gyroscopic slip share of a contact"),
+    ("--pressure", "maximum_pressure_GPa", "GPA", "largest contact pressure, GPa"),
+    ("--power", "friction_power_W", "W", "largest power of friction and drag, W"),
+)
+"""Options that say what a design must keep to, from new to the end of its life."""
+
 _OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
 RENAMED = {
@@ -33,7 +42,6 @@ RENAMED = {
     "figure": "plot",
     "report": "study",
     "design-map": "study design",
-    "recommend": "study design",
     "sample-lives": "study uncertainty",
     "spread": "study uncertainty",
     "identify": "study identify",
@@ -134,6 +142,10 @@ def _parser() -> argparse.ArgumentParser:
     _add_uncertainty(
         command("uncertainty", "quantiles of life, over what the scene calls uncertain")
     )
+    recommend = command("recommend", "say which preload to take, within limits; seconds")
+    _add_scene_with_changes(recommend)
+    _add_limits(recommend)
+    _add_formats(recommend)
     show = command("show", "print the main numbers of a result file, or of a scene")
     show.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
     show.add_argument(
@@ -152,14 +164,7 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
     )
-    study = command("study", "run a study of the present folder with Snakemake")
-    study.add_argument(
-        "name", nargs="?", default="all", choices=("all", *NAMES), help="default: the main study"
-    )
-    study.add_argument(
-        "-j", "--jobs", type=int, default=2, metavar="N", help="at a time; default 2"
-    )
-    study.epilog = "Further arguments are Snakemake's, as in `bearingwear study design -n`."
+    _add_study(command("study", "run the study of a scene, or one of the present folder"))
     step = commands.add_parser("step")  # no help: rules call it, no person does
     step.add_argument("step", metavar="STEP")
     step.add_argument("inputs", nargs="*", metavar="NAME=FILE")
@@ -205,6 +210,11 @@ def _add_new(new: argparse.ArgumentParser) -> None:
 
 
 def _add_scene(sub: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(sub)
+    sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
+
+
+def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     setting = sub.add_argument(
         "--set",
@@ -214,7 +224,11 @@ def _add_scene(sub: argparse.ArgumentParser) -> None:
         help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
     )
     setting.completer = _scene_keys  # type: ignore[attr-defined]
-    sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
+
+
+def _add_limits(sub: argparse.ArgumentParser) -> None:
+    for option, key, metavar, text in LIMITS:
+        sub.add_argument(option, dest=key, type=_positive, metavar=metavar, help=text)
 
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
@@ -252,6 +266,34 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path)
 
 
+def _add_study(study: argparse.ArgumentParser) -> None:
+    study.add_argument(
+        "name",
+        nargs="?",
+        default="all",
+        type=_study_name,
+        metavar="SCENE.yaml | NAME",
+        help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
+        f"to take, a page; or a study of the present folder: {', '.join(NAMES)}; default: the main "
+        "one",
+    )
+    study.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FOLDER",
+        help="where the study of a scene is made; default: named as the scene's file",
+    )
+    study.add_argument(
+        "-j", "--jobs", type=int, default=2, metavar="N", help="at a time; default 2"
+    )
+    _add_limits(study)
+    study.epilog = (
+        "Further arguments are Snakemake's and stand after a name, as in `bearingwear study all "
+        "--configfile other.yaml`."
+    )
+
+
 def _add_compare(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("first", metavar="A.nc", help="a result file")
     sub.add_argument("second", metavar="B.nc", help="another one of the same kind")
@@ -264,10 +306,27 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
     )
 
 
+def _study_name(text: str) -> str:
+    if text not in ("all", *NAMES) and not text.endswith((".yaml", ".yml")):
+        allowed = ", ".join(("a scene, MINE.yaml", "all", *NAMES))
+        raise argparse.ArgumentTypeError(f"given {text!r}; allowed {allowed}")
+    return text
+
+
 def _mapping(text: str) -> dict[str, Any]:
     if not isinstance(values := json.loads(text), dict):
         raise argparse.ArgumentTypeError(f"given {text!r}; allowed a mapping")
     return values
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number > 0")
+    return value
 
 
 def _share(text: str) -> float:
@@ -305,6 +364,10 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         _sort_plot(parser, args)
     if args.command == "study":
         args.more, left = left, []
+        given = [option for option, key, *_ in LIMITS if getattr(args, key) is not None]
+        given += ["--output"] if args.output is not None else []
+        if given and args.name in ("all", *NAMES):
+            parser.error(f"study: given {given[0]} without a scene; allowed with SCENE.yaml")
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left

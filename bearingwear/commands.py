@@ -21,10 +21,19 @@ if TYPE_CHECKING:
     from bearingwear.model.result import Result
     from bearingwear.results.sheet import Sheet
     from bearingwear.scene.scene import Scene
+    from bearingwear.studies.design.plan import DesignLimits
 
 OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
+YAML = (".yaml", ".yml")
 
-NEXT = (("check", ""), ("solve", ".nc"), ("life", "-life.nc"), ("uncertainty", "-uncertainty.nc"))
+NEXT = (
+    ("check", ""),
+    ("solve", ".nc"),
+    ("life", "-life.nc"),
+    ("uncertainty", "-uncertainty.nc"),
+    ("recommend", ""),
+    ("study", ""),
+)
 """What is typed after `new`: the command, and how the name of its output ends."""
 
 
@@ -96,8 +105,18 @@ def uncertainty(args: argparse.Namespace) -> int:
     return OK
 
 
+def recommend(args: argparse.Namespace) -> int:
+    from bearingwear.studies.life_scene import life_scene
+
+    scene = life_scene(args.scene, args.set)
+    from bearingwear.studies.design.new_and_worn import recommended_sheet
+
+    _print_sheet(recommended_sheet(scene, _limits(args), args.scene), args)
+    return OK
+
+
 def show(args: argparse.Namespace) -> int:
-    if Path(args.file).suffix in (".yaml", ".yml"):
+    if args.file.endswith(YAML):
         from bearingwear.results.show_scene import scene_sheet
         from bearingwear.scene.read import load_scene
 
@@ -129,8 +148,18 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-    from bearingwear.studies.launch import launch
+    from bearingwear.studies.launch import launch, launch_own
 
+    if args.name.endswith(YAML):
+        from bearingwear.studies.own.folder import answer_of, write_study
+
+        file = Path(args.name)
+        folder = args.output or Path(file.stem)
+        name = write_study(file, folder, _limits(args))
+        status, page = launch_own(folder, args.jobs, args.more)
+        if page:
+            _print(f"{page}: {answer_of(folder, name)}")
+        return status
     return launch(args.name, args.jobs, args.more)
 
 
@@ -170,6 +199,15 @@ def _tried(path: str) -> list[str]:
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
     return told + [f"  {line}" for line in warning_lines(result.attrs)]
+
+
+def _limits(args: argparse.Namespace) -> DesignLimits:
+    """The limits that are given, by the options of `cli.LIMITS`."""
+    from dataclasses import fields
+
+    from bearingwear.studies.design.plan import DesignLimits
+
+    return DesignLimits(**{one.name: getattr(args, one.name) for one in fields(DesignLimits)})
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:

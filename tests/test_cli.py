@@ -1,6 +1,7 @@
 """Commands: what they print, write and exit with."""
 
 import inspect
+import json
 import os
 import re
 import shutil
@@ -472,3 +473,35 @@ def test_plot_in_any_order_of_arguments(tmp_path, capsys):
     for argv in ([], ["-o", str(figure)], ["-o", str(file), str(file)]):
         assert main(["plot", *argv]) == 2
         assert "result files; allowed one, FILE.nc" in capsys.readouterr().err
+
+
+def test_recommend(capsys):
+    limits = ["--stiffness", "4", "--power", "0.05"]
+    assert main(["recommend", str(SCENE), *limits]) == 0
+    told = capsys.readouterr().out
+    assert "limit: axial stiffness at least 4 N/um" in told
+    assert re.search(r"held by +axial stiffness +no preload keeps to all limits", told)
+    assert "none within the limits, fixed position: each limit can be kept, not all" in told
+    (new_and_worn,) = re.findall(r"axial stiffness +N/um +([\d.]+) +([\d.]+)$", told, re.M)
+    assert new_and_worn[0] == "4"
+    assert (
+        main(["recommend", str(SCENE), *limits, "--json", "--set", "friction.ball_race=0.05"]) == 0
+    )
+    data = json.loads(capsys.readouterr().out)
+    assert data["limits"][0] == "axial stiffness at least 4 N/um"
+    assert list(data["none_because"]) == ["fixed_position"]
+    assert {row["name"] for row in data["quantities"]} >= {"preload", "life", "axial_stiffness"}
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        (["--stiffness", "0"], "argument --stiffness: given '0'; allowed a number > 0"),
+        (["--set", "operation.rotating_load_N=1"], "allowed one with a steady state (for its own"),
+        (["--set", "operation.preload_N=0"], "preload_fraction"),
+    ],
+)
+def test_recommend_refuses_in_one_line(capsys, arguments, said):
+    assert main(["recommend", str(SCENE), *arguments]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line

@@ -33,6 +33,10 @@ MAY_IMPORT = {
 }
 BETWEEN_STUDIES = {
     "grid": {"lives.figures"},  # to plot a life, of which there are two kinds
+    "design": {
+        "uncertainty.plan"
+    },  # a recommended life is quoted with its spread, if that is sampled
+    "own": {"design.plan", "design.map"},  # it makes the plan of a study of lives and preload
     "uncertainty": {"design.recommend"},  # a sample is taken at the preload that design recommends
 }
 """What modules of a study's folder may import of another's; `page` imports none."""

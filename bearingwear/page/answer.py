@@ -115,7 +115,12 @@ def answer(lives: Sequence[Life]) -> Answer | None:
     facts.append(("How sure that is", _how_sure(here)))
     if others:
         facts.append(("On the other bearings", _elsewhere(others)))
-    facts.append(("How much preload", ["Not varied in this study, so none is recommended here."]))
+    facts.append(
+        (
+            "How much preload",
+            ["Not varied in this study; bearingwear recommend finds one in seconds."],
+        )
+    )
     rows = [_row(life, lives) for life in sorted(here, key=lambda life: life.friction)]
     return Answer(_headline(name, here, contests), facts, rows)
 
@@ -138,7 +143,9 @@ def _contests(lives: Iterable[Life]) -> list[_Contest]:
     for (_, mu), pair in by_point.items():
         if len(pair) > 1:
             short, long = sorted(pair, key=lambda life: life.counted)
-            ratio = long.counted / short.counted if short.counted > 0.0 else math.inf
+            ratio = math.inf if long.counted > 0.0 else 1.0  # where the other has no life at all
+            if short.counted > 0.0:
+                ratio = long.counted / short.counted
             errors = sum(life.error for life in pair if math.isfinite(life.error))
             found.append(
                 _Contest(mu, long.method if ratio - 1.0 > errors else None, short.method, ratio)
@@ -177,6 +184,8 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
 
 
 def _margin(ratio: float) -> str:
+    if ratio == math.inf:
+        return "it alone is within the limits when new"
     if ratio < 1.1:
         return f"by {percent_in_text(ratio - 1.0)}"
     return f"{ratio:.2g} times as long"

@@ -44,8 +44,7 @@ def registry(name: str) -> dict[str, str]:
 
 def files(studies: Mapping[str, Study]) -> list[str]:
     """Every file that a study makes by default or is made from."""
-    default = [study for study in studies.values() if study.default]
     return [
-        *(path for study in default for path in study.targets()),
+        *(path for study in studies.values() for path in study.default_targets()),
         *dict.fromkeys(path for study in studies.values() for path in study.inputs()),
     ]

@@ -1,16 +1,24 @@
-"""Runs a study in the present folder with Snakemake."""
+"""Runs a study with Snakemake, in the present folder or in one of its own."""
 
 from __future__ import annotations
 
+import fcntl
+import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from bearingwear.atomic import write_text
 from bearingwear.console import UsageError
 from bearingwear.provenance import PACKAGE
 
 CONFIG = Path("config/config.yaml")
+PAGE = Path("results/report/index.html")
+
+DRY_RUN = {"-n", "--dry-run", "--dryrun"}
+TOLD = {"-q", "--quiet", "--verbose", "-p", "--printshellcmds"}
+"""Arguments of Snakemake that say how much it tells."""
 
 
 class NoStudy(UsageError):
@@ -26,7 +34,9 @@ def snakefile() -> Path:
     raise NoStudy(f"study: the workflow is in neither of {', '.join(map(str, places))}")
 
 
-def launch(name: str, jobs: int, more: Sequence[str] = ()) -> int:
+def launch(
+    name: str, jobs: int, more: Sequence[str] = (), folder: Path = Path(), files: Sequence[int] = ()
+) -> int:
     """Run a study; its results are below `results/`.
 
     Parameters
@@ -37,6 +47,10 @@ def launch(name: str, jobs: int, more: Sequence[str] = ()) -> int:
         How many run at a time.
     more : sequence of str
         Further arguments of Snakemake.
+    folder : path
+        Where the study is.
+    files : sequence of int
+        Open files that Snakemake keeps open while it runs.
 
     Returns
     -------
@@ -47,7 +61,43 @@ def launch(name: str, jobs: int, more: Sequence[str] = ()) -> int:
     ------
     NoStudy
     """
-    if not CONFIG.is_file():
+    if not (folder / CONFIG).is_file():
         raise NoStudy(f"study: given a folder without {CONFIG}; allowed one that holds a study")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
-    return subprocess.call([*command, f"-j{jobs}", name, *more])
+    if not TOLD & set(more):  # of a dry run the table of jobs; never the files of each
+        more = [*more, "--quiet", "host", "reason", *(["rules"] if DRY_RUN & set(more) else [])]
+    return subprocess.call([*command, f"-j{jobs}", name, *more], cwd=folder, pass_fds=files)
+
+
+def launch_own(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, Path | None]:
+    """Run the study of a folder that `own.folder.write_study` made; a run that was killed goes on.
+
+    Returns
+    -------
+    status : int
+        Exit status of Snakemake.
+    page : path or None
+        The page, beside the folders of the study; none where none was made.
+
+    Raises
+    ------
+    NoStudy
+        Also where the study of the folder is running already.
+    """
+    with (folder / CONFIG).open() as held:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise NoStudy(
+                f"{folder}: given a study that is running; allowed when it is done"
+            ) from None
+        # nobody runs it: a lock of Snakemake is left by a run that was killed
+        shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)
+        arguments = ["--rerun-incomplete", *more]
+        status = launch("all", jobs, arguments, folder, [held.fileno()])
+    made = folder / PAGE
+    if DRY_RUN & set(more) or not made.is_file():
+        return status, None
+    page = folder / PAGE.name
+    write_text(page, made.read_text(encoding="utf-8"))
+    return status, page

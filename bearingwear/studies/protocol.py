@@ -37,6 +37,8 @@ class Step:
         All else that decides the result, as plain data.
     label : str, or function of the wildcards
         What a person reads while it runs; wildcards may stand in it.
+    about : str
+        What the list of rules says of it, where the label is a function.
     matches : mapping
         Regular expressions for wildcards.
     seconds : float
@@ -60,6 +62,7 @@ class Step:
         default_factory=dict
     )
     label: str | Callable[[Wildcards], str]
+    about: str = ""
     matches: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 0.0
     priority: int = 0
@@ -150,14 +153,11 @@ class Study:
     Attributes
     ----------
     name : str
-    default : bool
-        Whether a plain `snakemake` runs it.
     jobs : sequence of Step or Bundle
         Each is a rule of the workflow.
     """
 
     name: str
-    default = False
     jobs: Sequence[Step | Bundle] = ()
 
     @property
@@ -168,6 +168,10 @@ class Study:
     def targets(self) -> list[str]:
         """Every file that running the study makes."""
         raise NotImplementedError
+
+    def default_targets(self) -> list[str]:
+        """Those of them that a plain `snakemake` makes."""
+        return []
 
     def inputs(self) -> list[str]:
         """Files that it is made from and nobody makes: scenes, values of others."""

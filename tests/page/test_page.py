@@ -200,7 +200,7 @@ def test_the_answer_is_that_of_the_file(folder, results, made):
     everything = sorted(life.counted for life in lives)
     assert f"{everything[0]:.3g} to {everything[-1]:.3g} h if the wear of balls and races" in said
     assert "gyroscopic share of slip up to 50 % at µ = 0.02" in said
-    assert "none is recommended" in said
+    assert "bearingwear recommend finds one" in said
 
 
 def test_a_study_alone(folder, made):
@@ -465,3 +465,21 @@ def test_the_answer_in_words(lives, headline, sentence):
 
 def test_no_lives_no_answer():
     assert answer([]) is None
+
+
+def test_lives_of_zero_are_no_contest():
+    """Beyond a limit when new: equal if both are, and no ratio if one is."""
+
+    def lives(constant, fixed):
+        hours = zip(("constant_force", "fixed_position"), (constant, fixed), strict=True)
+        return [
+            Life("s", name, 0.04, {"ball": h, "ball_and_races": h}, "ball", 0.0, "")
+            for name, h in hours
+        ]
+
+    both, one = answer(lives(0.0, 0.0)), answer(lives(0.0, 2.0))
+    assert both.headline == "s: both preload methods last equally long"
+    assert one.facts[0][1] == [
+        "Fixed position outlasts constant force: it alone is within the limits when new at "
+        "µ\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}0.04."
+    ]

@@ -231,8 +231,11 @@ def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path,
     lines = told(capsys).splitlines()
     assert any(line.startswith("solved and verified: ") for line in lines)
     commands = [shlex.split(line)[1:] for line in lines if line.startswith("  bearingwear ")]
-    assert [argv[0] for argv in commands] == ["check", "solve", "life", "uncertainty"]
-    for argv in commands:
+    *short, study = commands
+    known = ["check", "solve", "life", "uncertainty", "recommend"]
+    assert [argv[0] for argv in short] == known
+    assert study == ["study", str(path)]  # tests/workflow/test_own.py types that
+    for argv in short:
         assert main(argv) == 0, argv
     assert new(tmp_path / "b.yaml", "7008C", "--friction", 0) == 0  # it is written all the same
     assert "does not solve: undetermined: " in told(capsys)

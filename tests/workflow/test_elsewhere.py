@@ -1,5 +1,6 @@
 """A study outside the repository: a folder with a configuration and scenes, and nothing else."""
 
+import re
 import subprocess
 import sys
 
@@ -47,8 +48,30 @@ def test_a_study_outside_the_repository(elsewhere):
 
 def test_arguments_of_snakemake_go_on(elsewhere):
     planned = study(elsewhere, "-n")
-    assert planned.returncode == 0 and "grid_solve" in planned.stdout + planned.stderr
+    told = planned.stdout + planned.stderr
+    assert planned.returncode == 0 and "grid_solve" in told
+    assert "results/" not in told  # the table of jobs, not the files of each
     assert not (elsewhere / "results").exists()
+
+
+def test_every_rule_says_what_it_does(elsewhere):
+    listed = study(elsewhere, "--list").stdout.splitlines()
+    rules = [line for line in listed if re.match(r"(grid|page|verdict|all)", line)]
+    assert len(rules) > 5
+    for line in rules:
+        assert re.fullmatch(r"\w+ \(.+\)", line), line
+
+
+def test_a_configuration_is_whole(elsewhere):
+    """One that is given takes the place of config.yaml; nothing of that is left."""
+    own = elsewhere / "config" / "config.yaml"
+    in_time = {**ONE_CASE["studies"][0], "model": {"simulated_turns": 1}}
+    own.write_text(yaml.safe_dump(ONE_CASE | {"dynamic": [in_time]}))
+    (elsewhere / "other.yaml").write_text(yaml.safe_dump(ONE_CASE))
+    jobs = study(elsewhere, "-n").stdout
+    assert "grid_solve_dynamic" in jobs
+    jobs = study(elsewhere, "all", "-n", "--configfile", "other.yaml").stdout
+    assert "grid_solve " in jobs and "grid_solve_dynamic" not in jobs
 
 
 def test_a_folder_without_a_study(tmp_path):

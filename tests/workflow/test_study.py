@@ -86,7 +86,7 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved):
     docs = (project.root / "docs" / name for name in ("verification.md", "accuracy.md"))
     pictures = sum(path.read_text(encoding="utf-8").count("\n![") for path in docs)
     drawn = len(list((project.root / "results").rglob("*.svg")))
-    assert drawn == 10 and page.count("<img ") == drawn + pictures
+    assert drawn == 11 and page.count("<img ") == drawn + pictures
     assert "Draw it again: <code>snakemake -f results/gyro_s1/figures/fig09_slip.svg" in page
     assert results["verdict.txt"] == b"all 15 solved and verified\n"  # 10 cases, 5 lives
     again = solved.run()

@@ -153,5 +153,10 @@ def calls_of(job):
     return lambda wildcards: " -- ".join(map(call, one(job, wildcards).steps))
 
 
+def about(rule, text):
+    """What `snakemake --list` says of a rule."""
+    workflow.get_rule(rule).docstring = text
+
+
 def label_of(job):
     return lambda wildcards: one(job, wildcards).label

@@ -27,3 +27,5 @@ for study in STUDIES.values():
                 "{params.label}"
             shell:
                 "bearingwear step {params.calls} > {log} 2>&1"
+
+        about(f"{study.name}_{job.name}", getattr(job, "about", "") or job.label)

@@ -3,6 +3,7 @@
 
 # One self-contained HTML page: the answer, figures, tables, verification, provenance.
 rule page:
+    """the page of everything"""
     input:
         sections=[path for study in STUDIES.values() for path in study.page_sections()],
         answers=[path for study in STUDIES.values() for path in study.page_answers()],
@@ -28,14 +29,10 @@ rule page:
 
 # Comes last and fails, each time anew, if a case or a life could not be solved.
 rule verdict:
+    """look for cases that could not be solved"""
     input:
         judged=[path for study in STUDIES.values() for path in study.judged()],
-        rest=[
-            path
-            for study in STUDIES.values()
-            if study.default
-            for path in study.targets()
-        ],
+        rest=[path for study in STUDIES.values() for path in study.default_targets()],
         page=PAGE,
     output:
         VERDICT,

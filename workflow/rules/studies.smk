@@ -8,3 +8,7 @@ for study in STUDIES.values():
         input:
             study.targets(),
         localrule: True
+        message:
+            f"all of the study {study.name}"
+
+    about(study.name, f"all of the study {study.name}")

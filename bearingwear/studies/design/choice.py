@@ -21,6 +21,7 @@ from bearingwear.results.variables import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.words import LIMIT_TEXT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,18 +73,23 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
     CaseFileError
         One line: no part of a map, parts that do not belong together, or parts missing.
     """
-    found = [(path, load(path)) for path in parts]
-    first, attributes = found[0][0], found[0][1].attrs
-    for path, one in found:
+    found = {path: load(path) for path in parts}
+    first, attributes = next((path, one.attrs) for path, one in found.items())
+    for path, one in found.items():
         if one.attrs.get("kind") != "design map":
             raise CaseFileError(f"{path}: not a part of a design map")
         if one.attrs != attributes:
             raise CaseFileError(f"{path}: not of the scene, limits or sources of {first}")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
         raise CaseFileError(f"{first}: made with another limit of the gyroscopic slip share")
+    return whole_map(list(found.values()), limits)
+
+
+def whole_map(parts: Sequence[xr.Dataset], limits: Mapping[str, float]) -> xr.Dataset:
+    """`design_map` of parts that belong together."""
     try:
         whole = xr.combine_by_coords(
-            [one for _, one in found],
+            parts,
             combine_attrs="drop_conflicts",
             join="exact",
             compat="equals",
@@ -169,6 +175,39 @@ def best_within(
     return (
         xr.DataArray(index, coords, others),
         xr.DataArray(active, coords, others, attrs=meaning),
+    )
+
+
+def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
+    """Which limits no preload of a line keeps to, and how near one comes.
+
+    Parameters
+    ----------
+    line : Dataset
+        Over `preload` alone, none of which is within the limits.
+    limits : DesignLimits
+    basis : int
+        Index along the loss basis.
+    """
+    solved = (line["status"] == OK).values
+    usable = np.flatnonzero(solved & (line["life"].isel(loss_basis=basis).values > 0.0))
+    if not usable.size:
+        return "every life ends when new" if solved.any() else "no life could be solved"
+    margin = np.array([one.values for one in limit_margins(line, limits)])
+    nearest = usable[margin[:, usable].argmax(axis=1)]
+    failed = {
+        name: nearest[k] for k, name in enumerate(limits.given) if margin[k, nearest[k]] < 0.0
+    }
+    before, but = "", "at best "
+    if not failed:
+        before, but = "each limit can be kept, not all together: ", "but "
+        best = usable[margin[:, usable].min(axis=0).argmax()]
+        failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
+    return before + "; ".join(
+        f"{LIMIT_TEXT[name].format(limits.given[name])}, {but}"
+        f"{float(line[LIMITED[name].variable][k]) / LIMITED[name].unit:.3g} "
+        f"at {float(line['preload'][k]):.3g} N"
+        for name, k in failed.items()
     )
 
 

@@ -14,14 +14,16 @@ from bearingwear.studies.design import figures, uncertainty_figure
 
 @dataclass(frozen=True, kw_only=True)
 class DesignFiles:
-    """Design map, recommendation and uncertainty of one scene."""
+    """Design map, recommendation and, if its lives were sampled, uncertainty of one scene."""
 
     design: xr.Dataset
     recommendation: xr.Dataset
-    uncertainty: xr.Dataset
+    uncertainty: xr.Dataset | None = None
 
 
-def design_files(design: Path, recommendation: Path, uncertainty: Path) -> DesignFiles:
+def design_files(
+    design: Path, recommendation: Path, uncertainty: Path | None = None
+) -> DesignFiles:
     """Read the files of one scene.
 
     Raises
@@ -29,7 +31,9 @@ def design_files(design: Path, recommendation: Path, uncertainty: Path) -> Desig
     CaseFileError
         One line: a file of another kind, or not of the scene or the preload methods of the map.
     """
-    kinds = {design: "design map", recommendation: "recommendation", uncertainty: "uncertainty"}
+    kinds = {design: "design map", recommendation: "recommendation"}
+    if uncertainty is not None:
+        kinds[uncertainty] = "uncertainty"
     found = {path: load(path) for path in kinds}
     for path, kind in kinds.items():
         if found[path].attrs.get("kind") != kind:
@@ -41,11 +45,11 @@ def design_files(design: Path, recommendation: Path, uncertainty: Path) -> Desig
     return DesignFiles(
         design=found[design],
         recommendation=found[recommendation],
-        uncertainty=found[uncertainty],
+        uncertainty=None if uncertainty is None else found[uncertainty],
     )
 
 
-def draw_design(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
+def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:
     """Which preload to take."""
     files = design_files(design, recommendation, uncertainty)
     return figures.design_figure(files.design, files.recommendation, files.uncertainty)
@@ -62,4 +66,5 @@ def draw_map(design: Path) -> Figure:
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
     """How sure its life is."""
     files = design_files(design, recommendation, uncertainty)
+    assert files.uncertainty is not None
     return uncertainty_figure.uncertainty_figure(files.uncertainty)

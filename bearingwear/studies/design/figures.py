@@ -55,25 +55,33 @@ def recommended_quantiles(uncertainty: xr.Dataset, flag: int) -> xr.DataArray:
 
 
 def design_figure(
-    design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset
+    design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset | None
 ) -> Figure:
-    """Life over preload and over stiffness, and the recommended preload over friction and speed."""
-    figure, panels = new_figure(2, 2, 7.2, 7.4)
+    """Life over preload and over stiffness, and the recommended preload over friction and speed.
+
+    The latter only of a map that has several of both.
+    """
+    area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
+    figure, panels = new_figure(2 if area else 1, 2, 7.2, 7.4 if area else 4.2)
     basis, limits = counted(design), limits_of(design)
     line = at_scene(design)
     over_preload, over_stiffness = panels[0]
     failed = False
     best = front(line, basis)
     for k, (name, one) in enumerate(methods(line)):
-        within = np.logical_and.reduce([m >= 0.0 for m in limit_margins(one, limits)])
+        within = one["status"] == OK
+        for margin in limit_margins(one, limits):
+            within &= margin >= 0.0
         _over_preload(over_preload, name, one, within)
         on_front = best.isel(preload_method=k).values
         _over_stiffness(over_stiffness, name, one.isel(loss_basis=basis), within, on_front)
         failed |= mark_failed(over_preload, one["preload"], one["status"], COLOURS[name], k)
         chosen = recommendation.isel(preload_method=k, loss_basis=basis)
         if np.isfinite(chosen["preload"]):
-            lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
-            _recommended(panels[0], name, chosen, lives.isel(loss_basis=basis))
+            _recommended(panels[0], name, chosen)
+            if uncertainty is not None:
+                lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
+                _spread_bar(over_preload, name, chosen, lives.isel(loss_basis=basis))
     limit = limits.axial_stiffness_N_um
     if limit is not None:
         over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
@@ -87,16 +95,25 @@ def design_figure(
     over_stiffness.set_xlabel(STIFFNESS_UNIT.label("least axial stiffness over the life"))
     over_preload.set_title("life over preload")
     over_stiffness.set_title("life against stiffness")
-    _choices(figure, panels[1], design)
+    _as_wide_as_it_is(over_preload, design)
+    if area:
+        _choices(figure, panels[1], design)
     handles = [
         *method_keys([name for name, _ in methods(line)]),
-        *_keys(limit is not None),
-        *_letter_keys(design),
-        key("the scene", color="C1", linestyle="none", marker="o", markerfacecolor="none"),
+        *_keys(limit is not None, uncertainty is not None),
+        *(_letter_keys(design) if area else ()),
         *failed_keys(failed),
     ]
     frame(figure, design_message(recommendation, uncertainty), handles, columns=3)
     return figure
+
+
+def _as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
+    """A logarithmic axis of preload where it spans more than a decade and a half."""
+    preloads = design["preload"].values
+    if preloads[-1] > 30.0 * preloads[0]:
+        panel.set_xscale("log")
+        panel.xaxis.set_major_formatter("{x:g}")
 
 
 def _over_preload(panel: Any, name: str, one: xr.Dataset, within: xr.DataArray) -> None:
@@ -121,8 +138,8 @@ def _over_stiffness(
     panel.plot(stiffness[on_front], lives[on_front], **dot)
 
 
-def _recommended(panels: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataArray) -> None:
-    """Stars at the recommended preload, and a bar from the least to the largest quantile."""
+def _recommended(panels: Any, name: str, chosen: xr.Dataset) -> None:
+    """Stars at the recommended preload."""
     look = {"color": COLOURS[name], "zorder": 6}
     life = float(chosen["life"])
     over_preload, over_stiffness = panels
@@ -130,10 +147,14 @@ def _recommended(panels: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataA
         float(chosen["preload"]),
         STIFFNESS_UNIT.of(float(chosen["axial_stiffness"])),
     )
-    low, high = float(quantiles.min("probability")), float(quantiles.max("probability"))
-    over_preload.vlines(preload, low, high, linewidth=1.2, color=COLOURS[name], zorder=5)
     for panel, x in ((over_preload, preload), (over_stiffness, stiffness)):
         panel.plot(x, life, linestyle="none", **STAR, **look)
+
+
+def _spread_bar(panel: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataArray) -> None:
+    """A bar at the recommended preload, from the least to the largest quantile."""
+    ends = float(quantiles.min("probability")), float(quantiles.max("probability"))
+    panel.vlines(float(chosen["preload"]), *ends, linewidth=1.2, color=COLOURS[name], zorder=5)
 
 
 def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
@@ -185,7 +206,7 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
         bar.set_label("preload (N)")
 
 
-def _keys(has_limit: bool) -> list[Any]:
+def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
     """Legend of the lives."""
     limit = key("limit of stiffness", color="0.3", linewidth=0.8, linestyle=":")
     return [
@@ -195,7 +216,12 @@ def _keys(has_limit: bool) -> list[Any]:
         ),
         key("some limit passed", color="0.3", alpha=0.35, linewidth=0.8),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
-        key("recommended, bar: L10 to L90", color="0.6", linestyle="none", **STAR),
+        key(
+            f"recommended{', bar: L10 to L90' if has_spread else ''}",
+            color="0.6",
+            linestyle="none",
+            **STAR,
+        ),
         *([limit] if has_limit else []),
     ]
 
@@ -204,15 +230,18 @@ def _letter_keys(design: xr.Dataset) -> list[Any]:
     """Legend of the letters on the map."""
     shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
     return [
-        key(
-            f"{LETTERS[name]}: {'' if name == ACTIVE[-1] else 'held by '}{LIMIT_WORDS[name]}",
-            linestyle="none",
-        )
-        for name in shown
+        *(
+            key(
+                f"{LETTERS[name]}: {'' if name == ACTIVE[-1] else 'held by '}{LIMIT_WORDS[name]}",
+                linestyle="none",
+            )
+            for name in shown
+        ),
+        key("the scene", color="C1", linestyle="none", marker="o", markerfacecolor="none"),
     ]
 
 
-def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = None) -> str:
     """What the design study answers, in a sentence."""
     name = scene_of(recommendation)["name"]
     k = best_method(recommendation)
@@ -221,14 +250,17 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
     basis = counted(recommendation)
     method, chosen = methods(recommendation)[k]
     chosen = chosen.isel(loss_basis=basis)
-    lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
-    l10, l50 = (float(lives.isel(loss_basis=basis).sel(probability=p)) for p in (0.1, 0.5))
+    spread = ""
+    if uncertainty is not None:
+        lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
+        l10, l50 = (float(lives.isel(loss_basis=basis).sel(probability=p)) for p in (0.1, 0.5))
+        spread = f" (L10 {digits(l10)} h, L50 {digits(l50)} h)"
+    within = " within the limits" if limits_of(recommendation).given else ""
     held = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
     preload, life = (digits(float(chosen[name])) for name in ("preload", "life"))
     return (
-        f"{name}: {in_words(method)} at {preload} N lives longest within the limits, "
-        f"{life} h (L10 {digits(l10)} h, L50 {digits(l50)} h), "
-        f"counting {in_words(COUNTS[basis])}; held by {held}"
+        f"{name}: {in_words(method)} at {preload} N lives longest{within}, "
+        f"{life} h{spread}, counting {in_words(COUNTS[basis])}; held by {held}"
     )
 
 
@@ -270,6 +302,7 @@ def map_overview(design: xr.Dataset) -> Figure:
         panel.set_title(in_words(name))
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
+        _as_wide_as_it_is(panel, design)
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min: where life, stiffness and slip lie; counting "

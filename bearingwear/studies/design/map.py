@@ -167,7 +167,18 @@ def map_part(
     slip_limit : float, optional
         Gyroscopic slip share whose passing is timed [1]; no other limit decides anything here.
     """
-    base = life_scene(scene)
+    return solved_part(life_scene(scene), method, friction, shaft_speed_rpm, preload_N, slip_limit)
+
+
+def solved_part(
+    base: Scene,
+    method: str,
+    friction: float,
+    shaft_speed_rpm: Sequence[float],
+    preload_N: Sequence[float],
+    slip_limit: float | None,
+) -> xr.Dataset:
+    """`map_part` of a scene that was read."""
     points = [
         life_point(scene_at(base, method, friction, speed, preload), slip_limit)
         for speed in shaft_speed_rpm

@@ -6,16 +6,19 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated
 
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import Key
-from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.life_scene import life_scene
+
+FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
+"""Preloads of a map around a scene's own, over that one: an eighth to 32 times."""
 
 CHECKED = ("0.80", "1.00", "1.25")
 """Preloads that the dynamic model solves, over the recommended one; as in file names."""
@@ -59,8 +62,6 @@ class MapAxes:
     preload_N: Annotated[RisingAxis, Key("Initial axial preloads", "N")]
 
     def __post_init__(self) -> None:
-        if any(mu != round(mu, 3) for mu in self.friction):  # as the files are named
-            raise SceneError("friction", "allowed numbers of at most three decimals")
         if len(set(self.preload_method)) < len(self.preload_method):
             raise SceneError("preload_method", "given a method twice; allowed each once")
 
@@ -76,14 +77,50 @@ class MapAxes:
         return [f"{method}-mu{mu:.3f}" for method in self.preload_method for mu in self.friction]
 
 
+def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene") -> MapAxes:
+    """A map by both methods around a scene's own preload, at its own speed.
+
+    Raises
+    ------
+    SceneError
+        A preload of nothing, which has nothing around it.
+    """
+    own = scene.operation.preload_N
+    if own <= 0.0:
+        problem = f"given {own:g}; allowed, for a map around it, a number > 0"
+        raise SceneError("operation.preload_N", problem, source=source)
+    preload = key_of_scene("operation.preload_N")
+    assert preload is not None
+    _, most = preload.key.ends
+    around = {float(f"{factor * own:.3g}") for factor in FACTORS if factor != 1.0}
+    return MapAxes(
+        preload_method=PRELOAD_METHODS,
+        friction=RisingAxis(frictions),
+        shaft_speed_rpm=RisingAxis([scene.operation.shaft_speed_rpm]),
+        preload_N=RisingAxis(sorted({own, *(value for value in around if value <= most)})),
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """The map of a scene, and the limits to choose by."""
+    """The maps of a scene, and the limits to choose by."""
 
-    map: Annotated[MapAxes, Key("Axes of the map of lives")]
+    map: Annotated[MapAxes | None, Key("Axes of the map of lives")] = None
+    small_map: Annotated[
+        MapAxes | None,
+        Key(
+            "Axes of a map of at most a few hundred lives, a part of the main study if that has "
+            "the scene"
+        ),
+    ] = None
     limits: Annotated[DesignLimits, Key("Hold from new to the end of life")] = field(
         default_factory=DesignLimits
     )
+
+    def __post_init__(self) -> None:
+        if self.map and any(mu != round(mu, 3) for mu in self.map.friction):
+            # as the files of its parts are named
+            raise SceneError("map.friction", "allowed numbers of at most three decimals")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +128,16 @@ class DesignPlan:
     """Everything in config/design.yaml."""
 
     scenes: Annotated[Mapping[str, Design], Key("Scenes to choose a preload for", least=1)]
+
+    @property
+    def maps(self) -> dict[str, MapAxes]:
+        """Axes of the map of each scene that has one."""
+        return {name: one.map for name, one in self.scenes.items() if one.map}
+
+    @property
+    def small_maps(self) -> dict[str, MapAxes]:
+        """Axes of the small map of each scene that has one."""
+        return {name: one.small_map for name, one in self.scenes.items() if one.small_map}
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Read every scene and look whether its map can be solved.

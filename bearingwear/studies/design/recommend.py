@@ -6,7 +6,7 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -29,9 +29,12 @@ from bearingwear.studies.design.choice import (
     best_within,
     limit_margins,
     limits_of,
+    whole_map,
+    why_none,
 )
-from bearingwear.studies.design.map import life_point, point_variables, scene_at
-from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.map import life_point, point_variables, scene_at, solved_part
+from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.words import NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
 
 RECOMMENDATION = "recommendation"
@@ -46,6 +49,38 @@ AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
     """Step: the preload to take, from a scene and its design map."""
     return recommendation(life_scene(scene), load(design))
+
+
+def small_map(
+    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, float]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Step: a map and the preload to take of it, in one process.
+
+    Parameters
+    ----------
+    scene : path
+    axes, limits : mapping
+        `MapAxes` and `DesignLimits` by their names.
+    """
+    return mapped(life_scene(scene), MapAxes(**axes), DesignLimits(**limits))
+
+
+def mapped(scene: Scene, axes: MapAxes, limits: DesignLimits) -> tuple[xr.Dataset, xr.Dataset]:
+    """A map and the preload to take of it."""
+    parts = [
+        solved_part(
+            scene,
+            method,
+            friction,
+            axes.shaft_speed_rpm,
+            axes.preload_N,
+            limits.gyroscopic_slip_share,
+        )
+        for method in axes.preload_method
+        for friction in axes.friction
+    ]
+    design = whole_map(parts, limits.given)
+    return design, recommendation(scene, design)
 
 
 def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
@@ -68,7 +103,7 @@ def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
             raise CaseFileError(f"the design map has no {axis} {value:g}, which is the scene's")
     limits, basis = limits_of(design), counted(design)
     at_scene = design.sel(point, drop=True)
-    rows = []
+    rows, none = [], {}
     for k, flag in enumerate(at_scene["preload_method"].values):
         one = at_scene.isel(preload_method=k)
         index, active = (int(found) for found in best_within(one, limits, basis))
@@ -83,8 +118,11 @@ def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
                 lives=one["life"].isel(loss_basis=basis).values,
             )
             row |= _refined(line, index, active)
+        else:
+            none[PRELOAD_METHODS[int(flag)]] = why_none(one, limits, basis)
         rows.append(row)
-    return _dataset(rows, at_scene, design)
+    found = _dataset(rows, at_scene, design)
+    return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,7 +175,7 @@ def _refined(line: PreloadLine, index: int, active: int) -> dict[str, Any]:
     elif active == UNLIMITED:
         best = _longest(line, index)
     values = line.point(best)
-    if active == UNLIMITED:  # the life may fall off so fast beyond a limit that the map misses it
+    if active <= UNLIMITED:  # between points of the map another limit may be met, or met first
         left = limit_margins(values, line.limits)
         if left and min(left) < AT_LIMIT:
             active = ACTIVE.index(list(line.limits.given)[int(np.argmin(left))])

@@ -11,7 +11,12 @@ from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display, in_ascii
 from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
+from bearingwear.studies.design.words import (
+    LIMIT_TEXT,
+    LIMIT_WORDS,
+    NONE_BECAUSE,
+    RECOMMENDED_WORDS,
+)
 
 
 def recommendation_sheet(file: Any) -> Sheet:
@@ -21,24 +26,29 @@ def recommendation_sheet(file: Any) -> Sheet:
     columns = tuple(names[int(flag)].replace("_", " ") for flag in values(file, "preload_method"))
     lives = values(file, "life")
     rows = [
+        _row(file, "preload", "preload", ""),
         Row("held by", "", tuple(_held(file)), "active_limit"),
         *(
             Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
             for k, way in enumerate(COUNTS)
         ),
-        _row(file, "preload", "preload", ""),
         *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
     ]
     given = json.loads(getattr(file, "limits", "{}"))
     limits = [in_ascii(LIMIT_TEXT[name].format(value)) for name, value in given.items() if value]
     rows = [row._replace(values=tuple(map(_known, row.values))) for row in rows]
+    none = json.loads(getattr(file, NONE_BECAUSE, "{}"))
     heading = (
         f"{scene['name']}: {getattr(file, 'title', 'recommended preload').lower()} "
         f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
         f"friction {scene['friction']['ball_race']:g}",
         *(f"limit: {text}" for text in limits),
+        *(
+            f"none within the limits, {method.replace('_', ' ')}: {in_ascii(why)}"
+            for method, why in none.items()
+        ),
     )
-    facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits}
+    facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
     return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)),))
 
 

@@ -5,25 +5,26 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from glob import glob
+from pathlib import Path
 from typing import Any
 
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.plan import CHECKED, CHECKED_FIDELITIES, DesignPlan
-from bearingwear.studies.protocol import Step, Study, Wildcards
+from bearingwear.studies.protocol import Bundle, Step, Study, Wildcards
+from bearingwear.studies.uncertainty.plan import UncertaintyPlan
 
 _PLAN = "config/design.yaml"
+_SAMPLED = "config/uncertainty.yaml"
 _RUN = "studies.design"
 _SCENE = "config/scenes/{scene}.yaml"
 _FOLDER = "results/{scene}/design"
-_FILES = {
-    "design": f"{_FOLDER}/design.nc",
-    "recommendation": f"{_FOLDER}/recommendation.nc",
-    "uncertainty": f"{_FOLDER}/uncertainty.nc",  # made by the study of uncertainty
-}
-_FIGURES = ("design", "map", "uncertainty")
+_SMALL = "results/{scene}/preload"
+_DESIGN, _RECOMMENDATION = f"{_FOLDER}/design.nc", f"{_FOLDER}/recommendation.nc"
 
 SHEETS = {"recommendation": "bearingwear.studies.design.show:recommendation_sheet"}
 """What `bearingwear show` says of the kinds of files that this study makes."""
@@ -38,24 +39,54 @@ PLOTS = {
 
 def study(config: Mapping[str, Any]) -> DesignStudy:
     """The study of config/design.yaml."""
-    return DesignStudy(read_record(DesignPlan, _PLAN))
+    sampled = read_record(UncertaintyPlan, _SAMPLED).scenes if Path(_SAMPLED).is_file() else ()
+    studied = [scene for block in config.get("studies", ()) for scene in block["scenes"]]
+    return DesignStudy(read_record(DesignPlan, _PLAN), tuple(sampled), studied)
 
 
 class DesignStudy(Study):
-    """A map of lives, the preload to take, and a check of it by the dynamic model."""
+    """A map of lives, the preload to take, and a check of it by the dynamic model.
+
+    Parameters
+    ----------
+    plan : DesignPlan
+    sampled : sequence of str
+        Scenes whose lives the study of uncertainty samples.
+    studied : sequence of str
+        Scenes of the main study; their small maps are a part of it.
+    """
 
     name = "design"
 
-    def __init__(self, plan: DesignPlan) -> None:
+    def __init__(
+        self, plan: DesignPlan, sampled: Sequence[str] = (), studied: Sequence[str] = ()
+    ) -> None:
         self.plan = plan
-        self.jobs = (*self._chosen(), *self._drawn(), *self._checked())
+        self.small_maps = {name: of for name, of in plan.small_maps.items() if name in studied}
+        self.drawn = {
+            scene: _drawn(scene, _FOLDER, several=True, sampled=scene in sampled)
+            for scene in plan.maps
+        }
+        self.small = {
+            scene: _drawn(scene, _SMALL, several=len(axes.friction) > 1)
+            for scene, axes in self.small_maps.items()
+        }
+        self.jobs = (
+            *(self._chosen() if plan.maps else ()),
+            *(self._small() if self.small_maps else ()),
+            *self.drawn.values(),
+            *self.small.values(),
+            *(self._checked() if plan.maps else ()),
+        )
 
     def targets(self) -> list[str]:
-        names = [
-            *(f"figures/{name}.{suffix}" for name in _FIGURES for suffix in ("svg", "png")),
-            *(f"tables/{name}.md" for name in ("design", "check")),
-        ]
-        return [f"results/{scene}/design/{name}" for scene in self.plan.scenes for name in names]
+        drawn = [path for bundle in self.drawn.values() for path in bundle.outputs]
+        checks = [f"results/{scene}/design/tables/check.md" for scene in self.drawn]
+        return [*drawn, *checks, *self.default_targets()]
+
+    def default_targets(self) -> list[str]:
+        drawn = [path for bundle in self.small.values() for path in bundle.outputs]
+        return [*(f"results/{scene}/preload/recommendation.nc" for scene in self.small), *drawn]
 
     def inputs(self) -> list[str]:
         return [_SCENE.format(scene=scene) for scene in self.plan.scenes]
@@ -66,8 +97,9 @@ class DesignStudy(Study):
     def page_answers(self) -> list[str]:
         kinds = ("tables/*.md", "figures/*.svg", "figures/*.png")
         there = [path for kind in kinds for path in glob(f"results/*/design/{kind}")]
+        small = [path for path in self.default_targets() if not path.endswith((".csv", ".nc"))]
         # the page takes its headline from the first table
-        return sorted(there, key=lambda path: ("/design." not in path, path))
+        return sorted(there or small, key=lambda path: ("/design." not in path, path))
 
     def _chosen(self) -> list[Step]:
         plan = self.plan
@@ -88,55 +120,47 @@ class DesignStudy(Study):
                 inputs=lambda w: {
                     "parts": [
                         f"results/{w['scene']}/design/map/{job}.nc"
-                        for job in plan.scenes[w["scene"]].map.jobs
+                        for job in plan.maps[w["scene"]].jobs
                     ]
                 },
-                outputs=(_FILES["design"],),
+                outputs=(_DESIGN,),
                 settings=lambda w: {"limits": plan.scenes[w["scene"]].limits.given},
                 label="{scene}: gather the design map",
             ),
             Step(
                 name="recommend",
                 run=f"{_RUN}.recommend.recommendation_of",
-                inputs={"scene": _SCENE, "design": _FILES["design"]},
-                outputs=(_FILES["recommendation"],),
+                inputs={"scene": _SCENE, "design": _DESIGN},
+                outputs=(_RECOMMENDATION,),
                 label="{scene}: recommended preload",
             ),
         ]
 
     def _map_settings(self, wildcards: Wildcards) -> dict[str, Any]:
-        design = self.plan.scenes[wildcards["scene"]]
+        axes = self.plan.maps[wildcards["scene"]]
         return {
             "method": wildcards["method"],
             "friction": float(wildcards["mu"]),
-            "shaft_speed_rpm": design.map.shaft_speed_rpm,
-            "preload_N": design.map.preload_N,
-            "slip_limit": design.limits.gyroscopic_slip_share,
+            "shaft_speed_rpm": axes.shaft_speed_rpm,
+            "preload_N": axes.preload_N,
+            "slip_limit": self.plan.scenes[wildcards["scene"]].limits.gyroscopic_slip_share,
         }
 
-    def _drawn(self) -> list[Step]:
+    def _small(self) -> list[Step]:
+        maps, scenes = self.small_maps, self.plan.scenes
         return [
-            *(
-                Step(
-                    name=f"figure_{name}",
-                    run=f"{_RUN}.draw.draw_{name}",
-                    inputs={"design": _FILES["design"]} if name == "map" else _FILES,
-                    outputs=(f"{_FOLDER}/figures/{name}.svg", f"{_FOLDER}/figures/{name}.png"),
-                    label=f"{{scene}}: figure {name} of the design study",
-                    caption="design",
-                    result=f"design, {name}",
-                )
-                for name in _FIGURES
-            ),
             Step(
-                name="tables",
-                run=f"{_RUN}.tables.tables",
-                inputs=_FILES,
-                outputs=(f"{_FOLDER}/tables/map.csv", f"{_FOLDER}/tables/design.md"),
-                label="{scene}: tables of the design study",
-                caption="design",
-                result="design, table",
-            ),
+                name="small_map",
+                run=f"{_RUN}.recommend.small_map",
+                inputs={"scene": _SCENE},
+                outputs=(f"{_SMALL}/design.nc", f"{_SMALL}/recommendation.nc"),
+                settings=lambda w: {
+                    "axes": asdict(maps[w["scene"]]),
+                    "limits": scenes[w["scene"]].limits.given,
+                },
+                matches={"scene": "|".join(map(re.escape, maps))},
+                label="{scene}: small map and recommended preload",
+            )
         ]
 
     def _checked(self) -> list[Step]:
@@ -146,7 +170,7 @@ class DesignStudy(Study):
             Step(
                 name="check_scene",
                 run=f"{_RUN}.dynamic_check.check_scene_text",
-                inputs={"scene": _SCENE, "recommendation": _FILES["recommendation"]},
+                inputs={"scene": _SCENE, "recommendation": _RECOMMENDATION},
                 outputs=(f"{check}/{{times}}.yaml",),
                 settings=lambda w: {"times": float(w["times"])},
                 matches=times,
@@ -166,7 +190,7 @@ class DesignStudy(Study):
                 name="check_table",
                 run=f"{_RUN}.check_table.check_table",
                 inputs={
-                    "recommendation": _FILES["recommendation"],
+                    "recommendation": _RECOMMENDATION,
                     "cases": [
                         f"{check}/{factor}-{fidelity}.nc"
                         for factor in CHECKED
@@ -179,3 +203,52 @@ class DesignStudy(Study):
                 result="design, in time",
             ),
         ]
+
+
+def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bundle:
+    """Figures and tables of a map.
+
+    Parameters
+    ----------
+    scene, folder : str
+    several : bool
+        Whether it is of several friction coefficients.
+    sampled : bool
+        Whether the study of uncertainty samples lives of the scene.
+    """
+    at = folder.format(scene=scene)
+    names = ("design", "recommendation", *(("uncertainty",) if sampled else ()))
+    files = {name: f"{at}/{name}.nc" for name in names}
+    inputs = {"design": files, "map": {"design": files["design"]}, "uncertainty": files}
+    figures = ("design", *(("map",) if several else ()), *(("uncertainty",) if sampled else ()))
+    steps = [
+        *(
+            Step(
+                name=f"figure_{name}",
+                run=f"{_RUN}.draw.draw_{name}",
+                inputs=inputs[name],
+                outputs=(f"{at}/figures/{name}.svg", f"{at}/figures/{name}.png"),
+                label=f"{scene}: figure {name} of the design study",
+                result=f"design, {name}",
+                caption="design",
+                category=scene,
+            )
+            for name in figures
+        ),
+        Step(
+            name="tables",
+            run=f"{_RUN}.tables.tables",
+            inputs=files,
+            outputs=(f"{at}/tables/map.csv", f"{at}/tables/design.md"),
+            label=f"{scene}: tables of the design study",
+            result="design, table",
+            caption="design",
+            category=scene,
+        ),
+    ]
+    which = "small map" if folder == _SMALL else "map"
+    return Bundle(
+        name=f"drawn_{'small_' if folder == _SMALL else ''}{scene}",
+        steps=tuple(steps),
+        label=f"{scene}: figures and tables of its {which}",
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import itertools
+import json
 from pathlib import Path
 from typing import Any
 
@@ -31,10 +32,15 @@ from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
-from bearingwear.studies.design.words import LIMIT_TEXT, LIMIT_WORDS, RECOMMENDED_WORDS
+from bearingwear.studies.design.words import (
+    LIMIT_TEXT,
+    LIMIT_WORDS,
+    NONE_BECAUSE,
+    RECOMMENDED_WORDS,
+)
 
 
-def tables(design: Path, recommendation: Path, uncertainty: Path) -> tuple[str, str]:
+def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
     """Step: the whole map as CSV, and what to choose as Markdown."""
     files = design_files(design, recommendation, uncertainty)
     summary = design_summary(files.design, files.recommendation, files.uncertainty)
@@ -70,7 +76,9 @@ def map_csv(design: xr.Dataset) -> str:
     return text.getvalue()
 
 
-def design_summary(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+def design_summary(
+    design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset | None
+) -> str:
     """The recommended preloads, how sure their lives are, and what could not be solved."""
     scene = scene_of(design)
     given = limits_of(design).given
@@ -82,6 +90,25 @@ def design_summary(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: 
         f"{scene['friction']['ball_race']:g}. Limits, from new to the end of life: "
         f"{limits or 'none'}.",
         *_choice(recommendation),
+        *none_because(recommendation),
+        *(_sampled(uncertainty, scene) if uncertainty is not None else ()),
+        "## The map",
+        *_statuses(design),
+    ]
+    return "\n\n".join(part for part in text if part) + "\n"
+
+
+def none_because(recommendation: xr.Dataset) -> list[str]:
+    """Why no preload is recommended, a sentence for each method without one."""
+    return [
+        f"No preload by {in_words(method)} keeps to all limits: {why}."
+        for method, why in json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}")).items()
+    ]
+
+
+def _sampled(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
+    """How sure the lives are, and which uncertain value decides."""
+    return [
         "## How sure the life is",
         f"{int(uncertainty.attrs['samples'])} base samples, seed {int(uncertainty.attrs['seed'])}. "
         "In brackets: confidence intervals.",
@@ -91,26 +118,24 @@ def design_summary(design: xr.Dataset, recommendation: xr.Dataset, uncertainty: 
         "interactions counted. "
         + ("Preload as recommended; the distributions are stated in the scene."),
         *_indices(uncertainty, scene),
-        "## The map",
-        *_statuses(design),
     ]
-    return "\n\n".join(part for part in text if part) + "\n"
 
 
-def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset) -> str:
+def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> str:
     """The recommended life with its L10 and L50, by each way of counting wear."""
     k = best_method(recommendation)
     if k is None:
         return ""
     scene = scene_of(recommendation)
     method, one = methods(recommendation)[k]
-    known = quantiles_of([uncertainty], scene, method, scene["friction"]["ball_race"], RECOMMENDED)
+    sampled = [] if uncertainty is None else [uncertainty]
+    known = quantiles_of(sampled, scene, method, scene["friction"]["ball_race"], RECOMMENDED)
     said = [
-        f"{digits(float(one['life'].isel(loss_basis=c)))} h counting {in_words(way)} "
-        f"({quantiles_text((known or {}).get(way, ()))})"
+        f"{digits(float(one['life'].isel(loss_basis=c)))} h counting {in_words(way)}"
+        + (f" ({quantiles_text((known or {}).get(way, ()))})" if sampled else "")
         for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
     ]
-    return f" Life: {'; '.join(said)}. {QUANTILES_TEXT}"
+    return f" Life: {'; '.join(said)}." + (f" {QUANTILES_TEXT}" if sampled else "")
 
 
 def _choice(recommendation: xr.Dataset) -> list[str]:
@@ -122,6 +147,7 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
     }
     for _, one in methods(recommendation):
         error = float(one["life_error_estimate"].isel(loss_basis=basis))
+        known = f"{100 * error:.2g} %" if np.isfinite(error) else "–"
         cells = {
             "preload (N)": digits(float(one["preload"])),
             "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
@@ -131,7 +157,7 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
                 )
                 for k in (basis, 1 - basis)
             },
-            "estimated numerical error of the life": f"{100 * error:.2g} %",
+            "estimated numerical error of the life": known,
             **{
                 unit.label(label): unit.text(one[name])
                 for name, (label, unit) in quantities.items()

@@ -28,3 +28,6 @@ RECOMMENDED_WORDS = {
     "residual_preload_at_end": ("preload left at the end", ""),
 }
 """Quantities beside a recommended life, and what they are shown as where a unit does not say."""
+
+NONE_BECAUSE = "none_because"
+"""Attribute of a recommendation: for each method without a preload, which limits none keeps to."""

@@ -41,7 +41,6 @@ class GridStudy(Study):
     """Everything that config.yaml asks for."""
 
     name = "grid"
-    default = True
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
@@ -54,6 +53,9 @@ class GridStudy(Study):
         gathered = [*plan.studies(), *plan.dynamics(), *plan.lives(), *plan.spreads_of_lives()]
         drawn = [path for bundle in self.drawn for path in bundle.outputs]
         return [*solved, *plan.dynamic_cases(), *gathered, *drawn]
+
+    def default_targets(self) -> list[str]:
+        return self.targets()
 
     def inputs(self) -> list[str]:
         return self.plan.inputs()
@@ -94,6 +96,7 @@ class GridStudy(Study):
                     for loss in losses
                 ),
                 settings=_line_settings(losses),
+                about="{scene}: cases of one preload method and friction, over the wear",
                 matches={"scene": "|".join(scenes), "line": r"[a-z_]+-mu\d+\.\d{3}"},
                 label=_line_label(losses),
                 seconds=START + SOLVE * len(losses),
@@ -128,6 +131,7 @@ class GridStudy(Study):
                 inputs={"scene": _SCENE},
                 outputs=("results/{scene}/dynamic/{case}.nc",),
                 settings=self._dynamic_settings,
+                about="{scene}: a case solved in time",
                 label=lambda w: (
                     f"{w['scene']}, in time: {plan.dynamic[w['scene']].cases()[w['case']].label}"
                 ),

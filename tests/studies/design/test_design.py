@@ -20,11 +20,18 @@ from bearingwear.results.units import digits
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.design.choice import ACTIVE, best_within, design_map, front
+from bearingwear.studies.design.choice import (
+    ACTIVE,
+    best_within,
+    design_map,
+    front,
+    why_none,
+)
 from bearingwear.studies.design.dynamic_check import check_scene
 from bearingwear.studies.design.map import map_part
-from bearingwear.studies.design.plan import DesignLimits, DesignPlan
-from bearingwear.studies.design.recommend import recommendation_of
+from bearingwear.studies.design.plan import DesignLimits, DesignPlan, MapAxes
+from bearingwear.studies.design.recommend import mapped, recommendation_of
+from bearingwear.studies.design.study import DesignStudy
 from bearingwear.studies.uncertainty.quantiles import quantiles_and_indices
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
@@ -59,6 +66,16 @@ def test_plan_of_the_project():
         assert scene.friction.ball_race in of.map.friction
         assert scene.operation.shaft_speed_rpm in of.map.shaft_speed_rpm
         assert of.limits.given == LIMITS
+
+
+def test_small_map_of_the_project_is_around_its_scene():
+    plan = read_record(DesignPlan, PLAN_FILE)
+    assert plan.small_maps
+    for name, axes in plan.small_maps.items():
+        scene = load_scene(scene_file(name))
+        assert axes.lives <= 40
+        assert scene.friction.ball_race in axes.friction
+        assert scene.operation.shaft_speed_rpm in axes.shaft_speed_rpm
 
 
 @pytest.mark.parametrize(
@@ -170,6 +187,32 @@ def test_single_files_are_drawn(folder, tmp_path, capsys):
         assert main(["plot", str(path), "-o", str(figure)]) == 0
         title = ET.parse(figure).getroot().findtext("{http://www.w3.org/2000/svg}title")
         assert said in title, title
+
+
+@pytest.mark.parametrize(
+    "limits, why",
+    [
+        (
+            DesignLimits(axial_stiffness_N_um=5.0, friction_power_W=0.35),
+            "axial stiffness at least 5 N/µm, at best 4 at 4 N",
+        ),
+        (
+            DesignLimits(axial_stiffness_N_um=3.5, friction_power_W=0.33),
+            "each limit can be kept, not all together: axial stiffness at least 3.5 N/µm, "
+            "but 3 at 3 N",
+        ),
+    ],
+)
+def test_limits_that_no_preload_keeps_to_are_named(limits, why):
+    line = made_up([9, 8, 7, 6], [1, 2, 3, 4])
+    assert int(best_within(line, limits, basis=1)[0]) == -1
+    assert why_none(line, limits, basis=1) == why
+
+
+def test_nothing_lives_or_nothing_was_solved():
+    unsolved = made_up([9, 8], [1, 2], [NOT_CONVERGED, NOT_CONVERGED])
+    assert why_none(unsolved, STIFF, basis=1) == "no life could be solved"
+    assert why_none(made_up([0, 0], [1, 2]), STIFF, basis=1) == "every life ends when new"
 
 
 def test_front_leaves_out_what_is_beaten_or_unsolved():
@@ -384,3 +427,66 @@ def test_a_limit_can_be_changed_without_another_map(folder):
     assert_allclose(stiffer["recommended_preload"].values.ravel(), [7.0, math.nan])
     assert ACTIVE[int(stiffer["active_limit"].values.ravel()[1])] == "no_preload_within_limits"
     assert stiffer["life"].equals(found["life"])
+
+
+# a small map, in one process
+
+
+def axes(preloads, friction=0.08):
+    return MapAxes(
+        preload_method=METHODS, friction=(friction,), shaft_speed_rpm=(30000.0,), preload_N=preloads
+    )
+
+
+def test_a_small_map_recommends_what_the_parts_of_a_large_one_do(scene, folder):
+    design, found = mapped(scene, axes((3.0, 5.0, 7.0, 9.0, 11.0)), DesignLimits(**LIMITS))
+    for one, name in ((design, "design"), (found, "recommendation")):
+        whole = load(folder / f"{name}.nc")
+        xr.testing.assert_equal(one.drop_attrs(), whole.drop_attrs())
+        assert one.attrs == whole.attrs
+
+
+def test_the_limit_that_is_met_first_between_points_of_the_map_holds(scene):
+    """At 3 N the slip share misses its limit by more than the stiffness, which is met sooner."""
+    limits = DesignLimits(axial_stiffness_N_um=3.0, gyroscopic_slip_share=0.2)
+    _, found = mapped(scene, axes((3.0, 8.0)), limits)
+    one = found.isel(preload_method=0)
+    assert float(one["axial_stiffness"]) == pytest.approx(3.0e6, rel=2e-5)
+    assert float(one["gyroscopic_slip_share"]) < 0.199
+    assert ACTIVE[int(one["active_limit"])] == "axial_stiffness_N_um"
+
+
+def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
+    design, found = mapped(scene, axes((3.0, 7.0, 11.0)), DesignLimits(axial_stiffness_N_um=90.0))
+    files = {"design": tmp_path / "design.nc", "recommendation": tmp_path / "recommendation.nc"}
+    write_dataset(design, files["design"])
+    write_dataset(found, files["recommendation"])
+    out = tmp_path / "design.svg"
+    assert step("design.draw.draw_design", out, **files) == 0
+    assert out.stat().st_size > 10_000
+    tables = [tmp_path / "map.csv", tmp_path / "design.md"]
+    assert step("design.tables.tables", tables, **files) == 0
+    text = tables[1].read_text()
+    assert "How sure" not in text and "L10" not in text
+    assert "No preload by fixed position keeps to all limits: axial stiffness at least 90" in text
+    assert "at best" in text and "nan" not in text
+
+
+def test_scenes_without_an_uncertainty_study_ask_for_none():
+    plan = read_record(DesignPlan, PLAN_FILE)
+    for sampled, asked in (((), False), (("gyro_s1",), True)):
+        given = [path for step in DesignStudy(plan, sampled).steps for path in asked_for(step)]
+        assert any(path.endswith("uncertainty.nc") for path in given) == asked
+
+
+def asked_for(step):
+    files = step.inputs({"scene": "gyro_s1"}) if callable(step.inputs) else step.inputs
+    return [p for given in files.values() for p in ([given] if isinstance(given, str) else given)]
+
+
+def test_small_maps_are_those_of_scenes_in_the_main_study():
+    plan = read_record(DesignPlan, PLAN_FILE)
+    assert DesignStudy(plan, (), ("another",)).default_targets() == []
+    made = DesignStudy(plan, (), ("gyro_s1",)).default_targets()
+    assert "results/gyro_s1/preload/recommendation.nc" in made
+    assert "results/gyro_s1/preload/tables/design.md" in made

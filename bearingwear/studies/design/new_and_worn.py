@@ -1,0 +1,66 @@
+"""The preload to take for a scene, found in seconds, and the bearing with it: new and worn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import xarray as xr
+
+from bearingwear.kernels.status import OK
+from bearingwear.model.life import steady_states
+from bearingwear.model.life_integrator import WearState
+from bearingwear.plotting.drawing import methods
+from bearingwear.results.sheet import Block, Row, Sheet
+from bearingwear.results.units import display
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.design.map import scene_at
+from bearingwear.studies.design.plan import DesignLimits, axes_around
+from bearingwear.studies.design.recommend import mapped
+from bearingwear.studies.design.show import recommendation_sheet
+
+SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
+    "preload": (lambda s: s.preload, "N", ""),
+    "axial stiffness": (lambda s: s.stiffness, "N m-1", ""),
+    "contact pressure": (lambda s: s.pressure, "Pa", ""),
+    "friction power": (lambda s: s.friction_power, "W", ""),
+    "gyroscopic slip share": (lambda s: float(s.share.max()), "1", "%"),
+}
+"""Value of a state of wear, its unit, and what it is shown as where that does not say."""
+
+
+def recommended_sheet(scene: Scene, limits: DesignLimits, source: str = "scene") -> Sheet:
+    """The preload to take at the scene's own friction and speed, by each method.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a steady state and an end of life.
+    limits : DesignLimits
+    source : str
+        What error messages name.
+    """
+    axes = axes_around(scene, [scene.friction.ball_race], source)
+    _, found = mapped(scene, axes, limits)
+    chosen = recommendation_sheet(found)
+    states = [
+        (f"{method.replace('_', ' ')}, {when}", state)
+        for method, one in methods(found)
+        if one["status"] == OK
+        for when, state in zip(("new", "worn"), _states(scene, method, one), strict=True)
+    ]
+    rows = []
+    for label, (value, units, shown) in SHOWN_OF_A_STATE.items():
+        numbers = [value(state) for _, state in states]
+        unit = display(units, numbers, shown=shown)
+        rows.append(Row(label, unit.unit, tuple(float(unit.of(number)) for number in numbers)))
+    columns = tuple(name for name, _ in states)
+    worn = [Block("at that preload", columns, tuple(rows))] if states else []
+    return Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn))
+
+
+def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:
+    """The bearing at the recommended preload when new, and at the end of its life."""
+    speed, preload = scene.operation.shaft_speed_rpm, float(one["preload"])
+    at_preload = scene_at(scene, method, scene.friction.ball_race, speed, preload)
+    solve = steady_states(at_preload)
+    return [solve(loss) for loss in (0.0, float(one["loss_at_end"]))]

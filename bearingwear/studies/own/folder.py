@@ -1,0 +1,111 @@
+"""A folder that is a study of one scene: `bearingwear study mine.yaml -o mine`.
+
+The command writes its configuration and a copy of the scene. The first line of each file says so
+and holds a hash of the rest, so that what somebody edited there is never replaced.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from pathlib import Path
+
+import yaml
+
+from bearingwear.atomic import reason, write_text
+from bearingwear.console import UsageError
+from bearingwear.scene.records import NAME, NAME_RULE
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.own.plan import plan_of
+
+
+def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
+    """Write the configuration of a study of a scene, and the scene, into a folder.
+
+    Parameters
+    ----------
+    file : path
+        The scene.
+    folder : path
+        New, empty, or of an earlier call for this scene.
+    limits : DesignLimits
+
+    Returns
+    -------
+    str
+        Name of the scene in the study, that of its file.
+
+    Raises
+    ------
+    SceneError, UsageError, OutputError
+        One line.
+    """
+    from bearingwear.scene.read import scene_files
+    from bearingwear.scene.strict_yaml import text_of
+
+    name = file.stem
+    if not re.match(NAME, name):
+        raise UsageError(f"{file}: given the name {name}; allowed {NAME_RULE}")
+    plans = plan_of(life_scene(file), name, limits, os.fspath(file))
+    bodies = {
+        path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
+        for path, plan in plans.items()
+    }
+    for path in map(Path, scene_files(file)):
+        bodies[f"config/scenes/{path.name}"] = text_of(path)
+    head = f"# Written by `bearingwear study {file.name}`"
+    _check_folder(folder, head)
+    texts = {
+        folder / path: f"{head} ({_hash(body)}); to change it, edit that file.\n{body}"
+        for path, body in bodies.items()
+    }
+    for path in texts:
+        _check_unedited(path, head, folder)
+    for path, text in texts.items():
+        if _text(path) != text:
+            write_text(path, text)
+    return name
+
+
+def answer_of(folder: Path, name: str) -> str:
+    """The sentence that the study of a scene comes to."""
+    text = _text(folder / f"results/{name}/preload/tables/design.md") or ""
+    return text.partition("\n\n")[2].partition(". ")[0].partition(".\n")[0]
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def _check_folder(folder: Path, head: str) -> None:
+    """Refuse a folder that holds anything else."""
+    try:
+        if folder.exists() and any(folder.iterdir()):
+            config = folder / "config" / "config.yaml"
+            if not (_text(config) or "").startswith(head):
+                what = head.removeprefix("# Written by ")
+                raise UsageError(
+                    f"{folder}: given a folder with other files; allowed a new one, or that of "
+                    f"{what}"
+                )
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be used ({reason(error)})") from None
+
+
+def _check_unedited(path: Path, head: str, folder: Path) -> None:
+    """Refuse to replace what somebody edited."""
+    text = _text(path)
+    if text is not None:
+        first, _, rest = text.partition("\n")
+        if not first.startswith(head) or _hash(rest) not in first:
+            raise UsageError(
+                f"{path}: given an edited file; allowed one as it was written, or none (the study "
+                f"as it is edited: `bearingwear study`, run in {folder})"
+            )
+
+
+def _text(path: Path) -> str | None:
+    """What a file holds, if it is there."""
+    return path.read_bytes().decode("utf-8", "replace") if path.is_file() else None

@@ -1,0 +1,88 @@
+"""What the study of one scene calculates: its configuration, made from the scene and limits."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
+from bearingwear.studies.design.plan import DesignLimits, axes_around
+
+FRICTIONS = (0.5, 1.0, 1.5, 2.0)
+"""Friction coefficients of the grid over the scene's own."""
+
+STATES_OF_WEAR = 8
+"""Steps from new to the end of the scene's life."""
+
+HALF_OF_THE_LIVES = 64
+"""Half of the lives sampled for each method and friction."""
+
+
+def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
+    """Configuration files of a study of a scene, as plain data by their paths.
+
+    Raises
+    ------
+    SceneError
+        One line: a friction or a preload that no study can be made around.
+    """
+    frictions, losses = _frictions(scene, source), _losses(scene)
+    axes = axes_around(scene, frictions, source)
+    config: dict[str, Any] = {
+        "studies": [
+            {
+                "scenes": [name],
+                "preload_method": list(PRELOAD_METHODS),
+                "friction": frictions,
+                "ball_diameter_loss_um": losses,
+            }
+        ],
+        "figures": {
+            "worn_loss_um": losses[len(losses) // 2],
+            "friction": [scene.friction.ball_race],
+        },
+    }
+    if scene.uncertainty:
+        config["uncertain_lives"] = {"scenes": [name], "samples": HALF_OF_THE_LIVES}
+    small_map = {axis: list(values) for axis, values in vars(axes).items()}
+    design = {"scenes": {name: {"small_map": small_map, "limits": limits.given}}}
+    return {"config/config.yaml": config, "config/design.yaml": design}
+
+
+def _frictions(scene: Scene, source: str) -> list[float]:
+    own, key = scene.friction.ball_race, "friction.ball_race"
+    if own <= 0.0 or own != round(own, 3):
+        problem = f"given {own:g}; allowed, for a study, a number > 0 of at most three decimals"
+        raise SceneError(key, problem, source=source)
+    part = key_of_scene(key)
+    assert part is not None
+    around = {round(factor * own, 3) for factor in FRICTIONS}
+    return sorted({own, *(mu for mu in around if 0.0 < mu <= part.key.ends[1])})
+
+
+def _losses(scene: Scene) -> list[float]:
+    """States of wear, from new to the end of the scene's own life [um].
+
+    Where one of the methods has no solution so far worn, to the sooner of the ends of their lives.
+    """
+    from bearingwear.kernels.status import OK
+    from bearingwear.model.life import steady_states
+    from bearingwear.studies.design.map import life_point, scene_at
+
+    operation = scene.operation
+    ends, states = {}, []
+    for method in PRELOAD_METHODS:
+        one = scene_at(
+            scene,
+            method,
+            scene.friction.ball_race,
+            operation.shaft_speed_rpm,
+            operation.preload_N,
+        )
+        ends[method] = 1e6 * life_point(one, None).get("loss_at_end", 0.0)
+        states.append(steady_states(one))
+    last = math.ceil(100.0 * (ends[operation.preload_method] or max(ends.values()))) / 100.0
+    if any(state(1e-6 * last).status != OK for state in states):
+        last = math.floor(100.0 * min((end for end in ends.values() if end), default=0.0)) / 100.0
+    return sorted({round(last * k / STATES_OF_WEAR, 2) for k in range(STATES_OF_WEAR + 1)})

@@ -1,0 +1,86 @@
+"""One command from a bearing to its report: a study of one scene, small enough for a test."""
+
+import re
+import shutil
+
+import pytest
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.results.netcdf import load
+from bearingwear.studies.design import plan as design_plan
+from bearingwear.studies.own import plan as own_plan
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch, capfd):
+    """Function (*arguments) -> exit status and output of `bearingwear study mine.yaml`."""
+    monkeypatch.setattr(own_plan, "FRICTIONS", (1.0,))
+    monkeypatch.setattr(own_plan, "STATES_OF_WEAR", 2)
+    monkeypatch.setattr(own_plan, "HALF_OF_THE_LIVES", 16)
+    monkeypatch.setattr(design_plan, "FACTORS", (0.25, 0.5, 1.0, 2.0))
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(scene_file("gyro_s1"), tmp_path / "mine.yaml")
+
+    def run(*arguments):
+        capfd.readouterr()
+        status = main(["study", "mine.yaml", "-o", "folder", *arguments])
+        done = capfd.readouterr()
+        return status, done.err + done.out
+
+    return run
+
+
+def rules(output):
+    """Names of the rules that ran, or would."""
+    table = re.search(r"^Job stats:\njob +count\n[- ]+\n((?:\w+ +\d+\n)+)", output, re.M)
+    return {line.split()[0] for line in table[1].splitlines()} - {"total"} if table else set()
+
+
+def test_from_a_scene_to_its_page(study, tmp_path):
+    folder = tmp_path / "folder"
+    status, told = study("-j2", "--stiffness", "3")
+    assert status == 0, told
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    headline = re.search("<h1>(.*)</h1>", page)[1]
+    assert headline in told.splitlines()[-1] + "." and "folder/index.html: " in told
+    assert re.match(r"gyro_s1: constant force at 4\.1\d* N lives longest within", headline)
+    assert headline.endswith("held by axial stiffness.")
+    assert "axial stiffness at least 3 N/µm" in page and "L10" in page
+    found = load(folder / "results/mine/preload/recommendation.nc")
+    assert float(found["axial_stiffness"].min()) >= 3.0e6
+    assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
+
+    # again: nothing to do
+    status, told = study("-j2", "--stiffness", "3")
+    assert status == 0 and "Nothing to be done" in told
+
+    # other limits: no case is solved again
+    status, told = study("-j2", "--stiffness", "900")
+    assert status == 0 and rules(told) & {"grid_solve", "grid_quantiles"} == set()
+    assert "no preload keeps to all limits" in told.splitlines()[-1]
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert re.search(r"limits: axial stiffness at least 900 N/µm, at best [\d.]+ at", page)
+
+    # an edited scene: what depends on it, in the copy as well
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(mine.read_text().replace("preload_N: 7.0", "preload_N: 8.0"))
+    status, told = study("-n")
+    assert status == 0 and rules(told) >= {"grid_solve", "grid_quantiles", "design_small_map"}
+    assert "results/" not in told and len(told) < 4000
+    assert "preload_N: 8.0" in (folder / "config/scenes/mine.yaml").read_text()
+
+
+def test_what_is_refused_takes_one_line(study, tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "notes.txt").touch()
+    for arguments, said in (
+        ((), "folder: given a folder with other files; allowed a new one"),
+        (("--stiffness", "-3"), "argument --stiffness: given '-3'; allowed a number > 0"),
+    ):
+        status, told = study(*arguments)
+        assert status == 2 and len(told.splitlines()) == 1 and said in told
+    assert main(["study", "grid", "--power", "3"]) == 2
+    assert main(["study", "none.yaml"]) == 2
+    assert main(["study", "nothing"]) == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "mine.yaml"]
