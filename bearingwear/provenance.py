@@ -94,6 +94,11 @@ def contents_hash(paths: Iterable[str | Path]) -> str:
     return digest.hexdigest()[:16]
 
 
+def text_hash(text: str) -> str:
+    """Hash of a text, 16 hexadecimal digits."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
 @functools.cache
 def _file_hash(path: str) -> bytes:
     return hashlib.sha256(Path(path).read_bytes() if os.path.isfile(path) else b"").digest()

@@ -266,6 +266,13 @@ def test_order_and_way_of_writing_do_not_matter(solved):
     assert "Nothing to be done" in planned.text, planned.text
 
 
+def test_a_comment_in_a_scene_makes_nothing_anew(solved):
+    with (solved.root / "config/scenes/gyro_s1.yaml").open("a") as scene:
+        scene.write("# said again\n")
+    run = solved.run()
+    assert run.status == 0 and "Nothing to be done" in run.text, run.text
+
+
 def test_one_scene_edited(solved):
     solved.edit(
         "config/scenes/gyro_s1_drag.yaml", "drag_density_kg_m3: 250", "drag_density_kg_m3: 240"

@@ -9,8 +9,8 @@ import sys
 from snakemake.io import report as in_report
 
 from bearingwear import studies
-from bearingwear.provenance import contents_hash, result_hash, sources_hash
-from bearingwear.scene.read import scene_files
+from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
+from bearingwear.scene.read import as_data
 from bearingwear.studies.repair import survey
 
 # What is wrong stops here, with one line and no traceback.
@@ -77,6 +77,17 @@ def files_of(job):
     ]
 
 
+def inputs_of(job):
+    """Of scenes only what they say counts, not their date nor their comments: `made_from`."""
+    return lambda wildcards: [
+        ancient(path) if is_scene(path) else path for path in files_of(job)(wildcards)
+    ]
+
+
+def is_scene(path):
+    return path.startswith("config/scenes/")
+
+
 def outputs_of(job):
     """Paths of a job; those a person reads stand in the report of the jobs."""
     return [path for step in job.steps for path in shown(step)]
@@ -102,9 +113,9 @@ def log_of(study, job):
 
 
 @functools.cache
-def files_behind(path):
-    """A file, and the scenes that it is based on."""
-    return scene_files(path) if path.startswith("config/scenes/") else [path]
+def said_by(scene):
+    """What a scene says, with those that it is based on, as text."""
+    return json.dumps(as_data(scene)[0], sort_keys=True)
 
 
 def made_from(job):
@@ -114,14 +125,11 @@ def made_from(job):
     """
 
     def contents(wildcards):
-        given = [
-            file
-            for path in files_of(job)(wildcards)
-            if not path.startswith("results/")
-            for file in files_behind(path)
-        ]
         modules = dict.fromkeys(step.module for step in job.steps)
-        return "".join(map(result_hash, modules)) + contents_hash(given)
+        files = [path for path in files_of(job)(wildcards) if path[:8] != "results/"]
+        scenes = "".join(map(said_by, filter(is_scene, files)))
+        other = contents_hash(path for path in files if not is_scene(path))
+        return "".join([*map(result_hash, modules), text_hash(scenes), other])
 
     return contents
 

@@ -8,7 +8,7 @@ for study in STUDIES.values():
             name:
                 f"{study.name}_{job.name}"
             input:
-                files_of(job),
+                inputs_of(job),
                 after=job.after,
             output:
                 *outputs_of(job),

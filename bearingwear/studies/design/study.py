@@ -86,7 +86,12 @@ class DesignStudy(Study):
 
     def default_targets(self) -> list[str]:
         drawn = [path for bundle in self.small.values() for path in bundle.outputs]
-        return [*(f"results/{scene}/preload/recommendation.nc" for scene in self.small), *drawn]
+        solved = [
+            f"results/{scene}/preload/{name}.nc"
+            for scene in self.small
+            for name in ("design", "recommendation")
+        ]
+        return [*solved, *drawn]
 
     def inputs(self) -> list[str]:
         return [_SCENE.format(scene=scene) for scene in self.plan.scenes]
