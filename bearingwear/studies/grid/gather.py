@@ -3,6 +3,7 @@
 import itertools
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -51,38 +52,67 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         One line naming the file that is missing, truncated, foreign, of another scene, of another
         version of the solver, or there twice; or the case that is missing.
     """
-    files: dict[Case, Path] = {}
-    common: dict[str, Any] = {}
-    first: dict[str, Any] = {}
-    told = "[]"
+    read = _Read()
+    whole = _along_cases(read.each(paths))
+    first = read.first
+    return _on_grid(whole, list(read.files), _grid_of(read.files)).assign_attrs(
+        Conventions=first.get("Conventions", "CF-1.11"),
+        title=f"Study of {json.loads(first['scene'])['name']}",
+        source=first.get("source", "bearingwear"),
+        references=first.get("references", ""),
+        history="gathered from case files by bearingwear gather",
+        comment="The scene is what all cases share; the axes give the rest. "
+        "Numbers of a case whose status is not ok are missing.",
+        warnings=read.warnings,
+        **{key: first[key] for key in ("scene", *_SHARED_ATTRS)},
+    )
 
-    def read() -> Iterator[xr.Dataset]:
-        nonlocal told
+
+@dataclass
+class _Read:
+    """What the files read so far hold.
+
+    Attributes
+    ----------
+    files : dict
+        The file of each case, in the order read.
+    first : dict
+        Attributes of the first file; `scene` is what all cases share.
+    warnings : str
+        Those of all, each once.
+    """
+
+    files: dict[Case, Path] = field(default_factory=dict)
+    first: dict[str, Any] = field(default_factory=dict)
+    warnings: str = "[]"
+
+    def each(self, paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
+        """Read file by file; refuse what does not belong to the others."""
         for path in map(Path, paths):
             dataset = load(path)
             cases, shared = _identity(dataset, path)
             if "case" not in dataset.dims and path.stem != cases[0].id:
                 raise CaseFileError(f"{path}: holds the case {cases[0].id}")
             for case in cases:
-                if case in files:
-                    raise CaseFileError(f"{path}: holds the same case as {files[case]}")
-                files[case] = path
-            common.update(common or shared)
-            first.update(first or dataset.attrs)
-            told = gathered_warnings([{"warnings": told}, dataset.attrs])
+                if case in self.files:
+                    raise CaseFileError(f"{path}: holds the same case as {self.files[case]}")
+                self.files[case] = path
+            self.first = self.first or dataset.attrs | shared
             for key, value in shared.items():
-                if value != common[key]:
-                    other = next(iter(files.values()))
+                if value != self.first[key]:
+                    other = next(iter(self.files.values()))
                     raise CaseFileError(f"{path}: {key} is not that of {other}")
+            self.warnings = gathered_warnings([{"warnings": self.warnings}, dataset.attrs])
             yield dataset
 
-    whole = _along_cases(read())
-    grid = _grid_of(files)
-    numbers = {case: number for number, case in enumerate(files)}
+
+def _on_grid(whole: xr.Dataset, cases: Sequence[Case], grid: Grid) -> xr.Dataset:
+    """A dataset along cases as one over the axes of their grid."""
+    numbers = {case: number for number, case in enumerate(cases)}
     order = np.array([numbers[case] for case in grid.cases().values()])
     coords = axis_coordinates(grid)
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
-    on_the_grid = {
+    shaped = {
         name: (
             (*lengths, *array.dims[1:]),
             array.values[order].reshape((*lengths.values(), *array.shape[1:])),
@@ -90,21 +120,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         )
         for name, array in whole.data_vars.items()
     }
-    return (
-        xr.Dataset(on_the_grid, whole.coords)
-        .assign_coords(coords)
-        .assign_attrs(
-            Conventions=first.get("Conventions", "CF-1.11"),
-            title=f"Study of {json.loads(common['scene'])['name']}",
-            source=first.get("source", "bearingwear"),
-            references=first.get("references", ""),
-            history="gathered from case files by bearingwear gather",
-            comment="The scene is what all cases share; the axes give the rest. "
-            "Numbers of a case whose status is not ok are missing.",
-            warnings=told,
-            **common,
-        )
-    )
+    return xr.Dataset(shaped, whole.coords).assign_coords(coords)
 
 
 def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
