@@ -86,11 +86,9 @@ def design_figure(
     if limit is not None:
         over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
     for panel in panels[0]:
-        panel.set_yscale("log")
-        panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        panel.yaxis.set_major_formatter("{x:g}")
-        panel.yaxis.set_minor_formatter(NullFormatter())
         panel.set_ylabel("wear life (h)")
+        if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
+            _logarithmic(panel)
     over_preload.set_xlabel("initial preload (N)")
     over_stiffness.set_xlabel(STIFFNESS_UNIT.label("least axial stiffness over the life"))
     over_preload.set_title("life over preload")
@@ -106,6 +104,14 @@ def design_figure(
     ]
     frame(figure, design_message(recommendation, uncertainty), handles, columns=3)
     return figure
+
+
+def _logarithmic(panel: Any) -> None:
+    """A logarithmic axis of life; matplotlib needs at least one that is above zero."""
+    panel.set_yscale("log")
+    panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    panel.yaxis.set_major_formatter("{x:g}")
+    panel.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:

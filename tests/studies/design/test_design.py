@@ -472,6 +472,19 @@ def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
     assert "at best" in text and "nan" not in text
 
 
+@pytest.mark.parametrize("life", [0.0, np.nan])
+def test_figures_of_a_map_without_any_life(life, scene, tmp_path):
+    """Each over a limit when new, or none solved: there is no axis of life to be logarithmic."""
+    design, found = mapped(scene, axes((3.0, 7.0, 11.0)), DesignLimits())
+    design["life"][:] = life
+    found["life"][:], found["preload"][:] = life, np.nan
+    files = {"design": tmp_path / "design.nc", "recommendation": tmp_path / "recommendation.nc"}
+    write_dataset(design, files["design"])
+    write_dataset(found, files["recommendation"])
+    assert step("design.draw.draw_design", tmp_path / "design.svg", **files) == 0
+    assert step("design.draw.draw_map", tmp_path / "map.svg", design=files["design"]) == 0
+
+
 def test_scenes_without_an_uncertainty_study_ask_for_none():
     plan = read_record(DesignPlan, PLAN_FILE)
     for sampled, asked in (((), False), (("gyro_s1",), True)):
