@@ -99,6 +99,7 @@ def uncertainty(args: argparse.Namespace) -> int:
     from bearingwear.studies.sampling import SAMPLES
     from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
+    _check_output(args.output, args.scene)
     samples = SAMPLES if args.samples is None else args.samples
     found = life_quantiles(args.scene, args.friction, args.method or (), samples, args.seed)
     write_dataset(found, args.output)
@@ -148,19 +149,27 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-    from bearingwear.studies.launch import launch, launch_own
+    from bearingwear.studies.launch import CONFIG, launch, launch_own, only_run
 
     if args.name.endswith(YAML):
         from bearingwear.studies.own.folder import answer_of, write_study
 
         file = Path(args.name)
         folder = args.output or Path(file.stem)
-        name = write_study(file, folder, _limits(args))
-        status, page = launch_own(folder, args.jobs, args.more)
+        with contextlib.ExitStack() as stack:
+            # a new folder comes into being only for a scene that can be studied
+            held = stack.enter_context(only_run(folder)) if folder.exists() else None
+            name = write_study(file, folder, _limits(args))
+            if held is None:
+                held = stack.enter_context(only_run(folder))
+            status, page = launch_own(folder, args.jobs, held, args.more)
         if page:
             _print(f"{page}: {answer_of(folder, name)}")
         return status
-    return launch(args.name, args.jobs, args.more)
+    if not CONFIG.is_file():  # refused, and no folder made
+        return launch(args.name, args.jobs, args.more)
+    with only_run(Path()) as held:
+        return launch(args.name, args.jobs, args.more, files=[held])
 
 
 def step(args: argparse.Namespace) -> int:
@@ -205,9 +214,11 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
     """The limits that are given, by the options of `cli.LIMITS`."""
     from dataclasses import fields
 
+    from bearingwear.scene.checking import record
     from bearingwear.studies.design.plan import DesignLimits
 
-    return DesignLimits(**{one.name: getattr(args, one.name) for one in fields(DesignLimits)})
+    given = {one.name: getattr(args, one.name) for one in fields(DesignLimits)}
+    return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
@@ -246,10 +257,22 @@ def _check_output(path: Path, scene: str) -> None:
                 raise OutputError(f"{path}: given something that is no file; allowed a file name")
             if path.samefile(scene):
                 raise OutputError(f"{path}: given the scene itself; allowed another file name")
+            _check_replaced(path)
     except OutputError:
         raise
     except OSError as error:  # a name that is too long
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _check_replaced(path: Path) -> None:
+    """Refuse to write a result over anything else, above all over a scene."""
+    from bearingwear.atomic import OutputError
+    from bearingwear.results.netcdf import SIGNATURE
+
+    with path.open("rb") as file:
+        start = file.read(len(SIGNATURE))
+    if start and start != SIGNATURE:
+        raise OutputError(f"{path}: given a file that is no result; allowed another file name")
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:

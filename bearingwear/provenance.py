@@ -127,6 +127,14 @@ def source_hash() -> str:
     return sources_hash(*SOLVER)
 
 
+def kernels_hash() -> str:
+    """Hash of the contents of the kernels as they lie on the disk now, 16 hexadecimal digits."""
+    digest = hashlib.sha256()
+    for path in sorted(PACKAGE.glob("kernels/*.py")):
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:16]
+
+
 @functools.cache
 def kernel_cache_folder() -> str:
     """Folder for numba's compiled code, named by the contents of the kernels.
@@ -134,12 +142,12 @@ def kernel_cache_folder() -> str:
     Below `NUMBA_CACHE_DIR` if the user set it, else beside the package, else (package folder not
     writable) below the user's cache folder, else below the folder for temporary files.
     """
-    kernels = contents_hash(sorted(PACKAGE.glob("kernels/*.py")))
+    kernels = kernels_hash()
     given = os.environ.get("NUMBA_CACHE_DIR")
     home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     parents = [given] if given else [PACKAGE / "__pycache__", Path(home) / "bearingwear"]
     for parent in [*parents, Path(tempfile.gettempdir()) / f"bearingwear-{os.getuid()}"]:
-        folder = Path(parent) / f"numba-{kernels}"
+        folder = Path(parent).resolve() / f"numba-{kernels}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:

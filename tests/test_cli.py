@@ -382,6 +382,15 @@ def test_output_is_not_the_scene(tmp_path, capsys):
     assert mine.read_text() == SCENE.read_text()
 
 
+@pytest.mark.parametrize("command", ["solve", "life", "uncertainty"])
+def test_output_replaces_results_alone(command, tmp_path, capsys):
+    other = tmp_path / "other.yaml"
+    other.write_text("name: another scene\n")
+    assert main([command, str(SCENE), "-o", str(other)]) == 2
+    assert "given a file that is no result" in capsys.readouterr().err
+    assert other.read_text() == "name: another scene\n"
+
+
 def test_output_is_no_device(capsys):
     assert solve(os.devnull) == 2
     assert "no file" in capsys.readouterr().err
@@ -497,6 +506,7 @@ def test_recommend(capsys):
     "arguments, said",
     [
         (["--stiffness", "0"], "argument --stiffness: given '0'; allowed a number > 0"),
+        (["--slip", "35"], "gyroscopic_slip_share: given 35.0; allowed a number > 0 and <= 1"),
         (["--set", "operation.rotating_load_N=1"], "allowed one with a steady state (for its own"),
         (["--set", "operation.preload_N=0"], "preload_fraction"),
     ],

@@ -21,7 +21,7 @@ from numba.extending import overload
 from numba.np import linalg
 
 from bearingwear.kernels.code import Callee, entry
-from bearingwear.provenance import contents_hash, kernel_cache_folder
+from bearingwear.provenance import contents_hash, kernel_cache_folder, kernels_hash
 
 # Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
 # signed zero keep their meaning, so that a broken number is still seen.
@@ -89,6 +89,8 @@ class _Cache(FunctionCache):
             return None
 
     def save_overload(self, sig, data):
+        if not _FOLDER.endswith(kernels_hash()):
+            return  # edited since: what was compiled may be of either source
         with contextlib.suppress(OSError):  # compiled code also runs where it cannot be kept
             super().save_overload(sig, data)
 

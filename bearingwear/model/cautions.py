@@ -127,6 +127,7 @@ def _shoulder(e: Evidence) -> Finding:
     ):
         r = factor * D
         edges = np.degrees(e.angle[:, race] + e.major[:, race] / (r * _MM))
+        edges = np.where(e.load[:, race] > 0.0, edges, -np.inf)  # not where a ball is lifted off
         limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
         source = "where a shoulder is assumed"
         if shoulder is not None:
@@ -160,7 +161,9 @@ def _hoop(e: Evidence) -> Finding | None:
     return value / HOOP_MPA, {"value": value, "limit": HOOP_MPA}
 
 
-def _inner(e: Evidence) -> Finding:
+def _inner(e: Evidence) -> Finding | None:
+    if e.scene.operation.shaft_speed_rpm == e.scene.operation.outer_speed_rpm == 0.0:
+        return None  # nothing skids
     share = np.min(e.load[:, _INNER] / e.load[:, _OUTER])
     if e.lifted > LONGEST_LIFTED:
         said = f"a ball is off the inner race {e.lifted:.2g} of the time, above {LONGEST_LIFTED:g}"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from bearingwear.atomic import write_text
@@ -69,8 +70,36 @@ def launch(
     return subprocess.call([*command, f"-j{jobs}", name, *more], cwd=folder, pass_fds=files)
 
 
-def launch_own(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, Path | None]:
+@contextlib.contextmanager
+def only_run(folder: Path) -> Iterator[int]:
+    """Keeps other commands of ours out of a study's folder; yields the file that is held open.
+
+    Raises
+    ------
+    NoStudy
+        Where one of them runs the study already.
+    """
+    path = folder / ".snakemake" / "bearingwear.lock"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as held:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise NoStudy(
+                f"{folder}: given a study that is running; allowed when it is done"
+            ) from None
+        yield held.fileno()
+
+
+def launch_own(
+    folder: Path, jobs: int, held: int, more: Sequence[str] = ()
+) -> tuple[int, Path | None]:
     """Run the study of a folder that `own.folder.write_study` made; a run that was killed goes on.
+
+    Parameters
+    ----------
+    held : int
+        What `only_run` gave for the folder.
 
     Returns
     -------
@@ -82,19 +111,10 @@ def launch_own(folder: Path, jobs: int, more: Sequence[str] = ()) -> tuple[int, 
     Raises
     ------
     NoStudy
-        Also where the study of the folder is running already.
     """
-    with (folder / CONFIG).open() as held:
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise NoStudy(
-                f"{folder}: given a study that is running; allowed when it is done"
-            ) from None
-        # nobody runs it: a lock of Snakemake is left by a run that was killed
-        shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)
-        arguments = ["--rerun-incomplete", *more]
-        status = launch("all", jobs, arguments, folder, [held.fileno()])
+    # nobody runs it: a lock of Snakemake is left by a run that was killed
+    shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)
+    status = launch("all", jobs, ["--rerun-incomplete", *more], folder, [held])
     made = folder / PAGE
     if DRY_RUN & set(more) or not made.is_file():
         return status, None

@@ -159,6 +159,25 @@ def test_the_study_warns_of_its_worn_grooves_alone():
                         assert ids(result) == expected, (name, changes)
 
 
+def test_nothing_skids_at_rest(spindle):
+    at_rest = {"operation.shaft_speed_rpm": 0.0, "operation.radial_load_N": [0.0, -600.0]}
+    assert "inner_load_lost" not in ids(solve(variant(spindle, at_rest)))
+
+
+def test_a_ball_without_load_reaches_no_shoulder(spindle):
+    """Its contact angle says where it would touch."""
+    loaded = {
+        "operation.radial_load_N": [0.0, -900.0],
+        "operation.shaft_speed_rpm": 3000.0,
+        "bearing.inner_shoulder_mm": 50.0,
+        "bearing.outer_shoulder_mm": 58.0,
+    }
+    solved = solve(variant(spindle, loaded), "race_control")
+    load = solved.values["contact_load"][:, 0]
+    assert (load == 0.0).any() and (load > 0.0).any()
+    assert "ellipse_over_shoulder" not in ids(solved)
+
+
 def test_every_caution_is_tested_and_documented():
     told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
     known = {caution.id for caution in CAUTIONS}

@@ -177,13 +177,15 @@ def test_a_group_that_is_ended_keeps_its_finished_cases(on_slurm):
         for _ in range(1200):
             with suppress(FileNotFoundError):  # the old ones go
                 found = {path: path.read_bytes() for path in project.cases()}
-                if done := dict(found.items() - before.items()):
+                if found.items() - before.items():
                     break
             time.sleep(0.05)
         call("scancel", queued("%A")[0])
         assert run.wait(120) == 1
     finally:
         run.send_signal(signal.SIGINT)
+    found = {path: path.read_bytes() for path in project.cases()}
+    done = dict(found.items() - before.items())
     lines = {path.stem.rpartition("-")[0] for path in done}
     whole = [line for line in lines if sum(line in path.stem for path in done) == 2]
     assert 0 < len(done) < 8

@@ -77,10 +77,15 @@ def files_of(job):
     ]
 
 
+# Where Snakemake knows what a result was made from, only what a scene says counts (`made_from`), not
+# its date nor its comments. Results that were brought along without that are judged by the date.
+KNOWN = os.path.isdir(".snakemake/metadata")
+
+
 def inputs_of(job):
-    """Of scenes only what they say counts, not their date nor their comments: `made_from`."""
     return lambda wildcards: [
-        ancient(path) if is_scene(path) else path for path in files_of(job)(wildcards)
+        ancient(path) if KNOWN and is_scene(path) else path
+        for path in files_of(job)(wildcards)
     ]
 
 

@@ -32,7 +32,8 @@ class DesignLimits:
     """What a design must keep to from new to the end of its life; None where there is no limit."""
 
     gyroscopic_slip_share: Annotated[
-        float | None, Key("Largest gyroscopic slip share in any contact", "1", above=0)
+        float | None,
+        Key("Largest gyroscopic slip share in any contact", "1", above=0, maximum=1),
     ] = None
     axial_stiffness_N_um: Annotated[float | None, Key("Least axial stiffness", "N/um", above=0)] = (
         None

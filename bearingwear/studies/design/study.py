@@ -253,7 +253,7 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
     ]
     which = "small map" if folder == _SMALL else "map"
     return Bundle(
-        name=f"drawn_{'small_' if folder == _SMALL else ''}{scene}",
+        name=f"{'small_' if folder == _SMALL else ''}drawn_{scene}",
         steps=tuple(steps),
         label=f"{scene}: figures and tables of its {which}",
     )

@@ -21,12 +21,12 @@ def bundles(plan: Plan) -> list[Bundle]:
         _bundle(f"drawn_{scene}", scene, _scene_steps(plan, scene)) for scene in plan.grids
     ]
     in_time = [
-        _bundle(f"drawn_dynamic_{scene}", f"{scene}, in time", steps)
+        _bundle(f"in_time_drawn_{scene}", f"{scene}, in time", steps)
         for scene in plan.dynamic
         if (steps := _dynamic_steps(plan, scene))
     ]
     across = _steps_across(plan)
-    return [*of_scenes, *in_time, *([_bundle("drawn_across", _ACROSS, across)] if across else [])]
+    return [*of_scenes, *in_time, *([_bundle("across_drawn", _ACROSS, across)] if across else [])]
 
 
 def _bundle(name: str, what: str, steps: Sequence[Step]) -> Bundle:

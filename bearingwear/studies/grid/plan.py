@@ -5,10 +5,11 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 import functools
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from bearingwear.provenance import text_hash
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
 from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
@@ -167,9 +168,11 @@ class Plan:
         most = (self.config.points_per_job or 0) // len(grid.ball_diameter_loss_um)
         if most < 2:
             return {}
+        parts = [lines[k : k + most] for k in range(0, len(lines), most)]
+        # named by their points: a file of other ones must not pass for it
         return {
-            f"results/{scene}/chunks/{k:05d}.nc": lines[most * k : most * (k + 1)]
-            for k in range(-(-len(lines) // most))
+            f"results/{scene}/chunks/{k:05d}-{_name_of(part, grid)}.nc": part
+            for k, part in enumerate(parts)
         }
 
     def solved(self, scene: str) -> list[str]:
@@ -216,10 +219,13 @@ class Plan:
 
     def refused(self, path: str) -> str | None:
         """Why a case file cannot be made: its point is not on the grid; one line."""
-        found = re.fullmatch(r"results/([^/]+)/(cases|dynamic)/([^/]+)\.nc", path)
+        found = re.fullmatch(r"results/([^/]+)/(cases|dynamic|chunks)/([^/]+)\.nc", path)
         if not found:
             return None
         scene, folder, case = found.groups()
+        if folder == "chunks":
+            known = [file for name in self.grids for file in self.chunks(name)]
+            return None if path in known else f"{path}: given a chunk that config.yaml has not"
         grids = self.grids if folder == "cases" else self.dynamic
         if scene not in grids:
             return f"{path}: given scene {scene}; allowed {', '.join(grids) or 'none'}"
@@ -235,6 +241,10 @@ class Plan:
         scenes = map(_scene_file, [*self.grids, *self.dynamic])
         files = dict.fromkeys(file for path in scenes for file in scene_files(path))
         return [*files, *(path for scene in self.dynamic for path in self.reference(scene))]
+
+
+def _name_of(lines: Sequence[Line], grid: Grid) -> str:
+    return text_hash(repr((lines, grid.ball_diameter_loss_um)))[:8]
 
 
 def _scene_file(scene: str) -> str:

@@ -110,7 +110,7 @@ class GridStudy(Study):
                 inputs={"scene": _SCENE},
                 outputs=("results/{scene}/chunks/{chunk}.nc",),
                 settings=self._chunk_settings,
-                matches={"chunk": r"\d+"},
+                matches={"chunk": r"\d+-[0-9a-f]{8}"},
                 label="{scene}: chunk {chunk} of the grid",
                 seconds=START + SOLVE * (plan.config.points_per_job or 0),
             )

@@ -82,7 +82,7 @@ def _hash(text: str) -> str:
 def _check_folder(folder: Path, head: str) -> None:
     """Refuse a folder that holds anything else."""
     try:
-        if folder.exists() and any(folder.iterdir()):
+        if folder.exists() and any(path.name != ".snakemake" for path in folder.iterdir()):
             config = folder / "config" / "config.yaml"
             if not (_text(config) or "").startswith(head):
                 what = head.removeprefix("# Written by ")

@@ -119,6 +119,31 @@ def test_jobs_of_a_grid():
     assert chunked.solved("gyro_s1") == list(chunks)
 
 
+def test_a_chunk_is_named_by_its_points():
+    names = set()
+    for friction in ([0.02, 0.05, 0.08, 0.11], [0.02, 0.05, 0.08, 0.12]):
+        block = {**CONFIG["studies"][0], "scenes": ["gyro_s1"], "friction": friction}
+        figures = {"worn_loss_um": 0.5, "friction": [0.02]}
+        plan = Plan.from_config({"studies": [block], "figures": figures, "points_per_job": 32})
+        names |= set(plan.chunks("gyro_s1"))
+        (first, _) = plan.chunks("gyro_s1")
+        assert plan.refused(first) is None
+    assert len(names) == 4
+    assert "has not" in str(plan.refused("results/gyro_s1/chunks/99999-01234567.nc"))
+
+
+def test_jobs_of_scenes_have_names_of_their_own():
+    """Whatever scenes are called, no two rules have one name."""
+    scenes = ["across", "x", "dynamic_x", "in_time_drawn_x"]
+    block = {**CONFIG["studies"][0], "scenes": scenes}
+    in_time = {**CONFIG["dynamic"][0], "scenes": scenes}
+    column = {"scene": "x", "friction": 0.02}
+    figures = {"worn_loss_um": 0.5, "friction": [0.02], "wear_columns": [column]}
+    plan = Plan.from_config({"studies": [block], "dynamic": [in_time], "figures": figures})
+    names = [bundle.name for bundle in bundles(plan)]
+    assert len(set(names)) == len(names) == 9
+
+
 def test_every_value_of_a_grid_is_checked_once():
     grid = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.2, 0.3])
     cases = grid.every_value()
