@@ -165,3 +165,8 @@ def test_plot(scene, tmp_path):
     assert bearingwear.plot(bearingwear.life(scene)).axes
     with pytest.raises(CaseFileError, match="kind sweep; allowed case, life"):
         bearingwear.plot(bearingwear.sweep(scene, {"operation.preload_N": [7]}, workers=1))
+
+
+def test_a_fidelity_that_is_none():
+    with pytest.raises(ValueError, match="fidelity: given 'fancy'; allowed auto, race_control"):
+        bearingwear.solve(bearingwear.example(), fidelity="fancy")

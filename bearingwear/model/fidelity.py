@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 from bearingwear.provenance import is_compiled
+from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
 
@@ -66,9 +67,13 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     Raises
     ------
     NotAvailable
-        Where the tier asked for cannot solve this scene.
+        Where the tier asked for cannot solve this scene, or is none.
     """
     wanted = fidelity or scene.model.fidelity
+    if wanted not in FIDELITIES:
+        raise NotAvailable(
+            f"{scene.name}: fidelity: given {wanted!r}; allowed {', '.join(FIDELITIES)}"
+        )
     found = " and ".join(asymmetries(scene))
     needs_cage = scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
