@@ -41,11 +41,13 @@ def stacked(
     Returns
     -------
     Dataset
-        With the coordinates of the inner dimensions, which the longest decides.
+        With the coordinates of the inner dimensions, which the longest decides; places along one
+        (of strips) only where all have as many.
     """
     templates: dict[str, xr.Variable] = {}
     coords: dict[str, xr.Variable] = {}
     sizes: dict[str, int] = {}
+    uneven: set[str] = set()
     for dataset in datasets:
         for name, variable in dataset.variables.items():
             if {name, *variable.dims} & set(leave_out):
@@ -54,6 +56,8 @@ def stacked(
                 continue
             one = variable.isel({along: 0}) if along in variable.dims else variable
             target = coords if name in dataset.coords else templates
+            if name in coords and name not in one.dims and one.size != coords[str(name)].size:
+                uneven.add(str(name))
             if name not in target or one.size > target[str(name)].size:
                 target[str(name)] = one
             for dim, size in zip(one.dims, one.shape, strict=True):
@@ -73,6 +77,7 @@ def stacked(
             values = values.astype(template.dtype)
         values = values.reshape((*lengths.values(), *inner))
         variables[name] = ((*lengths, *template.dims), values, template.attrs)
+    coords = {name: one for name, one in coords.items() if name not in uneven}
     used = {dim for template in templates.values() for dim in template.dims}
     return xr.Dataset(variables, {n: c for n, c in coords.items() if set(c.dims) <= used})
 

@@ -199,3 +199,11 @@ def test_a_script_without_its_guard_is_told(tmp_path):
     done = run_script(tmp_path, "multiprocessing.set_start_method('spawn', force=True)\nmain()")
     last = done.stderr.rstrip().splitlines()[-1]
     assert last.startswith("RuntimeError: sweep: ") and "if __name__ == '__main__':" in last
+
+
+def test_profiles_of_unlike_length_have_no_places():
+    """The places of twenty strips are not those of ten."""
+    found = bearingwear.sweep(bearingwear.example(), {"model.strips": [10, 20]}, workers=1)
+    assert "strip_position" not in found.coords
+    same = bearingwear.sweep(bearingwear.example(), {"friction.ball_race": [0.05, 0.08]}, workers=1)
+    assert same["strip_position"].dims == ("strip",)
