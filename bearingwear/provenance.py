@@ -129,10 +129,8 @@ def source_hash() -> str:
 
 def kernels_hash() -> str:
     """Hash of the contents of the kernels as they lie on the disk now, 16 hexadecimal digits."""
-    digest = hashlib.sha256()
-    for path in sorted(PACKAGE.glob("kernels/*.py")):
-        digest.update(hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()[:16]
+    _file_hash.cache_clear()  # they may have been edited since
+    return contents_hash(sorted(PACKAGE.glob("kernels/*.py")))
 
 
 @functools.cache

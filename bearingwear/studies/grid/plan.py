@@ -5,7 +5,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 import functools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -163,17 +163,7 @@ class Plan:
 
     def chunks(self, scene: str) -> dict[str, tuple[Line, ...]]:
         """Lines of each chunk of a scene by its file; none where a job is a line or less."""
-        grid = self.grids[scene]
-        lines = grid.lines()
-        most = (self.config.points_per_job or 0) // len(grid.ball_diameter_loss_um)
-        if most < 2:
-            return {}
-        parts = [lines[k : k + most] for k in range(0, len(lines), most)]
-        # named by their points: a file of other ones must not pass for it
-        return {
-            f"results/{scene}/chunks/{k:05d}-{_name_of(part, grid)}.nc": part
-            for k, part in enumerate(parts)
-        }
+        return _chunks(scene, self.grids[scene], self.config.points_per_job or 0)
 
     def solved(self, scene: str) -> list[str]:
         """Files that together hold every case of a scene."""
@@ -243,8 +233,19 @@ class Plan:
         return [*files, *(path for scene in self.dynamic for path in self.reference(scene))]
 
 
-def _name_of(lines: Sequence[Line], grid: Grid) -> str:
-    return text_hash(repr((lines, grid.ball_diameter_loss_um)))[:8]
+@functools.cache  # the rules look up each of their jobs
+def _chunks(scene: str, grid: Grid, points: int) -> dict[str, tuple[Line, ...]]:
+    losses, lines = grid.ball_diameter_loss_um, grid.lines()
+    most = points // len(losses)
+    if most < 2:
+        return {}
+    parts = [lines[k : k + most] for k in range(0, len(lines), most)]
+    # named by their points: a file of other ones must not pass for it
+    names = [text_hash(repr((part, losses)))[:8] for part in parts]
+    return {
+        f"results/{scene}/chunks/{k:05d}-{name}.nc": part
+        for k, (name, part) in enumerate(zip(names, parts, strict=True))
+    }
 
 
 def _scene_file(scene: str) -> str:
