@@ -1,4 +1,4 @@
-"""The command line: what is typed, and which handler of `commands` does it.
+"""The command line: which handler of `commands` does what is typed (`arguments`).
 
 Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
 standard error; 3 where the solver could not reach a verified answer (the file is written, its
@@ -10,32 +10,16 @@ from __future__ import annotations
 import argparse
 import difflib
 import importlib
-import json
-import math
 import os
 import re
 import sys
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, NoReturn
 
-from bearingwear import __version__
+from bearingwear.arguments import BAD_INPUT, LIMITS, command_parser
 from bearingwear.console import UsageError, one_line
-from bearingwear.scene.assumed import PRELOAD_CLASSES
-from bearingwear.scene.designations import CLEARANCES
-from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
-from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 from bearingwear.studies import NAMES
 
-LIMITS = (
-    ("--stiffness", "axial_stiffness_N_um", "N_UM", "least axial stiffness, N/um"),
-    ("--slip", "gyroscopic_slip_share", "SHARE", "largest gyroscopic slip share of a contact"),
-    ("--pressure", "maximum_pressure_GPa", "GPA", "largest contact pressure, GPa"),
-    ("--power", "friction_power_W", "W", "largest power of friction and drag, W"),
-)
-"""Options that say what a design must keep to, from new to the end of its life."""
-
-_OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
+_OK, INTERRUPTED = 0, 130
 
 RENAMED = {
     "life-spread": "uncertainty",
@@ -53,13 +37,6 @@ RENAMED = {
     "tables": "study",
 }
 """Commands of before, and what does it now; those that begin so count too (tables-design, ...)."""
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors take one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, one_line(f"{self.prog}: {message}; see {self.prog} --help"))
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -109,244 +86,8 @@ def _drop_output() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="bearingwear",
-        description="Friction and wear of high-speed angular contact ball bearings.",
-        epilog="Exit status: 0, 1 where compared files differ, 2 for bad input, 3 where no "
-        "verified answer was reached.",
-        allow_abbrev=False,
-    )
-    parser.add_argument("--version", action="version", version=f"bearingwear {__version__}")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-
-    def command(name: str, text: str) -> argparse.ArgumentParser:
-        sub = commands.add_parser(name, help=text, description=text, allow_abbrev=False)
-        sub.set_defaults(run=name)
-        return sub
-
-    _add_new(command("new", "write a commented scene from a few catalogue numbers"))
-    check = command("check", "check a scene; say which model would be solved, and why")
-    solve = command("solve", "solve a scene; print its sheet, write a case file")
-    life = command("life", "follow wear to the end of life; print its sheet, write a life file")
-    for sub in (check, solve, life):
-        _add_scene(sub)
-    solve.add_argument(
-        "--restart",
-        metavar="CASE.nc",
-        help="go on from the end of a dynamic case; its scene may differ in wear and model only",
-    )
-    for sub in (solve, life):
-        _add_result(sub)
-        _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
-    _add_uncertainty(
-        command("uncertainty", "quantiles of life, over what the scene calls uncertain")
-    )
-    recommend = command("recommend", "say which preload to take, within limits; seconds")
-    _add_scene_with_changes(recommend)
-    _add_limits(recommend)
-    _add_formats(recommend)
-    show = command("show", "print the main numbers of a result file, or of a scene")
-    show.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
-    show.add_argument(
-        "--all", action="store_true", help="residuals, error estimates, steps and versions as well"
-    )
-    _add_formats(show)
-    _add_compare(command("compare", "say what differs between two result files; exit 1 if they do"))
-    plot = command("plot", "draw what a result file holds")
-    plot.add_argument("file", nargs="?", metavar="FILE.nc", type=Path)
-    plot.add_argument(
-        "-o",
-        "--output",
-        nargs="+",
-        default=[],
-        metavar="FIGURE",
-        type=Path,
-        help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
-    )
-    _add_study(command("study", "run the study of a scene, or one of the present folder"))
-    step = commands.add_parser("step")  # no help: rules call it, no person does
-    step.add_argument("step", metavar="STEP")
-    step.add_argument("inputs", nargs="*", metavar="NAME=FILE")
-    step.add_argument("--settings", type=_mapping, default={}, metavar="JSON")
-    step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
-    step.set_defaults(run="step")
-    return parser
-
-
-def _add_new(new: argparse.ArgumentParser) -> None:
-    new.add_argument("file", metavar="MYBEARING.yaml", help="the scene to write; never replaced")
-    new.add_argument(
-        "designation",
-        nargs="?",
-        metavar="DESIGNATION",
-        help="70xx, 72xx, 719xx with C, AC, E, A or B; 60xx, 62xx, 6xx: 7008C, 608",
-    )
-    new.add_argument("--bore", type=float, metavar="MM", help="bore diameter, without designation")
-    new.add_argument("--outside", type=float, metavar="MM", help="outside diameter, likewise")
-    for option, key, metavar, text in OPTIONS:
-        kind = int if key == "bearing.ball_count" else float
-        text = f"{text}; assumed if left out"
-        new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
-    new.add_argument(
-        "--preload-class",
-        choices=tuple(PRELOAD_CLASSES),
-        help="in place of --preload; light is assumed",
-    )
-    clearance = new.add_mutually_exclusive_group()
-    clearance.add_argument(
-        "--clearance",
-        choices=CLEARANCES,
-        help="group of radial clearance of a deep groove bearing, from which its free contact "
-        "angle comes; CN is assumed",
-    )
-    clearance.add_argument(
-        "--radial-clearance-um", dest="clearance", type=float, metavar="UM", help="or its size"
-    )
-    new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
-    new.add_argument(
-        "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"
-    )
-
-
-def _add_scene(sub: argparse.ArgumentParser) -> None:
-    _add_scene_with_changes(sub)
-    sub.add_argument("--fidelity", choices=FIDELITIES, help="overrides model.fidelity")
-
-
-def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    setting = sub.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="replace a value of the scene, as in operation.preload_N=9; may be repeated",
-    )
-    setting.completer = _scene_keys  # type: ignore[attr-defined]
-
-
-def _add_limits(sub: argparse.ArgumentParser) -> None:
-    for option, key, metavar, text in LIMITS:
-        sub.add_argument(option, dest=key, type=_positive, metavar=metavar, help=text)
-
-
-def _add_result(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "-o", "--output", metavar="FILE.nc", type=_file_name, help="the file to write, if any"
-    )
-    sub.add_argument(
-        "--record-timing",
-        action="store_true",
-        help="store the duration of the solve (files of the same case then differ)",
-    )
-    sub.add_argument(
-        "--record-failures",
-        action="store_true",
-        help="exit 0 also where the solver fails; the file's status says so",
-    )
-
-
-def _add_formats(sub: argparse.ArgumentParser) -> Any:
-    """What is printed; of these one at a time."""
-    formats = sub.add_mutually_exclusive_group()
-    formats.add_argument("--json", action="store_true", help="print the sheet as JSON")
-    formats.add_argument("--csv", action="store_true", help="print the sheet as CSV")
-    return formats
-
-
-def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    sub.add_argument("--friction", type=float, metavar="MU", help="default: the scene's own")
-    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, help="default: the scene's")
-    sub.add_argument(
-        "--samples", type=int, metavar="N", help="a power of two; 2 N lives are solved"
-    )
-    sub.add_argument("--seed", type=int, default=1, metavar="N", help="of the sample; default 1")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path)
-
-
-def _add_study(study: argparse.ArgumentParser) -> None:
-    study.add_argument(
-        "name",
-        nargs="?",
-        default="all",
-        type=_study_name,
-        metavar="SCENE.yaml | NAME",
-        help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
-        f"to take, a page; or a study of the present folder: {', '.join(NAMES)}; default: the main "
-        "one",
-    )
-    study.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="FOLDER",
-        help="where the study of a scene is made; default: named as the scene's file",
-    )
-    study.add_argument(
-        "-j", "--jobs", type=int, default=2, metavar="N", help="at a time; default 2"
-    )
-    _add_limits(study)
-    study.epilog = (
-        "Further arguments are Snakemake's and stand after a name, as in `bearingwear study all "
-        "--configfile other.yaml`."
-    )
-
-
-def _add_compare(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("first", metavar="A.nc", help="a result file")
-    sub.add_argument("second", metavar="B.nc", help="another one of the same kind")
-    sub.add_argument(
-        "--tolerance",
-        type=_share,
-        default=0.0,
-        metavar="SHARE",
-        help="numbers no further apart than this share of their variable's largest are the same",
-    )
-
-
-def _study_name(text: str) -> str:
-    if text not in ("all", *NAMES) and not text.endswith((".yaml", ".yml")):
-        allowed = ", ".join(("a scene, MINE.yaml", "all", *NAMES))
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed {allowed}")
-    return text
-
-
-def _mapping(text: str) -> dict[str, Any]:
-    if not isinstance(values := json.loads(text), dict):
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a mapping")
-    return values
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number > 0")
-    return value
-
-
-def _share(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value < 1.0:
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number >= 0 and < 1")
-    return value
-
-
-def _file_name(text: str) -> Path:
-    if not os.path.basename(text):
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a file name")
-    return Path(text)
-
-
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:
-    parser = _parser()
+    parser = command_parser()
     if "_ARGCOMPLETE" in os.environ:  # the shell asks how a line may go on
         import argcomplete
 
@@ -413,10 +154,3 @@ def _run(args: argparse.Namespace) -> int:
     except (SceneError, CaseFileError, OutputError, UsageError) as error:
         sys.stderr.write(one_line(str(error)))
     return BAD_INPUT
-
-
-def _scene_keys(**_: Any) -> list[str]:
-    """What `--set` takes, for a shell that completes it."""
-    from bearingwear.scene.keys import scene_keys
-
-    return [f"{key}=" for key in scene_keys()]

@@ -211,7 +211,7 @@ def _tried(path: str) -> list[str]:
 
 
 def _limits(args: argparse.Namespace) -> DesignLimits:
-    """The limits that are given, by the options of `cli.LIMITS`."""
+    """The limits that are given, by the options of `arguments.LIMITS`."""
     from dataclasses import fields
 
     from bearingwear.scene.checking import record

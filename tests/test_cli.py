@@ -15,7 +15,8 @@ import xarray as xr
 from support import step
 
 import bearingwear
-from bearingwear import cli
+from bearingwear import arguments, cli
+from bearingwear.arguments import command_parser
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.model import life as life_model
@@ -279,7 +280,7 @@ def test_an_old_command_says_what_it_is_now(old, capsys):
 def test_every_command_has_a_handler():
     from bearingwear import commands
 
-    (choices,) = (action.choices for action in cli._parser()._actions if action.choices)
+    (choices,) = (action.choices for action in command_parser()._actions if action.choices)
     functions = inspect.getmembers(commands, inspect.isfunction)
     own = {name for name, made in functions if made.__module__ == commands.__name__}
     assert {name for name in own if not name.startswith("_")} == set(choices)
@@ -430,7 +431,7 @@ def test_errors_without_a_key_in_front(capsys, monkeypatch):
 def test_fidelities_are_those_of_a_scene():
     from bearingwear.scene.scene import FIDELITIES
 
-    assert cli.FIDELITIES == FIDELITIES
+    assert arguments.FIDELITIES == FIDELITIES
 
 
 def test_version():

@@ -28,7 +28,8 @@ MAY_IMPORT = {
     "__init__": {"api", "scene"},
     "api": {"studies", "plotting"} | READING,
     "commands": {"studies", "plotting", "console"} | READING,
-    "cli": {"commands", "studies", "console"} | READING,
+    "arguments": {"studies", "console"} | READING,
+    "cli": {"arguments", "commands", "studies", "console"} | READING,
     "__main__": {"cli"},
 }
 BETWEEN_STUDIES = {
@@ -56,6 +57,7 @@ LIBRARIES = {
     "__init__": set(),
     "__main__": set(),
     "api": {"xarray", "matplotlib"},
+    "arguments": set(),
     "cli": {"argcomplete"},  # only where the shell asks
 }
 

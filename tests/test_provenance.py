@@ -20,7 +20,10 @@ def test_sources_of_the_solver():
     assert {"scene/read.py", "scene/accuracy.py", "model/life.py", "results/netcdf.py"} <= solver
     assert {path for path in solver if path.startswith("kernels/")}
     assert not [path for path in solver if path.startswith(("studies/", "page/", "plotting/"))]
-    assert not {"cli.py", "commands.py", "results/show.py", "results/compare.py"} & solver
+    assert (
+        not {"cli.py", "arguments.py", "commands.py", "results/show.py", "results/compare.py"}
+        & solver
+    )
 
 
 def test_data_belong_to_the_module_that_names_them():
@@ -45,7 +48,9 @@ def test_every_step_has_a_function_and_sources_of_its_own_study():
     for study, step in every_step():
         source = found(step.module)
         assert f"{step.run.rpartition('.')[0].replace('.', '/')}.py" in source
-        assert not {"cli.py", "commands.py", "studies/launch.py"} & source, step.name
+        assert not {"cli.py", "arguments.py", "commands.py", "studies/launch.py"} & source, (
+            step.name
+        )
         if study.name != "grid":
             assert not {"studies/grid/figures.py", "studies/grid/draw.py"} & source, step.name
 

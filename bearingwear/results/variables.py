@@ -14,19 +14,11 @@ those of one solve; the dimensions along which a study repeats it are given with
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
-from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.scene.blocks import CRITERIA
+from bearingwear.results.life_variables import LIFE
+from bearingwear.results.variable import DEGREE, ESTIMATE, STATUS, Variable, table
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
-
-DEGREE = 180.0 / math.pi
-SECONDS_PER_HOUR = 3600.0
-HOURS_PER_SECOND = 1.0 / SECONDS_PER_HOUR
 
 RACES = ("inner", "outer")
 BALL_AXES = ("axial", "tangential", "radial")
@@ -35,73 +27,10 @@ EDGES = ("at_negative_x", "at_positive_x")
 BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
 STABILITY = ("unstable", "stable")
 
-
-@dataclass(frozen=True)
-class Variable:
-    """One variable of a result file.
-
-    Attributes
-    ----------
-    name : str
-    dims : tuple of str
-    units : str
-        In the file; empty for flags, which have none.
-    long_name : str
-    dtype : str
-        `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value.
-    scale : float
-        What takes the program's SI value to the file's units.
-    flags : tuple of str, optional
-        Meanings of 0, 1, ...
-    comment : str, optional
-    always : bool
-        Written also where it was not solved, as `_FillValue`; others are then left out.
-    averaged : bool
-        Of a dynamic case, this is the mean over the evaluated turns; so is all that is `always`.
-    label : str, optional
-        Short name for a person, as in `bearingwear show`.
-    shown : str, optional
-        What it is shown as (`units.SCALES`), where its unit does not say.
-    """
-
-    name: str
-    dims: tuple[str, ...]
-    units: str
-    long_name: str
-    dtype: str = "f8"
-    scale: float = 1.0
-    flags: tuple[str, ...] | None = None
-    comment: str | None = None
-    always: bool = False
-    averaged: bool = False
-    label: str = ""
-    shown: str = ""
-
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """Its attributes in a file."""
-        found: dict[str, Any] = {"long_name": self.long_name}
-        if self.units:
-            found["units"] = self.units
-        if self.flags:
-            found["flag_values"] = np.arange(len(self.flags), dtype=self.dtype)
-            found["flag_meanings"] = " ".join(self.flags)
-        if self.comment:
-            found["comment"] = self.comment
-        return found
-
-
-def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
-    """Variables by their names; `always` holds for all of them."""
-    return {v.name: replace(v, always=True) if always else v for v in variables}
-
-
 _BALL, _RACE, _BOTH = ("ball",), ("race",), ("ball", "race")
 _STRIPS = ("ball", "race", "strip")
 TIME, _TIME_BALL, _TIME_BOTH = ("time",), ("time", "ball"), ("time", "ball", "race")
 _TIME_DIRECTION = ("time", "direction")
-_STEP, _STEP_RACE, _STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
-_STEP_BALL = ("step", "ball")
 
 
 def _history(
@@ -153,16 +82,6 @@ STRIP_POSITION = Variable(
     comment="+1 is the end towards the bearing axis' positive direction",
 )
 
-STATUS = Variable(
-    "status",
-    (),
-    "",
-    "whether the numbers may be used",
-    "i1",
-    flags=STATUS_NAMES,
-    comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES),
-)
-
 INTERVAL_MEANS = {
     "history_contact_qv",
     "history_ball_wear_rate",
@@ -187,9 +106,6 @@ def of_all_balls(name: str, values: Any, balls: int | str) -> Any:
     """One number for all balls, along an axis or dimension: the mean, or an extreme."""
     return getattr(values, EXTREMES.get(name, "mean"))(balls)
 
-
-_ESTIMATE = "from solves with other settings of accuracy; differences of model are not in it"
-_OF_STEADY = "of what of the scene has a steady life, see the attribute steady_life_of"
 
 # fmt: off
 ALWAYS = table(STATUS) | table(
@@ -278,12 +194,12 @@ STATE = ALWAYS | table(
     Variable("discretisation_error_qv", (), "1",
         "change of QV with four times the points, over QV"),
     Variable("qv_error_estimate", (), "1", "estimated numerical error of total QV, over QV",
-        comment=_ESTIMATE, label="numerical error of QV", shown="%"),
+        comment=ESTIMATE, label="numerical error of QV", shown="%"),
     Variable("residual_preload_error_estimate", (), "1",
-        "estimated numerical error of the residual preload, over it", comment=_ESTIMATE,
+        "estimated numerical error of the residual preload, over it", comment=ESTIMATE,
         label="error of residual preload", shown="%"),
     Variable("wear_rate_error_estimate", ("counts",), "1",
-        "estimated numerical error of the loss rate of ball diameter, over it", comment=_ESTIMATE,
+        "estimated numerical error of the loss rate of ball diameter, over it", comment=ESTIMATE,
         label="error of the loss rate", shown="%"),
     Variable("power_balance_error", (), "1", "power balance after the solve, over shaft power"),
     Variable("equilibrium_rounding", (), "1",
@@ -352,78 +268,6 @@ DYNAMIC = table(
 
 CASE = STATE | DYNAMIC
 
-LIFE = table(
-    STATUS,
-    Variable("life", ("counts",), "h", "time to the end of life", scale=HOURS_PER_SECOND,
-        always=True, label="life"),
-    Variable("normalised_life", ("counts",), "s Pa-1",
-        "life times wear coefficient over hardness of the balls", always=True,
-        label="life times K_s/H"),
-    Variable("life_error_bound", ("counts",), "h", "bound on the integration error of the life",
-        scale=HOURS_PER_SECOND, always=True, label="bound of the integration"),
-    Variable("life_error_estimate", ("counts",), "1",
-        "estimated numerical error of the life, over it", comment=_ESTIMATE,
-        label="numerical error, all", shown="%"),
-    Variable("end_criterion", (), "", "the criterion that was met first", "i1", flags=CRITERIA,
-        always=True),
-    Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life", always=True,
-        label="loss of ball diameter"),
-    Variable("history_ball_diameter_loss", _STEP, "m", "loss of ball diameter"),
-    Variable("history_time", _STEP_COUNTS, "h", "time since the start", scale=HOURS_PER_SECOND),
-    Variable("history_residual_preload", _STEP, "N", "axial force of all balls on the inner race",
-        label="residual preload"),
-    Variable("history_total_qv", _STEP, "W", "QV of the whole bearing", label="QV"),
-    Variable("history_qv", _STEP_RACE, "W", "QV of one ball"),
-    Variable("history_contact_angle", _STEP_RACE, "degree", "contact angle", scale=DEGREE),
-    Variable("history_contact_load", _STEP_RACE, "N", "normal load of the contact"),
-    Variable("history_semi_major_axis", _STEP_RACE, "m",
-        "semi-major axis of the contact ellipse"),
-    Variable("history_maximum_pressure", _STEP, "Pa", "largest pressure of all contacts"),
-    Variable("history_gyroscopic_slip_share", _STEP_RACE, "1",
-        "gyroscopic share of the slip, weighted by load"),
-    Variable("history_skid_ratio", _STEP, "1", "lag of the orbit behind pure rolling"),
-    Variable("history_ball_diameter_loss_rate", _STEP_COUNTS, "m s-1",
-        "rate of the loss of ball diameter"),
-    Variable("history_ball_wear_rate", _STEP, "m3 s-1", "wear rate of one ball"),
-    Variable("history_race_wear_rate", _STEP_RACE, "m3 s-1", "wear rate of the whole race"),
-    # of a life in time alone
-    Variable("history_status", _STEP, "", "whether the run in time was solved", "i1",
-        flags=STATUS_NAMES),
-    Variable("history_start", _STEP, "", "where the run in time began", "i1",
-        flags=("start_anew", "end_of_the_step_before")),
-    Variable("history_simulated_turns", _STEP, "1", "shaft turns simulated"),
-    Variable("history_worn_diameter", _STEP_BALL, "m",
-        "worn off the diameter of one ball since the start", label="diameter of one ball"),
-    Variable("history_groove_depth", _STEP, "m", "depth worn into both grooves since the start",
-        label="both grooves, depth"),
-    Variable("history_ball_worn_volume", _STEP_BALL, "m3",
-        "volume worn off one ball since the start", label="one ball"),
-    Variable("history_race_worn_volume", _STEP_RACE, "m3",
-        "volume worn off the race since the start"),
-    Variable("history_pocket_worn_volume", _STEP_BALL, "m3",
-        "volume worn off the cage in one pocket since the start", label="one pocket"),
-    Variable("history_land_worn_volume", _STEP, "m3",
-        "volume worn off the cage at its guiding land since the start", label="guiding land"),
-    Variable("history_each_ball_wear_rate", _STEP_BALL, "m3 s-1", "wear rate of each ball"),
-    Variable("history_pocket_wear_rate", _STEP_BALL, "m3 s-1",
-        "wear rate of the cage in one pocket"),
-    Variable("history_land_wear_rate", _STEP, "m3 s-1",
-        "wear rate of the cage at its guiding land"),
-    Variable("history_pocket_clearance", _STEP, "m",
-        "diametral clearance of pocket and most worn ball", label="pocket clearance then"),
-    Variable("history_guide_clearance", _STEP, "m", "diametral clearance of cage and guiding land",
-        label="guide clearance then"),
-    Variable("steady_status", (), "", "whether there is a steady life to compare with", "i1",
-        flags=STATUS_NAMES, comment=_OF_STEADY),
-    Variable("steady_life", (), "h", "time to the end of life by the steady model",
-        scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="steady life"),
-    Variable("steady_end_criterion", (), "", "the criterion that the steady life meets first", "i1",
-        flags=CRITERIA, comment=_OF_STEADY),
-    Variable("steady_loss_at_end", (), "m", "loss of ball diameter at the end of the steady life",
-        comment=_OF_STEADY, label="loss at its end"),
-    Variable("steady_time_to_loss", (), "h", "time that the steady model takes to loss_at_end",
-        scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="its time to the loss above"),
-)
 # fmt: on
 
 DIAGNOSTICS = frozenset(

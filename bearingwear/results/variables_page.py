@@ -10,15 +10,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.results.variables import (
-    ALWAYS,
-    COORDINATES,
-    DYNAMIC,
-    LIFE,
-    STATE,
-    STRIP_POSITION,
-    Variable,
-)
+from bearingwear.results.variable import Variable
+from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, STATE, STRIP_POSITION
 
 INTRODUCTION = """\
 # Variables of a result

@@ -10,7 +10,7 @@ import xarray as xr
 
 from bearingwear.atomic import whole_file
 from bearingwear.results.netcdf import CaseFileError, data_array, load
-from bearingwear.results.variables import Variable
+from bearingwear.results.variable import Variable
 from bearingwear.scene.scene import COUNTS
 
 LOSS_BASIS = Variable(

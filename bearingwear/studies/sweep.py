@@ -221,8 +221,8 @@ def _told_in_lines(parts: Iterator[xr.Dataset], count: int) -> Iterator[xr.Datas
 def _side_by_side(
     parts: Sequence[xr.Dataset], base: Scene, axes: Mapping[str, list[Any]], what: str
 ) -> xr.Dataset:
+    from bearingwear.results.entries import common_attributes
     from bearingwear.results.labels import labelled
-    from bearingwear.results.netcdf import common_attributes
     from bearingwear.results.warnings import gathered_warnings
     from bearingwear.studies.dataset import stacked
 

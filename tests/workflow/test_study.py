@@ -205,7 +205,9 @@ def test_what_is_between_a_scene_and_its_result_counts(solved, source):
 
 
 def test_an_edited_help_text_makes_nothing_anew(solved):
-    solved.edit("bearingwear/cli.py", 'help="a result file of any kind', 'help="any result file')
+    solved.edit(
+        "bearingwear/arguments.py", 'help="a result file of any kind', 'help="any result file'
+    )
     assert "Nothing to be done" in solved.run("-n").text
 
 

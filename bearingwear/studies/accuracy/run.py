@@ -25,8 +25,9 @@ from bearingwear.model.start import start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.time_run import TimeRun
 from bearingwear.model.values import wear_values
-from bearingwear.results.netcdf import common_attributes, dataset
-from bearingwear.results.variables import HOURS_PER_SECOND
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import dataset
+from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.accuracy.brewe_hamrock import fitted_displacement, fitted_factors

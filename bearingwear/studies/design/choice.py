@@ -17,7 +17,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.variables import Variable
+from bearingwear.results.variable import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits

@@ -17,15 +17,11 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.model.life import life_history, steady_states
 from bearingwear.model.life_integrator import WearState
-from bearingwear.results.netcdf import common_attributes, data_array
-from bearingwear.results.variables import (
-    CRITERIA,
-    HOURS_PER_SECOND,
-    STATUS,
-    STUDY_COORDINATES,
-    Variable,
-    table,
-)
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import data_array
+from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
+from bearingwear.results.variables import STUDY_COORDINATES
+from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
 from bearingwear.studies.life_scene import life_scene

@@ -18,7 +18,7 @@ from scipy.optimize import brentq, minimize_scalar
 from bearingwear.kernels.status import OK
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import CaseFileError, data_array, load
-from bearingwear.results.variables import HOURS_PER_SECOND, Variable
+from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, counted, dataset_with

@@ -15,7 +15,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import dataset, load
-from bearingwear.results.variables import SECONDS_PER_HOUR
+from bearingwear.results.variable import SECONDS_PER_HOUR
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS

@@ -21,8 +21,10 @@ from bearingwear.kernels.thrust import OUTER_SPIN
 from bearingwear.model import parameters
 from bearingwear.model.life import life_history, steady_states
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.results.netcdf import common_attributes, data_array
-from bearingwear.results.variables import HOURS_PER_SECOND, STUDY_COORDINATES, Variable, table
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import data_array
+from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
+from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls

@@ -10,7 +10,8 @@ import xarray as xr
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model.solve import solved
-from bearingwear.results.netcdf import CaseFileError, common_attributes
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import CaseFileError
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError

@@ -16,9 +16,11 @@ from SALib.analyze import sobol as sobol_analysis
 from scipy import stats
 
 from bearingwear.kernels.status import OK
-from bearingwear.results.netcdf import CaseFileError, common_attributes, data_array, load
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import CaseFileError, data_array, load
 from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, UNCERTAIN_INPUTS
-from bearingwear.results.variables import HOURS_PER_SECOND, STUDY_COORDINATES, Variable, table
+from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
+from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene

@@ -18,9 +18,10 @@ from scipy import stats
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.model.life import life_history, steady_states
-from bearingwear.results.netcdf import CaseFileError, common_attributes, data_array, load
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import CaseFileError, data_array, load
 from bearingwear.results.quantiles import PRELOAD_CHOICE
-from bearingwear.results.variables import HOURS_PER_SECOND, STATUS, Variable, table
+from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, key_of_scene
 from bearingwear.scene.uncertain import uncertain_key

@@ -10,7 +10,7 @@ from support import scene_file
 
 from bearingwear.model.life import life
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, quantiles_of
-from bearingwear.results.variables import HOURS_PER_SECOND
+from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset

@@ -1,0 +1,89 @@
+"""What a variable of a result file is, and the one that every kind of file has: its status."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+
+DEGREE = 180.0 / math.pi
+SECONDS_PER_HOUR = 3600.0
+HOURS_PER_SECOND = 1.0 / SECONDS_PER_HOUR
+
+ESTIMATE = "from solves with other settings of accuracy; differences of model are not in it"
+"""Comment of every estimate of a numerical error."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of a result file.
+
+    Attributes
+    ----------
+    name : str
+    dims : tuple of str
+    units : str
+        In the file; empty for flags, which have none.
+    long_name : str
+    dtype : str
+        `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value.
+    scale : float
+        What takes the program's SI value to the file's units.
+    flags : tuple of str, optional
+        Meanings of 0, 1, ...
+    comment : str, optional
+    always : bool
+        Written also where it was not solved, as `_FillValue`; others are then left out.
+    averaged : bool
+        Of a dynamic case, this is the mean over the evaluated turns; so is all that is `always`.
+    label : str, optional
+        Short name for a person, as in `bearingwear show`.
+    shown : str, optional
+        What it is shown as (`units.SCALES`), where its unit does not say.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    units: str
+    long_name: str
+    dtype: str = "f8"
+    scale: float = 1.0
+    flags: tuple[str, ...] | None = None
+    comment: str | None = None
+    always: bool = False
+    averaged: bool = False
+    label: str = ""
+    shown: str = ""
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Its attributes in a file."""
+        found: dict[str, Any] = {"long_name": self.long_name}
+        if self.units:
+            found["units"] = self.units
+        if self.flags:
+            found["flag_values"] = np.arange(len(self.flags), dtype=self.dtype)
+            found["flag_meanings"] = " ".join(self.flags)
+        if self.comment:
+            found["comment"] = self.comment
+        return found
+
+
+def table(*variables: Variable, always: bool = False) -> dict[str, Variable]:
+    """Variables by their names; `always` holds for all of them."""
+    return {v.name: replace(v, always=True) if always else v for v in variables}
+
+
+STATUS = Variable(
+    "status",
+    (),
+    "",
+    "whether the numbers may be used",
+    "i1",
+    flags=STATUS_NAMES,
+    comment="; ".join(f"{name}: {STATUS_SENTENCES[name]}" for name in STATUS_NAMES),
+)
