@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, kind_of
+from bearingwear.kernels.status import STATUS_SENTENCES
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.labels import coded, labelled
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.netcdf import load as read_file
@@ -21,8 +21,10 @@ from bearingwear.scene.assumed import PRELOAD_CLASSES
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
+from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.scene.strict_yaml import data_of
+from bearingwear.scene.strict_yaml import data_of, yaml_of
+from bearingwear.studies import registry
 from bearingwear.studies.sweep import sweep
 
 __all__ = ["example", "life", "load", "new", "plot", "save", "solve", "sweep"]
@@ -40,6 +42,8 @@ CHOICES: Mapping[str, Collection[str]] = {
     "clearance": CLEARANCES,
 }
 """Names that `new` takes."""
+
+RADIAL_CLEARANCE = "radial_clearance_um"
 
 
 def solve(
@@ -65,8 +69,8 @@ def solve(
     Returns
     -------
     xarray.Dataset
-        What a case file holds, its coordinates by name (`sel(race="inner")`), and the attributes
-        `message` and `wall_time_s`. Its `status` is 0 where the numbers may be used.
+        What a case file holds, names in place of codes (`sel(race="inner")`), and the attributes
+        `message` and `wall_time_s`. Its `status` is "ok" where the numbers may be used.
 
     Raises
     ------
@@ -107,7 +111,7 @@ def life(
     Returns
     -------
     xarray.Dataset
-        What a life file holds, its coordinates by name, and the attributes `message` and
+        What a life file holds, names in place of codes, and the attributes `message` and
         `wall_time_s`.
 
     Raises
@@ -149,32 +153,50 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset | Any:
     Returns
     -------
     xarray.Dataset or Scene
-        The file's contents, its coordinates by name; a case or a life with its `message`.
+        The file's contents, names in place of codes; a case or a life with its `message`.
 
     Raises
     ------
     SceneError, CaseFileError
         Both are ValueErrors of one line.
     """
-    if Path(path).suffix in (".yaml", ".yml"):
+    if Path(path).suffix in SCENE_SUFFIXES:
         return load_scene(path)
     found = labelled(read_file(path))
     if kind_of(found) in (CASE_KIND, LIFE_KIND):
-        found.attrs["message"] = STATUS_SENTENCES[STATUS_NAMES[int(found["status"])]]
+        found.attrs["message"] = STATUS_SENTENCES[found["status"].item()]
     return found
 
 
-def save(data: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset of this package as the commands do: with codes for names.
+def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
+    """Write a dataset of this package as the commands do, with codes for names; or a scene.
+
+    Folders that are missing are made.
+
+    Parameters
+    ----------
+    data : Dataset or Scene
+    path : path
+        Of a scene, one that ends with `.yaml` or `.yml`; of a dataset, any other.
 
     Raises
     ------
     OutputError
         An OSError of one line.
     """
-    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.atomic import OutputError, write_text
 
-    write_dataset(coded(data), Path(path))
+    if isinstance(data, Scene) != (Path(path).suffix in SCENE_SUFFIXES):
+        given, allowed = ("a scene", "") if isinstance(data, Scene) else ("a dataset", " no")
+        raise OutputError(
+            f"{path}: given {given}; allowed{allowed} {' or '.join(SCENE_SUFFIXES)} for it"
+        )
+    if isinstance(data, Scene):
+        write_text(path, yaml_of(data.to_dict()))
+    else:
+        from bearingwear.studies.dataset import write_dataset
+
+        write_dataset(coded(data), Path(path))
 
 
 def new(
@@ -194,9 +216,9 @@ def new(
         Of the scene.
     **known : float or str
         What else is known, by the names of the command's options: `designation`, `balls`,
-        `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` [um or a
-        group], `speed` [r/min], `preload` [N], `preload_class`, `friction`, `ball_material`,
-        `preload_method`.
+        `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
+        or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
+        `ball_material`, `preload_method`.
 
     Returns
     -------
@@ -212,7 +234,7 @@ def new(
 
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
-    allowed = [*own, *keys]
+    allowed = [*own, *keys, RADIAL_CLEARANCE]
     if unknown := sorted(known.keys() - allowed):
         raise TypeError(f"new: given {unknown[0]!r}; allowed {', '.join(sorted(allowed))}")
     for option, choices in CHOICES.items():
@@ -220,6 +242,10 @@ def new(
         if isinstance(text, str) and text not in choices:
             problem = f"given {text!r}; allowed {', '.join(choices)}"
             raise SceneError("", problem, source=option)
+    if RADIAL_CLEARANCE in known:
+        if "clearance" in known:
+            raise TypeError(f"new: given clearance and {RADIAL_CLEARANCE}; allowed one of them")
+        known["clearance"] = known.pop(RADIAL_CLEARANCE)
     given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
     others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
     others |= {"bore": bore, "outside": outside}
@@ -244,25 +270,59 @@ def example() -> Scene:
     return load_scene(snakefile().parent / "config" / "scenes" / "gyro_s1.yaml")
 
 
-def plot(data: str | os.PathLike[str] | xr.Dataset) -> Figure:
-    """The figure of a result, as `bearingwear plot` draws it; nothing is saved or shown.
+class Plot:
+    """Figures of results: `plot(data)`, or `plot.case(data)`, `plot.life(data)`, ... for one kind.
 
-    Parameters
-    ----------
-    data : path or Dataset
-        A result file of any kind, or what this package has made of it.
+    The names are the kinds of files that `bearingwear plot` draws. A dataset or file of another
+    kind is then refused. Nothing is saved or shown.
 
-    Raises
-    ------
-    CaseFileError
-        A ValueError of one line: a file that cannot be read, or of a kind that cannot be figure_of.
+    Examples
+    --------
+    >>> bearingwear.plot(case).savefig("case.svg")
+    >>> bearingwear.plot.life("life.nc").savefig("life.pdf")
     """
-    import matplotlib
 
-    from bearingwear.plotting.plot import figure_of
-    from bearingwear.studies import registry
+    def __call__(self, data: str | os.PathLike[str] | xr.Dataset) -> Figure:
+        """The figure of a result, as `bearingwear plot` draws it.
 
-    with matplotlib.rc_context():  # figures have a style of their own
-        if isinstance(data, str | os.PathLike):
-            return figure_of(read_file(data), os.fspath(data), registry("PLOTS"))
-        return figure_of(coded(data), "plot", registry("PLOTS"))
+        Parameters
+        ----------
+        data : path or Dataset
+            A result file of any kind, or what this package has made of it.
+
+        Raises
+        ------
+        CaseFileError
+            A ValueError of one line: a file that cannot be read, or a kind that cannot be drawn.
+        """
+        return self._drawn(data, registry("PLOTS"))
+
+    def __getattr__(self, name: str) -> Callable[[str | os.PathLike[str] | xr.Dataset], Figure]:
+        kinds = {kind.replace(" ", "_"): kind for kind in registry("PLOTS")}
+        if name not in kinds:
+            raise AttributeError(f"plot: given {name!r}; allowed {', '.join(kinds)}")
+        kind = kinds[name]
+        drawing = function(registry("PLOTS")[kind])
+
+        def figure(data: str | os.PathLike[str] | xr.Dataset) -> Figure:
+            return self._drawn(data, {kind: registry("PLOTS")[kind]})
+
+        figure.__name__, figure.__doc__ = name, drawing.__doc__
+        return figure
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(kind.replace(" ", "_") for kind in registry("PLOTS"))]
+
+    @staticmethod
+    def _drawn(data: str | os.PathLike[str] | xr.Dataset, figures: Registry) -> Figure:
+        import matplotlib
+
+        from bearingwear.plotting.plot import figure_of
+
+        with matplotlib.rc_context():  # figures have a style of their own
+            if isinstance(data, str | os.PathLike):
+                return figure_of(read_file(data), os.fspath(data), figures)
+            return figure_of(coded(data), "plot", figures)
+
+
+plot = Plot()

@@ -14,6 +14,7 @@ from bearingwear.console import one_line
 from bearingwear.scene.assumed import PRELOAD_CLASSES
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
+from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 from bearingwear.studies import NAMES
 
@@ -234,7 +235,7 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
 
 
 def _study_name(text: str) -> str:
-    if text not in ("all", *NAMES) and not text.endswith((".yaml", ".yml")):
+    if text not in ("all", *NAMES) and not text.endswith(SCENE_SUFFIXES):
         allowed = ", ".join(("a scene, MINE.yaml", "all", *NAMES))
         raise argparse.ArgumentTypeError(f"given {text!r}; allowed {allowed}")
     return text

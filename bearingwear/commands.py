@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.console import one_line
 from bearingwear.scene.new import OPTIONS
+from bearingwear.scene.records import SCENE_SUFFIXES
 
 if TYPE_CHECKING:
     from bearingwear.model.result import Result
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from bearingwear.studies.design.plan import DesignLimits
 
 OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
-YAML = (".yaml", ".yml")
 
 NEXT = (
     ("check", ""),
@@ -117,7 +117,7 @@ def recommend(args: argparse.Namespace) -> int:
 
 
 def show(args: argparse.Namespace) -> int:
-    if args.file.endswith(YAML):
+    if args.file.endswith(SCENE_SUFFIXES):
         from bearingwear.results.show_scene import scene_sheet
         from bearingwear.scene.read import load_scene
 
@@ -151,7 +151,7 @@ def compare(args: argparse.Namespace) -> int:
 def study(args: argparse.Namespace) -> int:
     from bearingwear.studies.launch import CONFIG, launch, launch_own, only_run
 
-    if args.name.endswith(YAML):
+    if args.name.endswith(SCENE_SUFFIXES):
         from bearingwear.studies.own.folder import answer_of, write_study
 
         file = Path(args.name)

@@ -1,18 +1,21 @@
 """bearingwear as a Python library."""
 
 import warnings
+from dataclasses import replace
+from importlib.resources import files
 
 import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from support import scene_file
+from support import ROOT, scene_file
 
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.results import netcdf
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.scene.variant import variant
+from bearingwear.studies import registry
 
 S1 = scene_file("gyro_s1")
 COARSE = {"model.strips": 8, "model.tolerance": 1e-3}
@@ -103,6 +106,34 @@ def test_new_knows_its_arguments():
         bearingwear.new(bore=40, outside=68, given={})
 
 
+@pytest.mark.parametrize("name", ["gyro_s1", "1e5", "010", "true"])
+def test_a_saved_scene_is_the_same(name, tmp_path):
+    """Also where a reader of YAML 1.1 or 1.2 would take its name for a number."""
+    scene = replace(bearingwear.example(), name=name)
+    path = tmp_path / "new" / "mine.yaml"
+    bearingwear.save(scene, path)
+    assert bearingwear.load(path) == scene
+    assert main(["check", str(path)]) == 0
+
+
+def test_save_knows_a_scene_from_a_dataset(tmp_path):
+    scene = bearingwear.example()
+    with pytest.raises(OSError, match="a.nc: given a scene; allowed .yaml or .yml for it"):
+        bearingwear.save(scene, tmp_path / "a.nc")
+    with pytest.raises(OSError, match="a.yaml: given a dataset; allowed no .yaml or .yml for it"):
+        bearingwear.save(xr.Dataset(), tmp_path / "a.yaml")
+    assert not list(tmp_path.iterdir())
+
+
+def test_new_with_a_radial_clearance():
+    made = bearingwear.new(designation="6008", radial_clearance_um=12.0)
+    assert made.bearing == bearingwear.new(designation="6008", clearance=12.0).bearing
+    with pytest.raises(TypeError, match="given clearance and radial_clearance_um; allowed one"):
+        bearingwear.new(designation="6008", radial_clearance_um=12.0, clearance="C3")
+    with pytest.raises(bearingwear.SceneError, match="^radial_clearance_um: given -1"):
+        bearingwear.new(designation="6008", radial_clearance_um=-1.0)
+
+
 # results
 
 
@@ -137,7 +168,8 @@ def test_what_is_not_solved_warns(scene):
         with pytest.warns(UserWarning, match="^gyro_s1: undetermined: without friction") as told:
             made = function(slippery)
         assert told[0].filename == __file__
-        assert made.attrs["message"].startswith("without friction") and made.status != 0
+        assert made.attrs["message"].startswith("without friction")
+        assert made.status == "undetermined"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         bearingwear.solve(scene)
@@ -162,9 +194,43 @@ def test_plot(scene, tmp_path):
         for line, same in zip(one.lines, other.lines, strict=True):
             np.testing.assert_array_equal(line.get_xydata(), same.get_xydata())
     assert dict(matplotlib.rcParams) == before
-    assert bearingwear.plot(bearingwear.life(scene)).axes
+    life = bearingwear.life(scene)
+    assert bearingwear.plot(life).axes and bearingwear.plot.life(life).axes
+    assert bearingwear.plot.case(tmp_path / "case.nc").get_suptitle() == drawn.get_suptitle()
+    with pytest.raises(CaseFileError, match="plot: given a file of the kind life; allowed case"):
+        bearingwear.plot.case(life)
     with pytest.raises(CaseFileError, match="kind sweep; allowed case, life"):
         bearingwear.plot(bearingwear.sweep(scene, {"operation.preload_N": [7]}, workers=1))
+
+
+def test_every_kind_that_is_drawn_has_its_name():
+    names = {kind.replace(" ", "_") for kind in registry("PLOTS")}
+    assert {"case", "life", "study", "wear_life", "design_map"} <= names
+    assert names <= set(dir(bearingwear.plot))
+    for name in names:
+        assert getattr(bearingwear.plot, name).__doc__
+    with pytest.raises(AttributeError, match="given 'cases'; allowed case, life"):
+        bearingwear.plot.cases  # noqa: B018
+
+
+def test_as_the_design_has_it(tmp_path):
+    """The lines of Python that the interface was designed by, one after the other."""
+    path = tmp_path / "mine.yaml"
+    bearingwear.save(bearingwear.new(bore=40, outside=68, name="mine"), path)
+    scene = bearingwear.load(path)
+    stiffer = scene.with_({"operation.preload_N": 200})
+    case = bearingwear.solve(stiffer)
+    assert case.attrs["message"] == "solved and verified" and case.status == "ok"
+    assert case.contact_load.sel(race="inner").item() > 0.0
+    assert bearingwear.life(stiffer).life.sel(counts="ball").item() > 0.0
+    preloads = {"operation.preload_N": [150, 200]}
+    lives = bearingwear.sweep(scene, preloads, what="life", workers=2)
+    assert lives.life.dims == ("preload_N", "counts")
+    for figure in (bearingwear.plot.case(case), bearingwear.plot(case)):
+        figure.savefig(tmp_path / "case.svg")
+    assert bearingwear.example().name == "gyro_s1"
+    assert (files("bearingwear") / "py.typed").is_file()
+    assert (ROOT / "docs" / "variables.md").is_file()
 
 
 def test_a_fidelity_that_is_none():

@@ -16,35 +16,40 @@ MEMORY_ALONE = ("wall_time_s", "message")
 """Attributes of a dataset in memory that its file does not have."""
 
 
+NO_NAME = "none"
+"""What a code has that stands for nothing: of a status, that there was nothing to solve."""
+
+
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """A dataset whose coordinates are names instead of codes; data variables keep their codes."""
-    return dataset.assign_coords({name: named(dataset.variables[name]) for name in dataset.coords})
+    """A dataset with names instead of codes: `race="inner"`, `status="ok"`."""
+    return dataset.assign({name: named(dataset.variables[name]) for name in dataset.variables})
 
 
-def named(coordinate: xr.Variable) -> xr.Variable:
-    """A coordinate with names for its codes, if it has codes."""
-    if "flag_meanings" not in coordinate.attrs or coordinate.dtype.kind not in "iu":
-        return coordinate
-    meanings = np.array(coordinate.attrs["flag_meanings"].split())
-    attrs = {key: value for key, value in coordinate.attrs.items() if key != "flag_values"}
-    return type(coordinate)(coordinate.dims, meanings[coordinate.values], attrs)
+def named(variable: xr.Variable) -> xr.Variable:
+    """A variable with names for its codes, if it has codes."""
+    if "flag_meanings" not in variable.attrs or variable.dtype.kind not in "iu":
+        return variable
+    meanings = [*variable.attrs["flag_meanings"].split(), NO_NAME]  # the last one for a code of -1
+    attrs = {key: value for key, value in variable.attrs.items() if key != "flag_values"}
+    return type(variable)(variable.dims, np.array(meanings)[variable.values], attrs)
 
 
 def coded(dataset: xr.Dataset) -> xr.Dataset:
     """A dataset as files have it: the codes that `labelled` has named.
 
-    A coordinate with other names than its `flag_meanings` stays as it is.
+    What has other names than its `flag_meanings` stays as it is.
     """
     codes = {}
-    for name, coordinate in dataset.coords.items():
-        meanings = str(coordinate.attrs.get("flag_meanings", "")).split()
-        given = coordinate.values
-        if meanings and given.dtype.kind in "UOT" and set(given.flat) <= set(meanings):
-            numbers = np.array([meanings.index(label) for label in given.flat], dtype=np.int8)
+    for name, variable in dataset.variables.items():
+        meanings = str(variable.attrs.get("flag_meanings", "")).split()
+        given = variable.values
+        known = {NO_NAME: -1} | {label: code for code, label in enumerate(meanings)}
+        if meanings and given.dtype.kind in "UOT" and set(given.flat) <= set(known):
+            numbers = np.array([known[label] for label in given.flat], dtype=np.int8)
             flags = {"flag_values": np.arange(len(meanings), dtype=np.int8)}
-            attrs = {**coordinate.attrs, **flags, "flag_meanings": " ".join(meanings)}
-            codes[name] = (coordinate.dims, numbers.reshape(given.shape), attrs)
+            attrs = {**variable.attrs, **flags, "flag_meanings": " ".join(meanings)}
+            codes[name] = (variable.dims, numbers.reshape(given.shape), attrs)
     attrs = {key: value for key, value in dataset.attrs.items() if key not in MEMORY_ALONE}
-    made = dataset.assign_coords(codes)
+    made = dataset.assign(codes)
     made.attrs = attrs
     return made

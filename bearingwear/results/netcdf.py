@@ -92,7 +92,7 @@ def _is_compressed(entry: Entry) -> bool:
 def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     """The result as an `xarray.Dataset`: what `load` gives for its file, and `wall_time_s`.
 
-    With `by_name` its coordinates are names instead of codes, as `labelled` makes them.
+    With `by_name` it has names instead of codes, as `labelled` makes them.
     """
     import xarray as xr
 
@@ -101,11 +101,10 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     for name, entry in entries.items():
         own = {key: value for key, value in entry.attrs.items() if key != "coordinates"}
         encoding = {} if entry.fill is None else {"_FillValue": entry.fill}
-        variables[name] = xr.Variable(entry.dims, entry.data, own, encoding)
+        variable = xr.Variable(entry.dims, entry.data, own, encoding)
+        variables[name] = named(variable) if by_name else variable
     names = [*filter(variables.__contains__, (*COORDINATES, STRIP_POSITION.name))]
     coordinates = {name: variables.pop(name) for name in names}
-    if by_name:
-        coordinates = {name: named(variable) for name, variable in coordinates.items()}
     attrs["wall_time_s"] = float(result.wall_time_s)
     return xr.Dataset(variables, coordinates, attrs)
 

@@ -7,6 +7,9 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+WARNING = "warning: "
+"""What a line of text about one begins with."""
+
 
 def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The warnings in the global attributes of a result or of a file."""
@@ -35,4 +38,4 @@ def warning_line(one: Mapping[str, Any]) -> str:
     """A warning as text; of one that many results have, the worst."""
     cases = one.get("cases", 1)
     where = f"{cases} times, at worst: " if cases > 1 else ""
-    return f"warning: {where}{one['sentence']}; {one['advice']}"
+    return f"{WARNING}{where}{one['sentence']}; {one['advice']}"

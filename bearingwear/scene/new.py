@@ -23,7 +23,7 @@ from bearingwear.scene.assumed import (
 )
 from bearingwear.scene.checking import fits
 from bearingwear.scene.errors import SceneError, yaml_number
-from bearingwear.scene.records import NAME, NAME_RULE
+from bearingwear.scene.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.scene import key_of_scene, most_balls
 
 BALL_MATERIALS = ("bearing_steel", "silicon_nitride")
@@ -149,7 +149,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     from bearingwear.atomic import OutputError, write_text
 
     path = Path(path)
-    if path.suffix not in (".yaml", ".yml") or not re.search(NAME, path.stem):
+    if path.suffix not in SCENE_SUFFIXES or not re.search(NAME, path.stem):
         problem = f"given this name; allowed NAME.yaml, NAME of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
     text, assumed = scene_text(path.stem, **known)

@@ -29,6 +29,9 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from bearingwear.scene.errors import yaml_number
 
+SCENE_SUFFIXES = (".yaml", ".yml")
+"""How the name of a scene's file ends."""
+
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$(?!\n)"
 """Names of scenes, materials and blocks."""
 

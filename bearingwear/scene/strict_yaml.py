@@ -43,6 +43,21 @@ _Loader.add_implicit_resolver("tag:yaml.org,2002:int", _INTEGER, _FIRST)
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, _FIRST)
 
 
+class _Dumper(yaml.SafeDumper):
+    """Puts texts in quotes that readers of YAML 1.1 or of 1.2 would take for something else."""
+
+    yaml_implicit_resolvers = {k: [*v] for k, v in yaml.SafeDumper.yaml_implicit_resolvers.items()}
+
+
+_Dumper.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, _FIRST)
+
+
+def yaml_of(data: Any) -> str:
+    """Plain data as YAML, a line for each key of a block."""
+    text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True)
+    return text
+
+
 def text_of(path: str | os.PathLike[str]) -> str:
     """Contents of a small UTF-8 text file.
 

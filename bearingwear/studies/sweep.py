@@ -17,6 +17,7 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lines
 from bearingwear.scene.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
@@ -88,7 +89,7 @@ def sweep(
     Warns
     -----
     UserWarning
-        Some points were not solved.
+        Some points were not solved; or there is more to say of them: each warning at its worst.
     """
     if what not in ("solve", "life"):
         raise ValueError(f"what: given {what!r}; allowed solve, life")
@@ -103,8 +104,10 @@ def sweep(
     chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
     parts = list(_told(_solved_by(chunks, cores), len(jobs), progress))
     made = _side_by_side(parts, base, axes, what)
-    if (made["status"] != OK).any():
+    if (made["status"] != STATUS_NAMES[OK]).any():
         warnings.warn(f"{base.name}: {made.attrs['message']}", stacklevel=2)
+    for line in warning_lines(made.attrs):
+        warnings.warn(f"{base.name}: {line.removeprefix(WARNING)}", stacklevel=2)
     return made
 
 
@@ -153,7 +156,6 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
     from bearingwear.model.life import life
     from bearingwear.model.solve import solve
     from bearingwear.results.netcdf import dataset
-    from bearingwear.results.warnings import gathered_warnings
     from bearingwear.studies.dataset import stacked
 
     results = [
@@ -223,7 +225,6 @@ def _side_by_side(
 ) -> xr.Dataset:
     from bearingwear.results.entries import common_attributes
     from bearingwear.results.labels import labelled
-    from bearingwear.results.warnings import gathered_warnings
     from bearingwear.studies.dataset import stacked
 
     names = _dimensions(axes, {str(name) for part in parts for name in part.variables})
@@ -269,9 +270,9 @@ def _axis(key: str, dim: str, values: list[Any]) -> xr.Variable:
     return xr.Variable(dim, np.array(texts), attrs)
 
 
-def _message(statuses: Sequence[int]) -> str:
+def _message(statuses: Sequence[str]) -> str:
     """How many points were not solved, and why."""
-    failed = Counter(STATUS_NAMES[status] for status in statuses if status != OK)
+    failed = Counter(status for status in statuses if status != STATUS_NAMES[OK])
     if not failed:
         return "all points solved and verified"
     reasons = ", ".join(f"{name} {count}" for name, count in failed.items())

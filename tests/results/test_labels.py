@@ -21,7 +21,7 @@ def test_coordinates_are_names(of_files):
     made = labelled(of_files)
     assert made["race"].values.tolist() == ["outer", "inner"]
     assert made["load"].sel(race="inner").values.tolist() == [1.0, 3.0, 5.0]
-    xr.testing.assert_identical(made["held"].variable, of_files["held"].variable)
+    assert made["held"].values.tolist() == ["inner", "outer", "outer"]
     assert made["race"].attrs == {"long_name": "race", "flag_meanings": "inner outer"}
 
 
@@ -29,8 +29,16 @@ def test_there_and_back(of_files):
     for data in (of_files, of_files.isel(race=1), of_files.isel(race=[1, 0])):
         back = coded(labelled(data))
         xr.testing.assert_identical(back, data)
-        assert back["race"].dtype == np.int8
+        assert back["race"].dtype == back["held"].dtype == np.int8
     xr.testing.assert_identical(labelled(labelled(of_files)), labelled(of_files))
+
+
+def test_a_code_that_stands_for_nothing(of_files):
+    """Of a recommendation without a preload within the limits: there was none to solve."""
+    of_files["held"][1] = -1
+    made = labelled(of_files)
+    assert made["held"].values.tolist() == ["inner", "none", "outer"]
+    xr.testing.assert_identical(coded(made), of_files)
 
 
 def test_what_stands_in_memory_alone_goes(of_files):

@@ -84,7 +84,9 @@ def test_python_page(run):
     printed = run("python", "".join(text for language, text in found if language == "python"))
     said = [line for language, text in found if language == "text" for line in text.splitlines()]
     assert len(said) >= 3 and not set(said) - set(printed.splitlines()), printed
-    assert {path.name for path in run.folder.iterdir()} == {"mine.yaml", "case.nc", "case.svg"}
+    assert {path.name for path in run.folder.iterdir()} == {
+        "mine.yaml", "stiffer.yaml", "case.nc", "case.svg", "life.svg",
+    }  # fmt: skip
 
 
 def test_readme_python(run):

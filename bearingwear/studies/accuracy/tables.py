@@ -11,6 +11,7 @@ import xarray as xr
 
 from bearingwear.plotting.markdown import cell_text
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.units import digits, display
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.figures import points_where
 from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
@@ -18,6 +19,7 @@ from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 
 _BEGIN, _END = "<!-- accuracy: begin -->", "<!-- accuracy: end -->"
+_PERCENT = display("1", shown="%")
 _HEADER = (
     "| what | scenes | total QV, median | total QV, worst | a contact's QV, worst "
     "| preload, worst | wear rate, worst | life, worst | times as fast |"
@@ -30,7 +32,11 @@ SECTIONS = {
     "model": "Differences of model",
 }
 _NONE = "–"
-LOOSE, LOOSE_FLOOR = 10.0, 1e-3  # spread of single scenes: runs with a cage part after some turns
+_PLAIN = ("scenes", "times as fast")  # columns that hold no percentages
+LOOSE, LOOSE_FLOOR = (
+    10.0,
+    0.1,
+)  # percent; spread of single scenes: runs with a cage part after some turns
 
 
 def accuracy_tables(trade: Path, plan: Path) -> tuple[str, str]:
@@ -88,20 +94,10 @@ def markdown(trade: xr.Dataset, plan: AccuracyPlan) -> str:
         lines += [f"**{title}**", "", _HEADER, "| --- |" + " ---: |" * 8]
         for row in rows:
             count, *errors, speed = cells(trade, row)
-            texts = [f"{count:.0f}", *(_error(e) for e in errors), _speed(speed)]
+            texts = [f"{count:.0f}", *(_PERCENT.text(e) for e in errors), digits(speed)]
             lines.append(f"| {row.text} | " + " | ".join(texts) + " |")
         lines.append("")
     return "\n".join(lines).rstrip() + "\n"
-
-
-def _error(value: float) -> str:
-    return f"{value:.1e}" if math.isfinite(value) else _NONE
-
-
-def _speed(value: float) -> str:
-    if not math.isfinite(value):
-        return _NONE
-    return f"{value:.0f}" if value >= 9.95 else f"{value:.1f}" if value >= 0.095 else f"{value:.2g}"
 
 
 def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
@@ -112,13 +108,13 @@ def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
 ## Accuracy against time
 
 Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here.
-Errors are relative to the reference of each scene (`config/accuracy.yaml`), without sign; all other
-settings are those of the reference. "Times as fast" compares with that reference: warm solves,
-nothing else running, median over the scenes. Scenes: {scenes}.
+Errors are in percent of the reference of each scene (`config/accuracy.yaml`), without sign; all
+other settings are those of the reference. "Times as fast" compares with that reference: warm
+solves, nothing else running, median over the scenes. Scenes: {scenes}.
 
 Errors of another run lie within a factor {tolerance.error:g} of these, times within a factor
-{tolerance.time:g}; errors below {tolerance.floor:g}, in time below {tolerance.floor_dynamic:g}, are
-noise. The study compares them.
+{tolerance.time:g}; errors below {100.0 * tolerance.floor:g} %, in time below
+{100.0 * tolerance.floor_dynamic:g} %, are noise. The study compares them.
 
 {markdown(trade, plan)}
 Traction is left out of the balance of normal forces in every model here, as in the paper, but for
@@ -129,8 +125,8 @@ circumferential part of the normal forces are left out of the motion; the energy
 work, of the heat:
 {booked(trade)}.
 
-**The presets, scene by scene**: errors against the reference of the scene; life in the steady
-state, loss rate in time; a contact's QV is far more sensitive than the total
+**The presets, scene by scene**: errors against the reference of the scene in percent; life in the
+steady state, loss rate in time; a contact's QV is far more sensitive than the total
 
 {presets(trade)}
 
@@ -149,7 +145,8 @@ def booked(trade: xr.Dataset) -> str:
     for name, text in (("coriolis", "Coriolis"), ("azimuth", "circumferential")):
         values = np.abs(points[f"{name}_energy_share"].values)
         values = values[np.isfinite(values)]
-        texts.append(f"{text} at most {_error(float(values.max()) if values.size else math.nan)}")
+        most = float(values.max()) if values.size else math.nan
+        texts.append(f"{text} at most {_PERCENT.text(most)} %")
     return ", ".join(texts)
 
 
@@ -171,9 +168,9 @@ def presets(trade: xr.Dataset) -> str:
             cells = [f"{kind}, `{scene}`"]
             for label in ("draft", "standard"):
                 for name in ("total_qv", "contact_qv", last):
-                    cells.append(_error(abs(float(one[label][f"error_{name}"].values[0]))))
+                    cells.append(_PERCENT.text(abs(float(one[label][f"error_{name}"].values[0]))))
             times = [float(part["wall_time"].values[0]) for part in one.values()]
-            cells += [_speed(times[1] / times[0]), _speed(times[2] / times[1])]
+            cells += [digits(times[1] / times[0]), digits(times[2] / times[1])]
             lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -198,8 +195,8 @@ def estimates(trade: xr.Dataset) -> str:
             error, estimate, least = error[both], estimate[both], least[both]
             row.append(str(both.sum()))
             if both.any():
-                row.append(f"{100.0 * np.mean(estimate >= least):.0f} %")
-                row.append(f"{np.median(estimate / np.maximum(error, 1e-9)):.2g}")
+                row.append(f"{_PERCENT.text(np.mean(estimate >= least))} %")
+                row.append(digits(float(np.median(estimate / np.maximum(error, 1e-9)))))
             else:
                 row += [_NONE, _NONE]
         lines.append("| " + " | ".join(row) + " |")
@@ -263,7 +260,8 @@ def differences(trade: xr.Dataset, plan: AccuracyPlan, docs: str | Path) -> list
             columns, said[SECTIONS[part], row.text], cells(trade, row), strict=True
         ):
             if not agree(text_said, value, name, part, plan.tolerance):
-                found.append(f"{docs}: {where}: {name}: says {text_said}, a run gives {value:.2g}")
+                given = digits(value) if name in _PLAIN else _PERCENT.text(value)
+                found.append(f"{docs}: {where}: {name}: says {text_said}, a run gives {given}")
     planned = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
     for key, texts in table_rows(block(trade, plan)).items():
         if key in planned:
@@ -277,11 +275,16 @@ def differences(trade: xr.Dataset, plan: AccuracyPlan, docs: str | Path) -> list
 def alike(said: str, given: str) -> bool:
     """Whether two cells of the tables of presets and estimates say the same, within a factor 10."""
     try:
-        one, other = (float(text.removesuffix(" %")) for text in (said, given))
+        one, other = (_number(text.removesuffix(" %")) for text in (said, given))
     except ValueError:
         return said == given
     low, high = sorted((max(one, LOOSE_FLOOR), max(other, LOOSE_FLOOR)))
     return high <= LOOSE * low
+
+
+def _number(said: str) -> float:
+    """The number of a cell, or what it says to be below."""
+    return float(said.removeprefix("< "))
 
 
 def table_rows(text: str) -> dict[tuple[str, str], list[str]]:
@@ -300,13 +303,15 @@ def agree(said: str, value: float, column: str, part: str, tolerance: Tolerance)
     """Whether a cell and a number are the same within the tolerance."""
     if said == _NONE or not math.isfinite(value):
         return said == _NONE and not math.isfinite(value)
-    number = float(said)
+    number = _number(said)
     if column == "scenes":
         return number == value
     if column == "times as fast":
         factor, floor = tolerance.time, 0.0
     else:
-        factor = tolerance.error
+        factor, number = tolerance.error, 0.01 * number
         floor = tolerance.floor if part == "steady" else tolerance.floor_dynamic
+        if said.startswith("<"):
+            floor = max(floor, number)
     low, high = sorted((max(number, floor), max(value, floor)))
-    return high <= factor * 1.05 * low  # and what the two digits round off
+    return high <= factor * 1.05 * low  # and what the digits round off

@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
-import yaml
 
 from bearingwear.results.netcdf import load
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.scene.strict_yaml import yaml_of
 from bearingwear.studies.design.recommend import best_method, recommended_for
 from bearingwear.studies.life_scene import life_scene
 
@@ -57,4 +57,4 @@ def check_scene_text(scene: Path, recommendation: Path, times: float) -> str:
     base = life_scene(scene)
     plain = check_scene(base, load(recommendation), times).to_dict()
     head = f"# {base.name} at {times:g} times its recommended preload.\n"
-    return head + yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
+    return head + yaml_of(plain)

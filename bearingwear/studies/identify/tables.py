@@ -9,11 +9,13 @@ import numpy as np
 
 from bearingwear.plotting.drawing import in_words, methods
 from bearingwear.plotting.markdown import markdown_table
-from bearingwear.results.units import digits
+from bearingwear.results.units import digits, display, in_print, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
 from bearingwear.studies.identify.figures import candidates_message, fitting
 from bearingwear.studies.identify.search import FIT_RESULTS
+
+_SKID = display("1", shown="%")
 
 
 def candidates_table(candidates: Path) -> str:
@@ -25,12 +27,12 @@ def candidates_table(candidates: Path) -> str:
     names = [name for name, _ in methods(found)]
     rows = [
         [
-            f"{float(one['pitch_diameter']):g}",
-            f"{int(one['ball_count'])}",
-            f"{float(one['inner_groove_factor']):g}",
-            f"{float(one['contact_angle']):.2f}",
-            f"{float(one['drag_low']):g} to {float(one['drag_high']):g}",
-            f"{float(one['skid_ratio']):.3f}",
+            digits(float(one["pitch_diameter"])),
+            str(int(one["ball_count"])),
+            digits(float(one["inner_groove_factor"])),
+            digits(float(one["contact_angle"])),
+            span([float(one["drag_low"]), float(one["drag_high"])]),
+            _SKID.text(one["skid_ratio"]),
             *(
                 digits(float(life.isel(loss_basis=c)))
                 for c in (basis, 1 - basis)
@@ -59,7 +61,8 @@ def candidates_table(candidates: Path) -> str:
         "that fit, the largest skid ratio stands below.",
         markdown_table(
             "pitch diameter (mm) | balls | inner groove factor | contact angle (°) | "
-            f"drag density that fits (kg/m3) | largest skid ratio | {ways}",
+            f"drag density that fits ({in_print('kg/m3')}) | {_SKID.label('largest skid ratio')} | "
+            f"{ways}",
             rows,
         ),
     ]

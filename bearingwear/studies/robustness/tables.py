@@ -7,6 +7,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words
 from bearingwear.plotting.markdown import markdown_table
+from bearingwear.results.units import display
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.robustness.ends import WITHOUT_REASON
 from bearingwear.studies.run_step import NotSolved
@@ -33,7 +34,8 @@ def _row(one: xr.Dataset, names: list[str]) -> list[str]:
         for name, number in zip(names, one["count"].values, strict=True)
         if number and name not in NO_REASON
     ]
-    multiple = f"{int(one['multiple_states'])}, by {float(one['largest_qv_ratio']):.0e} of QV"
+    apart = display("1", shown="%").text(one["largest_qv_ratio"])
+    multiple = f"{int(one['multiple_states'])}, by up to {apart} % of QV"
     return [
         f"{in_words(one['name'].item())}, {_KINDS[one['kind'].item()]}",
         f"{int(one['trials'])}",
