@@ -1,0 +1,82 @@
+"""Check of a worn contact by a formula its solver does not use (theory.md section 17).
+
+The solver sums over half of the cells and takes the gap along as it goes. Here every cell of the
+whole contact is loaded by itself, and Love's displacement is in its other form, with logarithms.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.hertz import elliptic_integrals
+
+
+class ContactCheck(NamedTuple):
+    """What a pressure leaves open."""
+
+    gap: float  # largest where there is pressure, over the approach [1]
+    overlap: float  # largest where there is none, over the approach [1]
+    tension: float  # largest, over the peak of Hertz [1]
+    load: float  # over the peak of Hertz times a b [1]
+
+
+@jit
+def love(x, y, c, d):
+    """Integral of 1/rho over the rectangle |x| < c, |y| < d, seen from (x, y)."""
+    right, left, up, down = x + c, x - c, y + d, y - d
+    right_up, right_down = math.hypot(right, up), math.hypot(right, down)
+    left_up, left_down = math.hypot(left, up), math.hypot(left, down)
+    return (
+        right * math.log((up + right_up) / (down + right_down))
+        + up * math.log((right + right_up) / (left + left_up))
+        + left * math.log((down + left_down) / (up + left_up))
+        + down * math.log((left + left_down) / (right + right_down))
+    )
+
+
+@jit(fastmath=REORDER_SUMS)
+def contact_check(cells, wear, pressure):
+    """Gap, overlap, tension and load of a pressure (m, n).
+
+    Parameters
+    ----------
+    cells : Cells
+        Of which only the places and the unworn gap are taken.
+    wear : ndarray (n,)
+        As in `worn_contact.worn_pressure`.
+
+    Returns
+    -------
+    ContactCheck
+    """
+    m, n = pressure.shape
+    kappa = math.exp(cells.log_kappa)
+    elliptic_K, _, _ = elliptic_integrals(1.0 / kappa)
+    dX, dY = cells.X[1] - cells.X[0], 2.0 * cells.Y[0]
+    # By the distance in cells, along and across
+    table = np.empty((2 * m, n))
+    for j in range(2 * m):
+        for i in range(n):
+            table[j, i] = love(i * dX, j * dY / kappa, 0.5 * dX, 0.5 * dY / kappa)
+    largest_gap = overlap = tension = load = 0.0
+    deflection = np.zeros((m, n))
+    for k in range(-m, m):
+        row = k if k >= 0 else -1 - k
+        for q in range(n):
+            p = pressure[row, q]
+            load += p
+            tension = max(tension, -p)
+            if p != 0.0:
+                for j in range(m):
+                    for i in range(n):
+                        deflection[j, i] += p * table[abs(j - k), abs(i - q)]
+    for j in range(m):
+        for i in range(n):
+            gap = cells.gap[j, i] + wear[i] + kappa / (math.pi * elliptic_K) * deflection[j, i]
+            if pressure[j, i] > 0.0:
+                largest_gap = max(largest_gap, abs(gap))
+            else:
+                overlap = max(overlap, -gap)
+    return ContactCheck(gap=largest_gap, overlap=overlap, tension=tension, load=load * dX * dY)

@@ -1,0 +1,121 @@
+"""The contact of a ball and a worn groove: its limits, another program, and its own check."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.hertz import elliptic_integrals, point_contact
+from bearingwear.kernels.worn_contact import contact_buffers, contact_cells, worn_pressure
+from bearingwear.kernels.worn_verification import contact_check
+
+KAPPA = 3.07  # a/b of gyro_s1's outer contact
+PROFILES = {
+    "flat": lambda X: 0.3 * np.exp(-(X**2)) - 0.2,
+    "skew": lambda X: 0.25 * np.exp(-((X - 0.4) ** 2) / 0.5) - 0.1,
+    "two": lambda X: (
+        0.3 * np.exp(-(((X - 0.5) / 0.4) ** 2)) + 0.2 * np.exp(-(((X + 0.6) / 0.3) ** 2)) - 0.15
+    ),
+}
+# Load over Hertz's at the same approach, and place of its centre, by tamaas 2.9.0 (PolonskyKeerRey
+# with the non-periodic operator) on 256 x 128 cells: python benchmarks/worn_contact.py --judge
+TAMAAS = {"flat": (0.973452, 0.0), "skew": (0.949442, -0.104369), "two": (1.011956, -0.041717)}
+
+
+@pytest.fixture(scope="module")
+def cells():
+    status, cells = contact_cells(math.log(KAPPA), -1.9, 1.9, 48, 10)
+    assert status == code.OK
+    return cells
+
+
+def solved(cells, wear, start=None):
+    pressure = cells.fresh.copy() if start is None else start
+    m, n = pressure.shape
+    status, _ = worn_pressure(cells, wear, contact_buffers(n, m), pressure)
+    assert status == code.OK
+    return pressure
+
+
+def test_unworn_cells_carry_what_hertz_says(cells):
+    X, Y = np.meshgrid(cells.X, cells.Y)
+    hertz = np.sqrt(np.maximum(1.0 - X**2 - Y**2, 0.0))
+    assert cells.fresh.sum() * cells.area == pytest.approx(2.0 / 3.0 * math.pi, rel=1e-3)
+    inside = X**2 + Y**2 < 0.7  # cells at the edge lie partly outside
+    assert np.abs(cells.fresh - hertz)[inside].max() < 0.03
+
+
+def test_no_wear_gives_the_unworn_pressure_from_any_start(cells):
+    nothing = np.zeros(cells.X.size)
+    cold = solved(cells, nothing, np.zeros_like(cells.fresh))
+    assert cold.sum() == pytest.approx(cells.fresh.sum(), rel=1e-9)
+    assert solved(cells, nothing).sum() == pytest.approx(cells.fresh.sum(), rel=1e-9)
+
+
+def test_even_wear_is_a_smaller_approach(cells):
+    found = solved(cells, np.full(cells.X.size, 0.1)).sum() / cells.fresh.sum()
+    assert found == pytest.approx(0.9**1.5, rel=2e-3)  # that of the cells
+
+
+@pytest.mark.parametrize("c", [-0.1, 0.2])
+def test_a_parabola_is_hertz_with_another_groove(cells, c):
+    _, _, s = elliptic_integrals(1.0 / KAPPA)
+    # In units of a and of the approach
+    unworn, worn = (
+        point_contact(s + wear, (1.0 - s) * KAPPA**2, 1.0, math.nan).K for wear in (0.0, c)
+    )
+    found = solved(cells, c * cells.X**2).sum() / cells.fresh.sum()
+    assert found == pytest.approx(worn / unworn, rel=1e-3)
+
+
+def test_a_mirrored_profile_gives_the_mirrored_pressure(cells):
+    wear = PROFILES["skew"](cells.X)
+    pressure = solved(cells, wear)
+    assert solved(cells, wear[::-1].copy()) == pytest.approx(pressure[:, ::-1], abs=1e-6)
+
+
+def test_more_room_for_the_cells_changes_nothing(cells):
+    width = cells.X[1] - cells.X[0]
+    _, wider = contact_cells(math.log(KAPPA), -1.9 - 2 * width, 1.9 + 4 * width, 54, 10)
+    pressure = solved(cells, PROFILES["two"](cells.X))
+    assert solved(wider, PROFILES["two"](wider.X))[:, 2:-4] == pytest.approx(pressure, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_tamaas_finds_the_same_load(cells, name):
+    pressure = solved(cells, PROFILES[name](cells.X))
+    load, centre = TAMAAS[name]
+    assert pressure.sum() / cells.fresh.sum() == pytest.approx(load, rel=1e-3)
+    assert (pressure * cells.X).sum() / pressure.sum() == pytest.approx(centre, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_check_finds_balance_and_the_same_load(cells, name):
+    wear = PROFILES[name](cells.X)
+    pressure = solved(cells, wear)
+    check = contact_check(cells, wear, pressure)
+    assert max(check.gap, check.overlap) < 2e-8
+    assert check.tension == 0.0
+    assert check.load == pytest.approx(pressure.sum() * cells.area, rel=1e-12)
+
+
+def test_the_check_says_no(cells):
+    wear = PROFILES["skew"](cells.X)
+    pressure = solved(cells, wear)
+    assert contact_check(cells, wear + 1e-6, pressure).gap > 0.9e-6
+    assert contact_check(cells, wear - 0.1, pressure).overlap > 0.01
+    pressure[0, 20] *= -1.0
+    assert contact_check(cells, wear, pressure).tension > 0.5
+
+
+def test_a_solve_that_fails_says_so(cells):
+    work = contact_buffers(48, 10)
+    deep = -1.5 * np.ones(48)
+    assert worn_pressure(cells, deep, work, cells.fresh.copy())[0] == code.BEYOND_GROOVE
+    unknown = np.full(48, math.nan)
+    assert worn_pressure(cells, unknown, work, cells.fresh.copy())[0] == code.NOT_CONVERGED
+
+
+def test_a_ball_off_the_groove_presses_nothing(cells):
+    assert solved(cells, np.full(48, 1.1)).max() == 0.0
