@@ -13,8 +13,6 @@ from bearingwear.model.mounted import GPA, MM, RPM, UM
 from bearingwear.scene.scene import Material, Scene
 from bearingwear.scene.warmth import Fits, Temperature, expansion
 
-INNER, OUTER = 0, 1
-
 
 class Ring(NamedTuple):
     """A ring as a plane annulus, and how it turns."""

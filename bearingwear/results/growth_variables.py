@@ -1,13 +1,13 @@
-"""What heat, speed and fits have made of a bearing: a part of the table in `results/variables.py`."""
+"""What heat, speed and fits made of a bearing: a part of the table in `results/variables.py`."""
 
 from __future__ import annotations
 
 from bearingwear.results.variable import Variable, table
 
-PARTS = ("inner_ring", "balls", "outer_ring", "shaft", "housing")
+BEARING_PARTS = ("inner_ring", "balls", "outer_ring", "shaft", "housing")
 
 # fmt: off
-GROWTH = table(
+GROWN = table(
     Variable("part_temperature", ("part",), "degC", "temperature of the part",
         comment="none of shaft or housing: axial places are as mounted", label="temperature"),
     Variable("thermal_growth", ("part",), "1", "thermal growth of the part, relative",

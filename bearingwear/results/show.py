@@ -14,7 +14,7 @@ import numpy as np
 
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model.result import status_sentence
-from bearingwear.results.growth_variables import PARTS
+from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.netcdf import in_memory, opened
 from bearingwear.results.rows import (
@@ -212,7 +212,7 @@ def _dynamics(file: Any) -> list[Block]:
 def _grown(file: Any) -> list[Block]:
     """What heat, speed and fits have made of the bearing as mounted."""
     blocks = []
-    for title, columns, names in (("parts", PARTS, WARMTH), ("rings", RACES, RINGS)):
+    for title, columns, names in (("parts", BEARING_PARTS, WARMTH), ("rings", RACES, RINGS)):
         found = [(name, values(file, name)) for name in names if name in file.variables]
         if found:
             known = np.isfinite(found[0][1])  # shaft and housing need not be

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.results.growth_variables import GROWTH
+from bearingwear.results.growth_variables import GROWN
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, STATE, STRIP_POSITION
 
@@ -33,8 +33,8 @@ COORDINATES_SAID = (
 def page_of_variables() -> str:
     """The page, in Markdown."""
     others = [variable for name, variable in STATE.items() if name not in ALWAYS]
-    grown = GROWTH.values()
-    of_a_life = [variable for name, variable in LIFE.items() if name not in GROWTH]
+    grown = GROWN.values()
+    of_a_life = [variable for name, variable in LIFE.items() if name not in GROWN]
     coordinates = [*COORDINATES.values(), STRIP_POSITION]
     sections = (
         ("Of every case", "NaN where it was not solved.", ALWAYS.values()),
