@@ -121,7 +121,8 @@ def test_life(tmp_path, capsys):
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith("warning: 0.49") and err.count("\n") == 1
+    assert out == "" and err.startswith("warning: 0.49") and err.count("\n") == 2
+    assert "\nwarning: temperature is left out" in err
     life = load(tmp_path / "life.nc")
     assert int(life["status"]) == code.OK
     assert life["life"].dims == ("counts",) and (life["life"] > 0.0).all()

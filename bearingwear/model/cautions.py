@@ -14,6 +14,7 @@ import numpy as np
 
 from bearingwear.model.criterion import IN_WORDS, criterion_met
 from bearingwear.model.fidelity import Choice, unwatched
+from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
 from bearingwear.scene.scene import Scene
 
 STEEL_YIELD = 4.2
@@ -282,6 +283,26 @@ CAUTIONS = (
         "{loss:.3g} um lost is {value:.2g} times the gap between ball and groove at the ellipse's "
         "edge: from {limit:g} on the groove is not Hertz' any more",
         "take pressure, slip and wear as estimates",
+    ),
+    Caution(
+        "growth_left_out",
+        lambda e: growth_left_out(e.scene),
+        "growth of the inner ring at speed is left out: with a bore of {bore:.3g} mm (assumed) it "
+        "changes the preload of the fixed position by about {value:+.0f} %",
+        "give bearing.bore_mm",
+    ),
+    Caution(
+        "temperature_left_out",
+        lambda e: temperature_left_out(e.scene),
+        "temperature is left out: an inner ring {kelvin:g} K warmer than the rest changes the "
+        "preload of the fixed position by about {value:+.0f} %",
+        "give temperature, or thermal",
+    ),
+    Caution(
+        "fit_lost",
+        lambda e: fit_lost(e.scene),
+        "the ring is loose on its seat ({seats}): heat and speed have taken the interference",
+        "more interference, or less speed",
     ),
     Caution(
         "speed_assumed",

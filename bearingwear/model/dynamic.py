@@ -12,7 +12,6 @@ from bearingwear.kernels.cage import INNER_LAND, NO_LAND, cage_energy
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.cage_law import ELASTIC
 from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
-from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.integrators import ROSENBROCK, Tableau, stages
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.profile import STORED
@@ -39,6 +38,7 @@ from bearingwear.kernels.state import (
     StateLayout,
 )
 from bearingwear.kernels.step_control import StepControl, Tally, advance
+from bearingwear.model import parameters
 from bearingwear.model.bearing_model import bearing_model
 from bearingwear.model.race_control import unseated
 from bearingwear.scene.scene import Scene
@@ -83,7 +83,7 @@ class DynamicSystem:
         n = len(bearing.D)
         system.balls[:, W_X : OMEGA + 1] = u
         system.balls[:, PSI] = 2.0 * math.pi * np.arange(n) / n
-        system.buffers.rest[0] = static_displacement(bearing.g, bearing.F_x)
+        system.buffers.rest[0] = parameters.static_place(scene)
         system.buffers.balls.delta[:] = system.buffers.rest
         if bearing.cage.present:
             system.place_cage()

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
+from bearingwear.model.growth_told import growth_told
 from bearingwear.provenance import is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
@@ -141,7 +142,13 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
     cage = tier == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
     chosen = Choice(tier, (), cage and scene.cage is not None)
     cage_told = [] if chosen.cage else _no_cage(scene)
-    reasons = (f"{tier}: {why}", *told[tier](chosen.reduced(scene)), *cage_told, last)
+    reasons = (
+        f"{tier}: {why}",
+        *told[tier](chosen.reduced(scene)),
+        *growth_told(scene),
+        *cage_told,
+        last,
+    )
     return replace(chosen, reasons=reasons)
 
 

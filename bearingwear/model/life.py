@@ -16,6 +16,7 @@ from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import choice_for_life
+from bearingwear.model.growth_told import growth_values
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life_integrator import (
     FIRST_STEP,
@@ -193,6 +194,7 @@ def life(
                 values = life_values(scene, history)
         attrs = {"solves": history.solves}
     elapsed = time.perf_counter() - started
+    values |= growth_values(scene)
     attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
     return Result(values, attrs, elapsed)
 

@@ -6,44 +6,38 @@ import math
 import numpy as np
 
 from bearingwear.kernels.ellipse import SEGMENTS, Rule
+from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.model.growth import axial_change, grown, growth_of
+from bearingwear.model.mounted import GPA as GPA
+from bearingwear.model.mounted import MM as MM
+from bearingwear.model.mounted import RPM as RPM
+from bearingwear.model.mounted import UM as UM
+from bearingwear.model.mounted import contact_modulus as contact_modulus
+from bearingwear.model.mounted import mounted_geometry
 from bearingwear.model.quadrature import equal_strips, gathered, gauss_halves
-from bearingwear.scene.scene import Material, Scene
+from bearingwear.scene.scene import Scene
 
-MM, UM, GPA = 1e-3, 1e-6, 1e9
-RPM = math.pi / 30.0
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
-def contact_modulus(first: Material, second: Material) -> float:
-    """1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa]."""
-    flexibility = sum(
-        (1.0 - m.poisson_ratio**2) / (m.youngs_modulus_GPa * GPA) for m in (first, second)
-    )
-    return 1.0 / flexibility
+def static_place(scene: Scene) -> float:
+    """Axial displacement of the bearing as mounted, under its preload alone [m].
+
+    It is what a fixed position keeps, whatever grows or wears afterwards.
+    """
+    return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
 
 
 def geometry(scene: Scene) -> Geometry:
-    """Groove geometry and material pair of a scene."""
-    b = scene.bearing
-    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
-    D0 = b.ball_diameter_mm * MM
-    dm = b.pitch_diameter_mm * MM
-    alpha0 = math.radians(b.contact_angle_deg)
-    f_i, f_o = float(b.inner_groove_factor), float(b.outer_groove_factor)
-    return Geometry(
-        n_balls=int(b.ball_count),
-        D0=D0,
-        dm=dm,
-        alpha0=alpha0,
-        BD=(f_i + f_o - 1.0) * D0,
-        R_o=0.5 * dm - (f_o - 0.5) * D0 * math.cos(alpha0),
-        R_i=0.5 * dm + (f_i - 0.5) * D0 * math.cos(alpha0),
-        r_i=f_i * D0,
-        r_o=f_o * D0,
-        E_star=contact_modulus(ball, race),
-        rho=float(ball.density_kg_m3),
-    )
+    """Groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
+    g, growth = mounted_geometry(scene), growth_of(scene)
+    if growth.nothing:
+        return g
+    axial = 0.0
+    if growth.heat.shaft or growth.heat.housing:
+        axial = axial_change(growth.heat, g.BD * math.sin(g.alpha0) + static_place(scene))
+    return grown(g, growth, axial)
 
 
 def operating_point(scene: Scene) -> OperatingPoint:
@@ -58,11 +52,9 @@ def operating_point(scene: Scene) -> OperatingPoint:
 
 
 def ball_diameters(scene: Scene) -> np.ndarray:
-    """Worn diameter of every ball (n_balls,) [m]."""
+    """Worn diameter of every ball as it runs (n_balls,) [m]."""
     loss = np.array(scene.wear.ball_diameter_loss_um, dtype=float) * UM
-    return np.broadcast_to(
-        scene.bearing.ball_diameter_mm * MM - loss, (scene.bearing.ball_count,)
-    ).copy()
+    return np.broadcast_to(geometry(scene).D0 - loss, (scene.bearing.ball_count,)).copy()
 
 
 @functools.cache

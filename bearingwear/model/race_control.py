@@ -12,7 +12,6 @@ from bearingwear.kernels.ellipse import Rule
 from bearingwear.kernels.equilibrium import (
     cold_start,
     groove_distance,
-    static_displacement,
     thrust_equilibrium,
 )
 from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL, race_control
@@ -77,7 +76,7 @@ class RaceControlProblem:
             op=parameters.operating_point(scene),
             constant_force=operation.preload_method == "constant_force",
             F=F,
-            delta_a=static_displacement(g, F[0]),
+            delta_a=parameters.static_place(scene),
             tilt=operation.tilt_mrad * 1e-3,
             D=D if asymmetries(scene) else D[:1],
         )

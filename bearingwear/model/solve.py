@@ -7,6 +7,7 @@ from typing import Any
 
 from bearingwear.model.cautions import warnings_of
 from bearingwear.model.fidelity import Choice, NotAvailable, choice
+from bearingwear.model.growth_told import growth_values
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
@@ -51,6 +52,7 @@ def solve(
     with Interrupt():
         values, attrs = solved(chosen.reduced(scene), chosen.tier, restart, progress)
     elapsed = time.perf_counter() - started
+    values |= growth_values(scene)
     return Result(values, attrs | provenance(scene, chosen, values), elapsed)
 
 

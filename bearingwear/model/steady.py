@@ -8,7 +8,6 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.ellipse import Rule, most_points
-from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
 from bearingwear.kernels.level_solver import settle_from_motion
 from bearingwear.kernels.params import Geometry, OperatingPoint
@@ -52,7 +51,7 @@ class ThrustProblem:
         rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
         constant_force = scene.operation.preload_method == "constant_force"
         preload = Preload(
-            constant_force=constant_force, F_x=F_x, delta_a=static_displacement(g, F_x)
+            constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
         )
         return cls(g, parameters.operating_point(scene), preload, rule, fine_rule)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.results.growth_variables import GROWN
 from bearingwear.results.variable import DEGREE, ESTIMATE, HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.blocks import CRITERIA
 
@@ -82,5 +83,5 @@ LIFE = table(
         comment=_OF_STEADY, label="loss at its end"),
     Variable("steady_time_to_loss", (), "h", "time that the steady model takes to loss_at_end",
         scale=HOURS_PER_SECOND, comment=_OF_STEADY, label="its time to the loss above"),
-)
+) | GROWN
 # fmt: on

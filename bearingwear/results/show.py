@@ -14,6 +14,7 @@ import numpy as np
 
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.model.result import status_sentence
+from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.netcdf import in_memory, opened
 from bearingwear.results.rows import (
@@ -66,6 +67,8 @@ RUN = (
     "wear_rate_drift_per_turn",
     "slow_time_scale",
 )
+WARMTH = ("part_temperature", "thermal_growth")
+RINGS = ("growth_at_speed", "growth_by_fit", "fit_pressure")
 CAGE_MEANS = (
     "cage_speed",
     "cage_friction_heat",
@@ -173,6 +176,7 @@ def _case(file: Any) -> list[Block]:
     if "ball_diameter_loss_rate" in file.variables:
         rate = row_of("ball_diameter_loss_rate", values(file, "ball_diameter_loss_rate"))
         blocks.append(Block("wear counted", COUNTED, (rate,)))
+    blocks += _grown(file)
     return blocks + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
 
 
@@ -203,6 +207,18 @@ def _dynamics(file: Any) -> list[Block]:
         ratio = mean(values(file, "cage_speed")) / mean(values(file, "orbit_speed"))
         cage += (Row("speed over orbit speed", "", (ratio,), "cage_speed_ratio"),)
     return [*blocks, *([Block("cage", (), cage)] if cage else [])]
+
+
+def _grown(file: Any) -> list[Block]:
+    """What heat, speed and fits have made of the bearing as mounted."""
+    blocks = []
+    for title, columns, names in (("parts", BEARING_PARTS, WARMTH), ("rings", RACES, RINGS)):
+        found = [(name, values(file, name)) for name in names if name in file.variables]
+        if found:
+            known = np.isfinite(found[0][1])  # shaft and housing need not be
+            heads = tuple(c.replace("_", " ") for c, k in zip(columns, known, strict=True) if k)
+            blocks.append(Block(title, heads, tuple(row_of(n, v[known]) for n, v in found)))
+    return blocks
 
 
 def _diagnostics(file: Any) -> list[Block]:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bearingwear.results.growth_variables import BEARING_PARTS, GROWN
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.variable import DEGREE, ESTIMATE, STATUS, Variable, table
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
@@ -57,6 +58,7 @@ COORDINATES = table(
     Variable("time", ("time",), "s", "simulated time"),
     Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
     Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
+    Variable("part", ("part",), "", "part of the bearing or beside it", "i1", flags=BEARING_PARTS),
     Variable("state", ("state",), "1", "number in the state of motion", "i4"),
 )
 
@@ -266,8 +268,7 @@ DYNAMIC = table(
     _history("cage_land_wear_rate", TIME, "m3 s-1", "wear rate of the cage at its guiding land"),
 )
 
-CASE = STATE | DYNAMIC
-
+CASE = STATE | DYNAMIC | GROWN
 # fmt: on
 
 DIAGNOSTICS = frozenset(

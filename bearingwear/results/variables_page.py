@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
+from bearingwear.results.growth_variables import GROWN
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, STATE, STRIP_POSITION
 
@@ -32,12 +33,15 @@ COORDINATES_SAID = (
 def page_of_variables() -> str:
     """The page, in Markdown."""
     others = [variable for name, variable in STATE.items() if name not in ALWAYS]
+    grown = GROWN.values()
+    of_a_life = [variable for name, variable in LIFE.items() if name not in GROWN]
     coordinates = [*COORDINATES.values(), STRIP_POSITION]
     sections = (
         ("Of every case", "NaN where it was not solved.", ALWAYS.values()),
         ("Of a case, where its model finds them", "", others),
         ("Of a dynamic case", "Histories hold values at instants of `time`.", DYNAMIC.values()),
-        ("Of a life", "Histories hold values at each `step` of the wear.", LIFE.values()),
+        ("Of a life", "Histories hold values at each `step` of the wear.", of_a_life),
+        ("Of a bearing that does not run as it was mounted", "Of a case or a life.", grown),
         ("Coordinates", COORDINATES_SAID, coordinates),
     )
     parts = [INTRODUCTION]

@@ -20,6 +20,9 @@ PRELOAD_METHODS = ("constant_force", "fixed_position")
 
 MATERIAL = "a name under materials"
 
+STEEL_EXPANSION = 11.5e-6
+"""Thermal expansion [1/K] of bearing steel, taken where a material has none."""
+
 _RING = "(0, 20000]"
 
 
@@ -47,10 +50,16 @@ class Bearing:
     ball_material: Annotated[str, Key("Material of the balls", pattern=NAME, allowed=MATERIAL)]
     race_material: Annotated[str, Key("Material of both races", pattern=NAME, allowed=MATERIAL)]
     bore_mm: Annotated[
-        float | None, Key("Bore of the inner ring, for a warning of its hoop stress", "mm", _RING)
+        float | None,
+        Key(
+            "Bore of the inner ring, for its growth at speed and a warning of its hoop stress",
+            "mm",
+            _RING,
+        ),
     ] = None
     outside_diameter_mm: Annotated[
-        float | None, Key("Outside diameter of the outer ring", "mm", _RING)
+        float | None,
+        Key("Outside diameter of the outer ring, for its growth where it turns", "mm", _RING),
     ] = None
     inner_shoulder_mm: Annotated[
         float | None,
@@ -91,6 +100,15 @@ class Material:
             "steel in ISO 76, assumed for other materials)",
             "GPa",
             "(0, 100]",
+        ),
+    ] = None
+    thermal_expansion_1_K: Annotated[
+        float | None,
+        Key(
+            f"Thermal expansion, linear ({STEEL_EXPANSION:g} if left out, assumed as of bearing "
+            "steel, parts of unlike materials with temperatures need it)",
+            "1/K",
+            "[0, 1e-4]",
         ),
     ] = None
 

@@ -184,6 +184,7 @@ def _meant(path: str, file: Part) -> str:
         places.setdefault(place.rpartition(".")[2], []).append(place)
     near = difflib.get_close_matches(name, places, n=1, cutoff=0.8)
     meant = [place for one in near for place in places[one]]
+    meant = [place for place in meant if place.count(".") == min(p.count(".") for p in meant)]
     return f"given an unknown key; did you mean {' or '.join(meant)}" if meant else ""
 
 

@@ -28,7 +28,14 @@ from bearingwear.scene.blocks import (
 )
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import NAME, Key, Part, part_at, whole
-from bearingwear.scene.uncertain import PARAMETERS, UNCERTAIN, WORN, Distribution
+from bearingwear.scene.uncertain import (
+    PARAMETERS,
+    UNCERTAIN,
+    WORN,
+    Distribution,
+    check_uncertainty,
+)
+from bearingwear.scene.warmth import Fits, Temperature, Thermal, check_warmth
 
 __all__ = [
     "COUNTS",
@@ -98,6 +105,14 @@ class Scene:
         Key("The cage, none if left out (its presence alone does not call for a dynamic model)"),
     ] = None
     operation: Annotated[Operation, Key("Speeds, preload and loads")]
+    temperature: Annotated[
+        Temperature | None, Key("How warm the parts are, as mounted if left out")
+    ] = None
+    thermal: Annotated[
+        Thermal | None,
+        Key("Temperatures of rings and balls found from the friction heat, in place of given ones"),
+    ] = None
+    fits: Annotated[Fits | None, Key("Seats of the rings, free to grow if left out")] = None
     friction: Annotated[Friction, Key("Friction")]
     lubricant: Annotated[Lubricant, Key("Lubricant, no drag if left out")] = field(
         default_factory=Lubricant
@@ -128,7 +143,8 @@ class Scene:
         _check_cage_limits(self)
         if self.cage is not None:
             _check_cage(self, self.cage)
-        _check_uncertainty(self)
+        check_uncertainty(self)
+        check_warmth(self)
         _check_model(self)
 
     def __hash__(self) -> int:
@@ -353,31 +369,6 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
             f"given {width:g}, which the pockets cut through; allowed a number > {most / wall:.4g}",
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
         )
-
-
-def _check_uncertainty(scene: Scene) -> None:
-    for name, given in (scene.uncertainty or {}).items():
-        key = f"uncertainty.{name}"
-        needs, takes = PARAMETERS[given.distribution]
-        parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
-        for part, value in parts.items():
-            if value is None and part in needs:
-                raise SceneError(
-                    f"{key}.{part}",
-                    f"given nothing; the distribution {given.distribution} needs it",
-                    (key,),
-                )
-            if value is not None and part not in needs + takes:
-                raise SceneError(
-                    f"{key}.{part}",
-                    f"given {value:g} with the distribution {given.distribution}; "
-                    f"allowed {', '.join(needs + takes)}",
-                    (key,),
-                )
-        if given.low is not None and given.high is not None and given.low >= given.high:
-            raise SceneError(
-                f"{key}.high", f"given {given.high:g}; allowed a number > {given.low:g}", (key,)
-            )
 
 
 def _check_model(scene: Scene) -> None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Annotated
 
+from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import Key
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
 
 UNCERTAIN = {
     "ball_diameter_mm": "bearing",
@@ -82,3 +86,34 @@ def uncertain_key(name: str, material: str) -> str:
     """The key whose value an uncertainty is about."""
     block = f"{UNCERTAIN[name]}.{material}" if name in WORN else UNCERTAIN[name]
     return f"{block}.{name}"
+
+
+def check_uncertainty(scene: Scene) -> None:
+    """Refuse distributions that lack a parameter, or have one too many.
+
+    Raises
+    ------
+    SceneError
+    """
+    for name, given in (scene.uncertainty or {}).items():
+        key = f"uncertainty.{name}"
+        needs, takes = PARAMETERS[given.distribution]
+        parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
+        for part, value in parts.items():
+            if value is None and part in needs:
+                raise SceneError(
+                    f"{key}.{part}",
+                    f"given nothing; the distribution {given.distribution} needs it",
+                    (key,),
+                )
+            if value is not None and part not in needs + takes:
+                raise SceneError(
+                    f"{key}.{part}",
+                    f"given {value:g} with the distribution {given.distribution}; "
+                    f"allowed {', '.join(needs + takes)}",
+                    (key,),
+                )
+        if given.low is not None and given.high is not None and given.low >= given.high:
+            raise SceneError(
+                f"{key}.high", f"given {given.high:g}; allowed a number > {given.low:g}", (key,)
+            )

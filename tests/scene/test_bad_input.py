@@ -434,7 +434,7 @@ def test_refuses_in_a_process_of_its_own(name, tmp_path):
         ("bearing.preload_N", "operation.preload_N"),
         ("ball_race", "friction.ball_race"),
         ("operation.preload", "preload_N or preload_method"),
-        ("material", "materials"),
+        ("material", "materials or thermal"),
     ],
 )
 def test_a_key_of_another_block_is_named_whole(key, meant):

@@ -16,6 +16,7 @@ from bearingwear.model.bearing_model import exact_factors, hertz_table
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.dynamic_outputs import window_values
 from bearingwear.model.fidelity import asymmetries
+from bearingwear.model.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life import life
 from bearingwear.model.race_control import race_control_motion
@@ -30,7 +31,6 @@ from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.studies.accuracy.brewe_hamrock import fitted_displacement, fitted_factors
 from bearingwear.studies.accuracy.plan import SweepPoint
 from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
 from bearingwear.studies.accuracy.traction import solve_coupled

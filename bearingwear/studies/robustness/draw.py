@@ -9,6 +9,7 @@ from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad
 from bearingwear.model import parameters
+from bearingwear.model.mounted import mounted_geometry
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import Scene, most_balls
@@ -99,8 +100,8 @@ def _fit_cage(data: dict[str, Any], drawn: Mapping[str, Any], D: float, dm: floa
 
 
 def at_rest(scene: Scene):
-    """One ball of the unworn bearing at rest under its preload alone."""
-    g = parameters.geometry(scene)
+    """One ball of the unworn bearing as mounted, at rest under its preload alone."""
+    g = mounted_geometry(scene)
     load = BallLoad(ORBIT, 0.0, 0.0, 0.0, 0.0, 0.0)
     _, state = thrust_equilibrium(
         g, g.D0, load, float(scene.operation.preload_N), 0.0, True, cold_start()

@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.hertz import point_contact, race_contact
 from bearingwear.model import parameters
+from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
-from bearingwear.studies.accuracy.brewe_hamrock import fitted_contact, fitted_displacement
 from bearingwear.studies.accuracy.run import first_motion, in_time, three_balls
 from bearingwear.studies.accuracy.traction import solve_coupled
 

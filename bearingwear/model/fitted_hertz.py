@@ -1,4 +1,4 @@
-"""Hamrock and Brewe's fit in place of the exact Hertz factors, to see what it costs.
+"""Hamrock and Brewe's fit of Hertz' factors: for estimates before a solve; and what it costs.
 
 Source: Brewe and Hamrock, *Simplified solution for elliptical-contact deformation between two
 elastic solids*, J. Lubr. Technol. 99 (1977) 485. No kernel uses it: the exact solution is as cheap.
@@ -6,11 +6,11 @@ elastic solids*, J. Lubr. Technol. 99 (1977) 485. No kernel uses it: the exact s
 
 import math
 
-import numpy as np
-from scipy.optimize import brentq
-
-from bearingwear.kernels.hertz import INNER, OUTER
 from bearingwear.kernels.params import Geometry
+
+INNER_RACE, OUTER_RACE = -1.0, 1.0
+_HALVINGS = 100
+STEEPEST = 0.5 * math.pi - 1e-3
 
 
 def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, float]:
@@ -40,18 +40,28 @@ def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tupl
     return fitted_contact(A, B, g.E_star)[:2]
 
 
-def fitted_displacement(g: Geometry, F_x: float) -> float:
-    """Axial displacement of the static, unworn bearing under its preload alone [m].
+def fitted_preload(g: Geometry, A1: float) -> float:
+    """Thrust of the unworn bearing at rest, its groove centres A1 apart along the axis [N].
 
     Both contacts of a ball then lie on one line, so their deformations add up.
     """
+    A2 = g.BD * math.cos(g.alpha0)
+    length = math.hypot(A1, A2)
+    d = max(length - (g.r_i + g.r_o - g.D0), 0.0)
+    cosine = min(max(A2 / length, 0.0), 1.0)
+    K = [fitted_factors(g, race, g.D0, cosine)[0] for race in (INNER_RACE, OUTER_RACE)]
+    Q = sum(k ** (-2.0 / 3.0) for k in K) ** -1.5 * d**1.5
+    return g.n_balls * Q * A1 / length
+
+
+def fitted_displacement(g: Geometry, F_x: float) -> float:
+    """Axial displacement of the static, unworn bearing under its preload alone [m]."""
     radial = g.BD * math.cos(g.alpha0)
-
-    def excess(alpha: float) -> float:
-        K = np.array([fitted_factors(g, s, g.D0, math.cos(alpha))[0] for s in (INNER, OUTER)])
-        d = radial / math.cos(alpha) - g.BD
-        Q = (np.sum(K ** (-2.0 / 3.0)) ** -1.5) * max(d, 0.0) ** 1.5
-        return float(g.n_balls * Q * math.sin(alpha) - F_x)
-
-    alpha = brentq(excess, g.alpha0, 0.5 * math.pi - 1e-3, xtol=1e-15, rtol=1e-14)
-    return radial * math.tan(alpha) - g.BD * math.sin(g.alpha0)
+    low, high = g.alpha0, STEEPEST
+    for _ in range(_HALVINGS):
+        alpha = 0.5 * (low + high)
+        if fitted_preload(g, radial * math.tan(alpha)) < F_x:
+            low = alpha
+        else:
+            high = alpha
+    return radial * math.tan(high) - g.BD * math.sin(g.alpha0)

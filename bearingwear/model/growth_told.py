@@ -1,0 +1,161 @@
+"""Estimates, before any solve, of what growth does to a fixed position; and what is said of it."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from bearingwear.model.fitted_hertz import fitted_displacement, fitted_preload
+from bearingwear.model.growth import (
+    Expansion,
+    Growth,
+    RingGrowth,
+    axial_change,
+    grown,
+    growth_of,
+    temperatures,
+)
+from bearingwear.model.mounted import MM, mounted_geometry
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.warmth import expansion
+
+USUAL_BORE = 1.75
+"""Pitch diameter less bore over ball diameter that is assumed where no bore is given."""
+
+MOST_LEFT_OUT = 0.1
+"""Change of a fixed-position preload by growth that is left out, over the preload, assumed."""
+
+WARMER = 5.0
+"""Inner ring above the rest [K], of which it is said what it does to the preload, assumed."""
+
+Told = tuple[float | None, Mapping[str, Any]]
+"""How many times a change is what may be left out, None for a fact, and the words of a warning."""
+
+_STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
+_COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
+
+
+def is_held(scene: Scene) -> bool:
+    """Whether the preload is that of a fixed position."""
+    return scene.operation.preload_method == "fixed_position"
+
+
+def preload_change(scene: Scene, growth: Growth) -> float:
+    """Change of a fixed-position preload at rest by growth, over the preload, estimated [1].
+
+    The unworn bearing at rest, by fitted Hertz factors; NaN without a preload.
+    """
+    F = scene.operation.preload_N
+    if not F > 0.0:
+        return math.nan
+    g = mounted_geometry(scene)
+    along = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
+    running = grown(g, growth, 0.0)
+    now = fitted_preload(running, along + axial_change(growth.heat, along))
+    return now / fitted_preload(g, along) - 1.0
+
+
+def assumed_bore(scene: Scene) -> float:
+    """Bore of the inner ring [m], usual for its balls where the scene does not say it."""
+    b = scene.bearing
+    usual = max(b.pitch_diameter_mm - USUAL_BORE * b.ball_diameter_mm, 0.0)
+    return MM * (usual if b.bore_mm is None else b.bore_mm)
+
+
+def change_at_speed(scene: Scene) -> float:
+    """What the growth of the turning rings alone does to a fixed-position preload [1]."""
+    growth = growth_of(scene, assumed_bore(scene))
+    alone = Growth(_COLD, growth.inner._replace(fit=0.0), growth.outer._replace(fit=0.0))
+    return preload_change(scene, alone)
+
+
+def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
+    """What an inner ring so much warmer than the rest does to a fixed-position preload [1]."""
+    strain = kelvin * expansion(scene, scene.bearing.race_material)
+    return preload_change(scene, Growth(_COLD._replace(inner_ring=strain), _STILL, _STILL))
+
+
+def _effect(scene: Scene, change: float) -> str:
+    if not is_held(scene):
+        return "of second order under a constant force"
+    if math.isnan(change):
+        return "its effect is not known before the solve"
+    percent = 100.0 * change
+    size = f"{percent:+.2g}" if abs(percent) < 10.0 else f"{percent:+.0f}"
+    return f"about {size} % of the preload at rest"
+
+
+def growth_told(scene: Scene) -> list[str]:
+    """What a solve takes of growth, and what it leaves out, in words."""
+    b, o = scene.bearing, scene.operation
+    told = []
+    if o.shaft_speed_rpm or o.outer_speed_rpm:
+        size = _effect(scene, change_at_speed(scene))
+        if b.bore_mm is not None:
+            told.append(f"growth of the rings at speed: solved; {size}")
+        else:
+            bore = f"a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate"
+            told.append(
+                "growth of the rings at speed: left out, bearing.bore_mm is not given; "
+                + (f"{size} ({bore})" if is_held(scene) else size)
+            )
+    if o.outer_speed_rpm and b.outside_diameter_mm is None:
+        told.append(
+            "growth of the turning outer ring: left out, bearing.outside_diameter_mm is not given"
+        )
+    growth = growth_of(scene)
+    if scene.thermal is not None:
+        told.append("temperature: of rings and balls, found from the friction heat")
+    elif scene.temperature is not None:
+        alone = Growth(growth.heat, _STILL, _STILL)
+        told.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")
+    elif is_held(scene):
+        size = _effect(scene, change_by_warm_ring(scene, 1.0))
+        told.append(f"temperature: left out; {size} for each K by which the inner ring is warmer")
+    else:
+        told.append(f"temperature: left out; {_effect(scene, math.nan)}")
+    if scene.fits is not None:
+        alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
+        told.append(f"fits: solved; {_effect(scene, preload_change(scene, alone))}")
+    return told
+
+
+def growth_left_out(scene: Scene) -> Told | None:
+    """Growth at speed that moves a fixed position, and is not solved."""
+    if scene.bearing.bore_mm is not None or not is_held(scene):
+        return None
+    change = change_at_speed(scene)
+    words = {"value": 100.0 * change, "bore": assumed_bore(scene) / MM}
+    return abs(change) / MOST_LEFT_OUT, words
+
+
+def temperature_left_out(scene: Scene) -> Told | None:
+    """What a usual difference of temperatures would do to a fixed position without any."""
+    if scene.temperature is not None or scene.thermal is not None or not is_held(scene):
+        return None
+    change = change_by_warm_ring(scene, WARMER)
+    return abs(change) / MOST_LEFT_OUT, {"value": 100.0 * change, "kelvin": WARMER}
+
+
+def fit_lost(scene: Scene) -> Told | None:
+    """Seats that are tight at rest and loose as the bearing runs."""
+    growth = growth_of(scene)
+    seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
+    lost = [seat for seat, is_lost in seats.items() if is_lost]
+    return (None, {"seats": " and ".join(lost)}) if lost else None
+
+
+def growth_values(scene: Scene) -> dict[str, Any]:
+    """Result variables of what has grown; none where the bearing runs as mounted."""
+    growth, values = growth_of(scene), {}
+    if scene.temperature is not None:
+        t = temperatures(scene)
+        parts = (t.inner_ring_C, t.balls_C, t.outer_ring_C, t.shaft_C, t.housing_C)
+        values["part_temperature"] = [math.nan if part is None else part for part in parts]
+        values["thermal_growth"] = list(growth.heat)
+    rings = (growth.inner, growth.outer)
+    if any(ring.speed for ring in rings):
+        values["growth_at_speed"] = [ring.speed for ring in rings]
+    if scene.fits is not None:
+        values["growth_by_fit"] = [ring.fit for ring in rings]
+        values["fit_pressure"] = [ring.pressure for ring in rings]
+    return values

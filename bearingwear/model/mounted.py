@@ -1,0 +1,40 @@
+"""The bearing as mounted: cold, at rest, unworn, in SI units."""
+
+import math
+
+from bearingwear.kernels.params import Geometry
+from bearingwear.scene.scene import Material, Scene
+
+MM, UM, GPA = 1e-3, 1e-6, 1e9
+RPM = math.pi / 30.0
+
+
+def contact_modulus(first: Material, second: Material) -> float:
+    """1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa]."""
+    flexibility = sum(
+        (1.0 - m.poisson_ratio**2) / (m.youngs_modulus_GPa * GPA) for m in (first, second)
+    )
+    return 1.0 / flexibility
+
+
+def mounted_geometry(scene: Scene) -> Geometry:
+    """Groove geometry and material pair of a scene, before anything has grown."""
+    b = scene.bearing
+    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
+    D0 = b.ball_diameter_mm * MM
+    dm = b.pitch_diameter_mm * MM
+    alpha0 = math.radians(b.contact_angle_deg)
+    f_i, f_o = float(b.inner_groove_factor), float(b.outer_groove_factor)
+    return Geometry(
+        n_balls=int(b.ball_count),
+        D0=D0,
+        dm=dm,
+        alpha0=alpha0,
+        BD=(f_i + f_o - 1.0) * D0,
+        R_o=0.5 * dm - (f_o - 0.5) * D0 * math.cos(alpha0),
+        R_i=0.5 * dm + (f_i - 0.5) * D0 * math.cos(alpha0),
+        r_i=f_i * D0,
+        r_o=f_o * D0,
+        E_star=contact_modulus(ball, race),
+        rho=float(ball.density_kg_m3),
+    )

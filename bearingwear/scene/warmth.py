@@ -1,0 +1,214 @@
+"""How warm the parts of a bearing are, and how its rings are fitted: keys of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Annotated
+
+from bearingwear.scene.blocks import STEEL_EXPANSION
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import NAME, Key
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
+
+_DEGREES = "[-273.15, 1000]"
+_CONDUCTANCE = "[1e-6, 1e6]"
+_AS_REFERENCE = "that of mounting if left out"
+
+LARGEST_STRAIN = 0.01
+"""Thermal expansion of a part, relative, beyond which a scene is refused."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Temperature:
+    """Given temperatures of the parts; None where a part is as warm as what it is compared with."""
+
+    inner_ring_C: Annotated[
+        float | None, Key(f"Temperature of the inner ring, {_AS_REFERENCE}", "degC", _DEGREES)
+    ] = None
+    outer_ring_C: Annotated[
+        float | None, Key(f"Temperature of the outer ring, {_AS_REFERENCE}", "degC", _DEGREES)
+    ] = None
+    balls_C: Annotated[
+        float | None, Key(f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES)
+    ] = None
+    shaft_C: Annotated[
+        float | None,
+        Key(
+            "Temperature of the shaft (if left out, axial places are as mounted and the fit is "
+            "that of a shaft as warm as the inner ring)",
+            "degC",
+            _DEGREES,
+        ),
+    ] = None
+    housing_C: Annotated[
+        float | None,
+        Key("Temperature of the housing (if left out, as for the shaft)", "degC", _DEGREES),
+    ] = None
+    reference_C: Annotated[float, Key("Temperature of mounting", "degC", _DEGREES)] = 20.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conductance:
+    """What carries the heat away."""
+
+    inner_ring_shaft: Annotated[
+        float, Key("Conductance from the inner ring to the shaft", "W/K", _CONDUCTANCE)
+    ]
+    outer_ring_housing: Annotated[
+        float, Key("Conductance from the outer ring to the housing", "W/K", _CONDUCTANCE)
+    ]
+    ball_race: Annotated[
+        float, Key("Conductance from all balls together to each of the rings", "W/K", _CONDUCTANCE)
+    ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thermal:
+    """A network that finds the temperatures of rings and balls from the friction heat."""
+
+    conductance_W_K: Annotated[Conductance, Key("What carries the friction heat away")]
+    shaft_C: Annotated[float, Key("Temperature of the shaft, held", "degC", _DEGREES)] = 20.0
+    housing_C: Annotated[float, Key("Temperature of the housing, held", "degC", _DEGREES)] = 20.0
+    reference_C: Annotated[float, Key("Temperature of mounting", "degC", _DEGREES)] = 20.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fits:
+    """Seats of the rings; a ring without a seat is free to grow."""
+
+    shaft_interference_um: Annotated[
+        float,
+        Key("Shaft diameter less bore, at rest and at mounting temperature", "um", "[-5000, 5000]"),
+    ] = 0.0
+    housing_interference_um: Annotated[
+        float,
+        Key(
+            "Outside diameter less that of the housing, at rest and at mounting temperature",
+            "um",
+            "[-5000, 5000]",
+        ),
+    ] = 0.0
+    shaft_bore_mm: Annotated[
+        float, Key("Diameter of the hole in the shaft, 0 for a full one", "mm", "[0, 20000]")
+    ] = 0.0
+    shaft_material: Annotated[
+        str | None, Key("Material of the shaft, that of the races if left out", pattern=NAME)
+    ] = None
+    housing_material: Annotated[
+        str | None,
+        Key("Material of the housing, taken as thick, that of the races if left out", pattern=NAME),
+    ] = None
+
+
+def expansion(scene: Scene, material: str) -> float:
+    """Thermal expansion of a material, that of bearing steel where it has none [1/K]."""
+    given = scene.materials[material].thermal_expansion_1_K
+    return STEEL_EXPANSION if given is None else given
+
+
+def check_warmth(scene: Scene) -> None:
+    """Refuse temperatures, networks and fits that contradict the rest of a scene.
+
+    Raises
+    ------
+    SceneError
+    """
+    if scene.temperature is not None and scene.thermal is not None:
+        raise SceneError(
+            "thermal",
+            "given with temperature; allowed one of the two: temperatures are given or found",
+            ("temperature",),
+        )
+    _check_fits(scene)
+    _check_expansions(scene)
+
+
+def _check_fits(scene: Scene) -> None:
+    if scene.fits is None:
+        return
+    fits, b = scene.fits, scene.bearing
+    for name in ("shaft_material", "housing_material"):
+        material = getattr(fits, name)
+        if material is not None and material not in scene.materials:
+            names = ", ".join(scene.materials)
+            problem = f"given {material!r}, not under materials; allowed {names}"
+            raise SceneError(f"fits.{name}", problem, ("materials",))
+    for name, ring in (
+        ("shaft_interference_um", "bore_mm"),
+        ("shaft_bore_mm", "bore_mm"),
+        ("housing_interference_um", "outside_diameter_mm"),
+    ):
+        value = getattr(fits, name)
+        if value and getattr(b, ring) is None:
+            problem = f"given {value:g}; allowed only with bearing.{ring}"
+            raise SceneError(f"fits.{name}", problem, (f"bearing.{ring}",))
+    if b.bore_mm is not None and fits.shaft_bore_mm >= b.bore_mm:
+        raise SceneError(
+            "fits.shaft_bore_mm",
+            f"given {fits.shaft_bore_mm:g}; allowed a number < {b.bore_mm:g}, the bore of the ring",
+            ("bearing.bore_mm",),
+        )
+    for name, diameter in (
+        ("shaft_interference_um", b.bore_mm),
+        ("housing_interference_um", b.outside_diameter_mm),
+    ):
+        value, most = getattr(fits, name), 1e3 * LARGEST_STRAIN * (diameter or 0.0)
+        if abs(value) > most > 0.0:
+            raise SceneError(
+                f"fits.{name}",
+                f"given {value:g}; allowed a number from {-most:g} to {most:g} "
+                f"({100.0 * LARGEST_STRAIN:g} % of the diameter)",
+                ("bearing.bore_mm", "bearing.outside_diameter_mm"),
+            )
+
+
+def _check_expansions(scene: Scene) -> None:
+    """Unlike materials need their own expansion, and no part may grow beyond all reason."""
+    warm = scene.temperature or scene.thermal
+    if warm is None:
+        return
+    b, fits = scene.bearing, scene.fits or Fits()
+    ring = b.race_material
+    pairs = (
+        (b.ball_material, "bearing.ball_material"),
+        (fits.shaft_material or ring, "fits.shaft_material"),
+        (fits.housing_material or ring, "fits.housing_material"),
+    )
+    for other, key in pairs:
+        for name in (other, ring) if other != ring else ():
+            if scene.materials[name].thermal_expansion_1_K is None:
+                raise SceneError(
+                    f"materials.{name}.thermal_expansion_1_K",
+                    "given nothing, with temperatures and parts of unlike materials; allowed a "
+                    "number from 0 to 1e-4",
+                    (key, "temperature", "thermal"),
+                )
+    for key, kelvin, name in _warmed(scene):
+        alpha = expansion(scene, name)
+        if abs(alpha * kelvin) > LARGEST_STRAIN:
+            most = LARGEST_STRAIN / alpha
+            raise SceneError(
+                key,
+                f"given a temperature {abs(kelvin):g} K from that of mounting; allowed at most "
+                f"{most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
+                (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
+            )
+
+
+def _warmed(scene: Scene) -> Iterator[tuple[str, float, str]]:
+    """Each given temperature: its key, above that of mounting [K], the material it expands."""
+    b, fits = scene.bearing, scene.fits or Fits()
+    materials = {
+        "balls_C": b.ball_material,
+        "shaft_C": fits.shaft_material or b.race_material,
+        "housing_C": fits.housing_material or b.race_material,
+    }
+    for block, given in (("temperature", scene.temperature), ("thermal", scene.thermal)):
+        for field in fields(given) if given is not None else ():
+            value = getattr(given, field.name)
+            if field.name.endswith("_C") and isinstance(value, int | float):
+                material = materials.get(field.name, b.race_material)
+                yield f"{block}.{field.name}", value - given.reference_C, material  # type: ignore[union-attr]
