@@ -17,7 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.kernels.hertz import elliptic_integrals
-from bearingwear.kernels.worn_contact import BALANCED, contact_buffers, contact_cells, worn_pressure
+from bearingwear.kernels.worn_contact import (
+    CLOSED_GAP,
+    contact_buffers,
+    contact_cells,
+    worn_pressure,
+)
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from kernels.test_worn_contact import KAPPA, PROFILES  # noqa: E402
@@ -89,7 +94,7 @@ def plain_pressure(cells, wear, pressure, displacement):
             loaded = pressure > 0.0
             left = np.where(loaded, g, 0.0)
             size = (left * left).sum()
-            if size <= BALANCED**2:
+            if size <= CLOSED_GAP**2:
                 break
             t = np.where(loaded, g + size / before * t, 0.0)
             before = size
@@ -100,10 +105,10 @@ def plain_pressure(cells, wear, pressure, displacement):
             if pressure.min() < 0.0:
                 pressure = np.maximum(pressure, 0.0)
                 break
-        if size > BALANCED**2:
+        if size > CLOSED_GAP**2:
             continue
         g = unloaded + displacement(pressure)
-        overlap = (pressure == 0.0) & (g < -BALANCED)
+        overlap = (pressure == 0.0) & (g < -CLOSED_GAP)
         if not overlap.any():
             return pressure
         pressure = np.where(overlap, -g / own, pressure)

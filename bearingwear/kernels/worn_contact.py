@@ -19,8 +19,8 @@ from bearingwear.kernels.compile import REORDER_SUMS, jit
 from bearingwear.kernels.hertz import elliptic_integrals
 from bearingwear.kernels.status import BEYOND_GROOVE, NOT_CONVERGED, OK
 
-MOST_ITERATIONS = 400
-BALANCED = 1e-8  # gap left where there is pressure, as a share of the approach [1]
+MOST_GRADIENTS = 400
+CLOSED_GAP = 1e-8  # gap left where there is pressure, as a share of the approach [1]
 FULL_WIDTH = 3.0  # of the cells together, in semi-minor axes
 
 
@@ -36,7 +36,7 @@ class Cells(NamedTuple):
     log_kappa: float  # ln(a/b)
 
 
-class Buffers(NamedTuple):
+class ContactBuffers(NamedTuple):
     """Arrays of a solve."""
 
     gap: np.ndarray  # (m, n)
@@ -157,8 +157,8 @@ def contact_cells(log_kappa, low, high, n, m):
 
 @jit
 def contact_buffers(n, m):
-    """Buffers for n by m cells."""
-    return Buffers(
+    """ContactBuffers for n by m cells."""
+    return ContactBuffers(
         gap=np.empty((m, n)),
         direction=np.empty((m, n)),
         response=np.empty((m, n)),
@@ -203,7 +203,7 @@ def open_cells(cells, g, pressure):
     for j in range(m):
         own = cells.influence[j, j, n - 1]
         for i in range(n):
-            if not pressure[j, i] > 0.0 and not g[j, i] >= -BALANCED:  # NaN too
+            if not pressure[j, i] > 0.0 and not g[j, i] >= -CLOSED_GAP:  # NaN too
                 pressure[j, i] = -g[j, i] / own
                 found = True
     return found
@@ -232,7 +232,7 @@ def conjugate_gradients(cells, wear, pressure, work, most):
             for i in range(first[j], last[j]):
                 left = g[j, i] if pressure[j, i] > 0.0 else 0.0
                 size += left * left
-        if size <= BALANCED * BALANCED:
+        if size <= CLOSED_GAP * CLOSED_GAP:
             return iteration
         share = size / before
         before = size
@@ -271,7 +271,7 @@ def worn_pressure(cells, wear, work, pressure):
     cells : Cells
     wear : ndarray (n,)
         Depth at the cells beyond what the approach is counted from, over the approach.
-    work : Buffers
+    work : ContactBuffers
         Its `gap` is that of the answer.
     pressure : ndarray (m, n)
         The start; replaced by the pressure, over the peak of Hertz.
@@ -282,11 +282,11 @@ def worn_pressure(cells, wear, work, pressure):
         OK, NOT_CONVERGED, or BEYOND_GROOVE where the contact runs off the cells.
     """
     total = 0
-    while total <= MOST_ITERATIONS:
-        total += 1 + conjugate_gradients(cells, wear, pressure, work, MOST_ITERATIONS - total)
+    while total <= MOST_GRADIENTS:
+        total += 1 + conjugate_gradients(cells, wear, pressure, work, MOST_GRADIENTS - total)
         whole_range(work.first, work.last, cells.X.size)
         gap_of(cells, wear, pressure, work)
-        if total <= MOST_ITERATIONS and not open_cells(cells, work.gap, pressure):
+        if total <= MOST_GRADIENTS and not open_cells(cells, work.gap, pressure):
             return (BEYOND_GROOVE if runs_off(pressure) else OK), total
     return NOT_CONVERGED, total
 
