@@ -35,7 +35,7 @@ from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, measured, summed
 from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.values import contact_values, wear_values
+from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
 LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced
@@ -319,6 +319,7 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     values |= {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
+        "stiffness_matrix": stiffness_matrix(g, D, rows),
         # No balance of power here: the torque that the estimated heat would take.
         "shaft_torque": heat / slip_speed if slip_speed > 0.0 else 0.0,
         "drag_power": 0.0,

@@ -21,7 +21,7 @@ from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, HALVED, changed, summed
-from bearingwear.model.values import contact_values, wear_values
+from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
@@ -259,6 +259,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "shaft_torque": n * case.contacts[0, TORQUE],
         "drag_power": n * F_v * case.r * case.u[3],
         "axial_stiffness": n * case.S_xx,
+        "stiffness_matrix": stiffness_matrix(g, np.array([D]), case.contacts[None]),
         "centrifugal_force": np.array([case.P_r]),
         "skid_ratio": case.skid,
         "steady_state_branch": case.branch,

@@ -1,9 +1,12 @@
 """Result variables that all models fill in the same way."""
 
+from typing import Any
+
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.stiffness import DOF, bearing_stiffness
 from bearingwear.kernels.summary import (
     ANGLE,
     HEAT,
@@ -21,6 +24,8 @@ from bearingwear.kernels.summary import (
 from bearingwear.kernels.wear import archard_rate, diameter_loss_rate
 from bearingwear.model import parameters
 from bearingwear.scene.scene import Scene
+
+TURN = 2.0 * np.pi
 
 
 def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows, axial) -> dict:
@@ -47,6 +52,9 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
     v1, v2 = slip_profiles(scene, g, op, D, u, r, rows)
     inertia = ball_inertia(ball_mass(g.rho, D), D)
+    gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
+    races = np.array([op.omega_i, op.omega_o])
+    spin = u[:, :3] - u[:, 3:] * (1.0, 0.0, 0.0)  # relative to the orbiting frame
     values = {
         "contact_load": rows[..., LOAD],
         "contact_angle": rows[..., ANGLE],
@@ -62,11 +70,47 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "rolling_slip": v2,
         "ball_angular_velocity": u[:, :3],
         "orbit_speed": u[:, 3],
-        "gyroscopic_moment": np.abs(inertia * u[:, 3] * u[:, 2]),
+        "gyroscopic_moment": gyroscopic,
+        "friction_used_by_gyroscopic_moment": friction_used(op, D, gyroscopic, rows[..., LOAD]),
+        "cage_frequency": np.abs(u[:, 3]).mean() / TURN,
+        "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).mean(axis=1) / TURN,
+        "ball_spin_frequency": np.linalg.norm(spin, axis=1).mean() / TURN,
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
     return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
+
+
+def friction_used(op: OperatingPoint, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
+    """Share M_g/(mu (Q_i + Q_o) R) of the friction that gyroscopic moments [N m] take up [1].
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn ball diameters [m].
+    Q : ndarray (n, 2)
+        Contact loads [N].
+    """
+    most = op.mu * Q.sum(axis=-1) * 0.5 * D
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(moment > 0.0, moment / most, 0.0)
+
+
+def stiffness_matrix(g: Geometry, D: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Stiffness (5, 5) against axial, Y and Z displacement and tilt about Y and Z [N/m, N, N m].
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn diameters of the n balls solved, one where it stands for all [m].
+    rows : ndarray (n, 2, COLUMNS)
+        `bearingwear.kernels.summary` rows; the first ball stands at +Z.
+    """
+    N = g.n_balls
+    Q, alpha = (np.broadcast_to(rows[..., k], (N, 2)).copy() for k in (LOAD, ANGLE))
+    K = np.empty((DOF, DOF))
+    bearing_stiffness(g, np.broadcast_to(D, N).copy(), 2.0 * np.pi * np.arange(N) / N, Q, alpha, K)
+    return K
 
 
 def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):

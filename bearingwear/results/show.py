@@ -49,6 +49,7 @@ CONTACT = (
     "gyroscopic_slip_share",
     "spin_to_roll_ratio",
     "race_wear_rate",
+    "ball_pass_frequency",
 )
 BEARING = (
     "residual_preload",
@@ -56,10 +57,11 @@ BEARING = (
     "axial_stiffness",
     "orbit_speed",
     "skid_ratio",
+    "friction_used_by_gyroscopic_moment",
     "total_qv",
     "shaft_torque",
 )
-LOSSES = ("drag_power", "ball_wear_rate")
+LOSSES = ("drag_power", "ball_wear_rate", "cage_frequency", "ball_spin_frequency")
 RUN = (
     "simulated_turns",
     "evaluated_turns",
@@ -171,6 +173,7 @@ def _case(file: Any) -> list[Block]:
         *mean_rows(file, BEARING, limits),
         Row("friction power", unit.unit, (unit.of(power),), "friction_power"),
         *mean_rows(file, LOSSES),
+        *_stiffness_rows(file),
     )
     blocks = [Block(f"contact{mean_of}", RACES, contact), Block(f"bearing{mean_of}", (), bearing)]
     if "ball_diameter_loss_rate" in file.variables:
@@ -178,6 +181,21 @@ def _case(file: Any) -> list[Block]:
         blocks.append(Block("wear counted", COUNTED, (rate,)))
     blocks += _grown(file)
     return blocks + (_dynamics(file) if getattr(file, "fidelity", None) == "dynamic" else [])
+
+
+def _stiffness_rows(file: Any) -> tuple[Row, ...]:
+    """Radial and tilting stiffness, each the mean of both directions."""
+    if "stiffness_matrix" not in file.variables:
+        return ()
+    each = np.diagonal(values(file, "stiffness_matrix"))
+    radial, tilting = (float(each[k : k + 2].mean()) for k in (1, 3))
+    return tuple(
+        Row(label, unit.unit, (unit.of(value),), label.replace(" ", "_"))
+        for label, value, unit in (
+            ("radial stiffness", radial, display("N m-1", radial)),
+            ("tilting stiffness", tilting, display("N m rad-1", tilting)),
+        )
+    )
 
 
 def _friction_power(file: Any) -> float:

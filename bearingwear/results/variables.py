@@ -27,6 +27,7 @@ DIRECTIONS = ("axial", "Y", "Z")
 EDGES = ("at_negative_x", "at_positive_x")
 BRANCHES = ("outer_spin", "inner_spin", "shared_spin", "skidding")
 STABILITY = ("unstable", "stable")
+DOFS = ("axial", "y", "z", "tilt_y", "tilt_z")
 
 _BALL, _RACE, _BOTH = ("ball",), ("race",), ("ball", "race")
 _STRIPS = ("ball", "race", "strip")
@@ -60,6 +61,15 @@ COORDINATES = table(
     Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
     Variable("part", ("part",), "", "part of the bearing or beside it", "i1", flags=BEARING_PARTS),
     Variable("state", ("state",), "1", "number in the state of motion", "i4"),
+    Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),
+    Variable(
+        "dof_column",
+        ("dof_column",),
+        "",
+        "displacement or tilt of the inner race",
+        "i1",
+        flags=DOFS,
+    ),
 )
 
 STUDY_COORDINATES = table(
@@ -166,9 +176,23 @@ STATE = ALWAYS | table(
     Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
         "rate of the loss of ball diameter, mean over the balls", averaged=True,
         label="loss of ball diameter", shown="um/1000 h"),
+    Variable("stiffness_matrix", ("dof", "dof_column"), "N m-1",
+        "stiffness of the bearing at constant speed and friction forces",
+        comment="N m-1 between displacements, N between a displacement and a tilt, N m between "
+        "tilts in radians; about the middle of the circle of inner groove centres"),
     Variable("initial_axial_displacement", (), "m", "axial displacement at rest, unworn"),
     Variable("gyroscopic_moment", _BALL, "N m", "gyroscopic moment on the ball, magnitude",
         averaged=True),
+    Variable("friction_used_by_gyroscopic_moment", _BALL, "1",
+        "gyroscopic moment over the moment mu (Q_i + Q_o) R that friction can hold", averaged=True,
+        label="friction used by gyro", shown="%"),
+    Variable("cage_frequency", (), "Hz", "frequency of the balls' orbit, mean over the balls",
+        averaged=True, label="cage frequency"),
+    Variable("ball_pass_frequency", _RACE, "Hz", "frequency at which balls pass a point of the "
+        "race", averaged=True, label="ball pass frequency"),
+    Variable("ball_spin_frequency", (), "Hz",
+        "frequency of the ball's own rotation in its orbiting frame, mean over the balls",
+        averaged=True, label="ball spin frequency"),
     Variable("centrifugal_force", _BALL, "N", "centrifugal force on the ball", averaged=True),
     Variable("contact_track_radius", _BOTH, "m", "radius of the contact's track about the axis",
         averaged=True),

@@ -1,0 +1,279 @@
+"""Set the program against manufacturers' catalogues and a commercial program.
+
+`python benchmarks/catalogues.py` prints the table of docs/validation.md and draws its figure,
+docs/figures/catalogues.svg. `tests/model/test_catalogues.py` judges every row.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bearingwear.kernels.equilibrium import (
+    ball_equilibrium,
+    cold_start,
+    groove_distance,
+    static_displacement,
+    thrust_equilibrium,
+)
+from bearingwear.kernels.kinematics import ORBIT
+from bearingwear.kernels.params import BallLoad, Geometry
+from bearingwear.kernels.stiffness import DOF, bearing_stiffness
+from bearingwear.model.solve import solve
+from bearingwear.plotting.drawing import frame, key, new_figure, save
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.variant import variant
+
+ROOT = Path(__file__).resolve().parents[1]
+FIGURE = ROOT / "docs" / "figures" / "catalogues.svg"
+AT_REST = BallLoad(kinematics_model=ORBIT, Omega=0.0, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0)
+UM, MM = 1e-6, 1e-3
+
+GMN = {185.0: 58.0, 560.0: 98.0, 1100.0: 137.0}
+"""Axial rigidity [N/um] of a pair of GMN S 6208 C over its preload [N], catalogue 4000 0813."""
+
+SNFA_LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)  # [N]
+SNFA_ANGLES = (15.0, 25.0)  # [degree]
+SKF_LOADS = (4450.0, 17800.0, 71200.0)  # [N], 16:1, on the 218
+SLOW_RPM, SLOW_V_R = 10.0, 1e-7  # as slow as friction models without speed mean it
+
+
+@dataclass(frozen=True)
+class Row:
+    """A number of others beside the program's own, and how near it has to be."""
+
+    source: str
+    what: str
+    unit: str
+    expected: float
+    found: float
+    tolerance: float
+
+    @property
+    def difference(self) -> float:
+        return self.found / self.expected - 1.0
+
+
+def grooved(
+    D: float, dm: float, angle: float, f_i: float, f_o: float, Z: int, E: float, R_i: float = 0.0
+) -> Geometry:
+    """A steel bearing; lengths in m, the angle in degrees, E in Pa; R_i if it is not its own."""
+    a = math.radians(angle)
+    return Geometry(
+        n_balls=Z,
+        D0=D,
+        dm=dm,
+        alpha0=a,
+        BD=(f_i + f_o - 1.0) * D,
+        R_o=0.5 * dm - (f_o - 0.5) * D * math.cos(a),
+        R_i=R_i or 0.5 * dm + (f_i - 0.5) * D * math.cos(a),
+        r_i=f_i * D,
+        r_o=f_o * D,
+        E_star=E / (2.0 * (1.0 - 0.3**2)),
+        rho=7800.0,
+    )
+
+
+# Numbers of balls inferred from load ratings, groove factors the standard's.
+S6208C = grooved(11.906 * MM, 60.0 * MM, 15.0, 0.52, 0.52, 13, 208e9)
+
+
+def axial_force(g: Geometry, delta_a: float) -> float:
+    """Thrust of a bearing at rest at an axial displacement [N]."""
+    _, state = thrust_equilibrium(g, g.D0, AT_REST, 0.0, delta_a, False, cold_start())
+    return g.n_balls * state.F_ix
+
+
+def axial_stiffness_at(g: Geometry, F_x: float) -> float:
+    """Axial stiffness of a bearing at rest under thrust [N/m]."""
+    start = static_displacement(g, F_x)
+    _, state = thrust_equilibrium(g, g.D0, AT_REST, F_x, start, True, cold_start())
+    return g.n_balls * state.S_xx
+
+
+def deep_groove(clearance: float) -> Geometry:
+    """The bearing of the ISO 16281 examples; its program tilts about dm/2."""
+    D, dm = 11.5 * MM, 43.5 * MM
+    angle = math.degrees(math.acos(1.0 - clearance / (0.1 * D)))
+    return grooved(D, dm, angle, 0.52, 0.53, 7, 210e9, R_i=0.5 * dm)
+
+
+def static_place(g: Geometry, load: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Place (DOF,) of the inner race at rest under forces and moments (DOF,): Newton."""
+    psi = 2.0 * np.pi * np.arange(g.n_balls) / g.n_balls
+    scale = np.array([1.0, 1.0, 1.0, g.R_i, g.R_i])
+    K, q = np.empty((DOF, DOF)), start.copy()
+    for _ in range(200):
+        states = []
+        force = np.zeros(DOF)
+        for p in psi:
+            s, c = math.sin(p), math.cos(p)
+            A1, A2 = groove_distance(g, p, q[0] + g.R_i * q[4] * s, q[1], q[2], q[3])
+            state = ball_equilibrium(g, g.D0, AT_REST, A1, A2, cold_start())
+            states.append(state)
+            F, T = state.F_ix, state.F_ir
+            force += [F, -T * s, T * c, g.R_i * F * c, g.R_i * F * s]
+        Q = np.array([(state.Q_i, state.Q_o) for state in states])
+        alpha = np.array([(state.alpha_i, state.alpha_o) for state in states])
+        bearing_stiffness(g, np.full(g.n_balls, g.D0), psi, Q, alpha, K)
+        scaled = K / np.outer(scale, scale)
+        # Without a load there is no stiffness in some direction: a soft spring holds it there.
+        scaled += 1e-9 * np.abs(scaled).max() * np.eye(DOF)
+        step = np.linalg.solve(scaled, (load - force) / scale)
+        step *= min(1.0, 20.0 * UM / np.abs(step).max(initial=UM))
+        q += step / scale
+        if np.abs(step).max() < 1e-14:
+            return q
+    raise RuntimeError("no static place was found")
+
+
+def gmn_rows() -> Iterator[Row]:
+    for F, rigidity in GMN.items():
+        found = 2e-6 * axial_stiffness_at(S6208C, F)
+        yield Row("GMN", f"S 6208 C, rigid pair, preload {F:g} N", "N/um", rigidity, found, 0.03)
+
+
+def deep_groove_rows() -> Iterator[Row]:
+    tight, loose = deep_groove(0.0), deep_groove(10.0 * UM)
+    for name, g, load, start, k, expected, unit in (
+        ("radial 1000 N, clearance 10 um", loose, (0, 0, 1000, 0, 0), (0, 0, 10 * UM, 0, 0), 2,
+         21.223, UM),
+        ("axial 1000 N, clearance 10 um", loose, (1000, 0, 0, 0, 0), (100 * UM, 0, 0, 0, 0), 0,
+         149.1717, UM),
+        ("moment 1 N m about Y, no clearance", tight, (0, 0, 0, 1, 0), (0, 0, 0, 1e-3, 0), 3,
+         3.6957, 1e-3),
+        ("moment 1 N m about Z, no clearance", tight, (0, 0, 0, 0, 1), (0, 0, 0, 0, 1e-3), 4,
+         3.6957, 1e-3),
+    ):  # fmt: skip
+        q = static_place(g, np.array(load, dtype=float), np.array(start, dtype=float))
+        found = q[k] + (g.BD * math.sin(g.alpha0) if k == 0 else 0.0)  # counted from one plane
+        words = "um" if unit == UM else "mrad"
+        yield Row("ISO 16281 examples", name, words, expected, found / unit, 1e-3)
+
+
+def lift_off_rows() -> Iterator[Row]:
+    """At vanishing load, where the angle does not change."""
+    one, two = (grooved(8e-3, 80e-3, 25.0, 0.52, 0.52, Z, 208e9) for Z in (10, 20))
+    F = 1e-3
+    for name, near, far, expected in (
+        ("pair", one, one, 2.0**1.5),
+        ("set 2:1, the single side comes off", two, one, 4.16),
+        ("set 2:1, the double side comes off", one, two, 2.08),
+    ):
+        closed = static_displacement(near, F) + static_displacement(far, F)
+        yield Row("SNFA", f"lift-off, {name}", "F_0", expected, axial_force(near, closed) / F, 1e-3)
+
+
+def palmgren(D: float, Z: int, angle: float, F: float) -> float:
+    """Axial deflection by Palmgren's formula, SNFA catalogue p. 36; D in mm, F in N [um]."""
+    sine = math.sin(math.radians(angle))
+    return 2.0 * (0.1 * F) ** (2 / 3) * Z ** (-2 / 3) * D ** (-1 / 3) * sine ** (-5 / 3)
+
+
+def snfa_deflection(angle: float, F: float) -> float:
+    """The program's deflection of a bearing with balls of 7.938 mm [um]."""
+    g = grooved(7.938 * MM, 38.5 * MM, angle, 0.52, 0.52, 13, 208e9)
+    return static_displacement(g, F) / UM
+
+
+def deflection_rows() -> Iterator[Row]:
+    for angle in SNFA_ANGLES:
+        for F in SNFA_LOADS:
+            what = f"axial deflection, {angle:g} degrees, {F:g} N"
+            expected = palmgren(7.938, 13, angle, F)
+            yield Row("SNFA", what, "um", expected, snfa_deflection(angle, F), 0.05)
+
+
+def slow(name: str, F: float) -> tuple[Scene, dict]:
+    """A steel bearing under thrust that hardly turns, solved."""
+    scene = variant(
+        ROOT / "config" / "scenes" / f"{name}.yaml",
+        {
+            "operation.shaft_speed_rpm": SLOW_RPM,
+            "operation.preload_N": F,
+            "operation.preload_method": "constant_force",
+            "friction.slip_regularisation_m_s": SLOW_V_R,
+        },
+    )
+    result = solve(scene, "steady")
+    if result.status != "ok":
+        raise RuntimeError(f"{name} at {F:g} N: {result.status}")
+    return scene, result.values
+
+
+def torque_rows() -> Iterator[Row]:
+    """SKF: sliding torque as G_sl, which goes with F_a^(4/3); here over that at the middle load."""
+    torques = [float(slow("bearing218", F)[1]["shaft_torque"]) for F in SKF_LOADS]
+    scaled = [T / F ** (4 / 3) for T, F in zip(torques, SKF_LOADS, strict=True)]
+    for F, value in zip(SKF_LOADS, scaled, strict=True):
+        what = f"218, torque over thrust^(4/3), {F:g} N"
+        yield Row("SKF", what, "of that at 17800 N", 1.0, value / scaled[1], 0.02)
+
+
+def orbit_rows() -> Iterator[Row]:
+    for name, F in (("gyro_s1", 7.0), ("bearing218", 17800.0)):
+        scene, values = slow(name, F)
+        b = scene.bearing
+        cosine = math.cos(float(values["contact_angle"].mean()))
+        expected = 0.5 * (1.0 - b.ball_diameter_mm / b.pitch_diameter_mm * cosine)
+        found = float(values["orbit_speed"][0]) / (SLOW_RPM * math.pi / 30.0)
+        yield Row("kinematics", f"{name}, orbit over shaft speed", "1", expected, found, 5e-4)
+
+
+def rows() -> list[Row]:
+    """Every comparison."""
+    parts = (gmn_rows, deep_groove_rows, lift_off_rows, deflection_rows, torque_rows, orbit_rows)
+    return [row for part in parts for row in part()]
+
+
+def drawn(found: list[Row]) -> None:
+    figure, panels = new_figure(1, 2, 6.8, 3.4)
+    stiffness, deflection = panels[0]
+    F = np.geomspace(100.0, 1500.0, 40)
+    stiffness.plot(F, [2e-6 * axial_stiffness_at(S6208C, one) for one in F], color="C0")
+    stiffness.plot(list(GMN), list(GMN.values()), color="C3", marker="o", linestyle="none")
+    stiffness.set_xlabel("preload (N)")
+    stiffness.set_ylabel("axial stiffness of the pair (N/µm)")
+    stiffness.set_title("GMN S 6208 C", loc="left")
+    F = np.geomspace(SNFA_LOADS[0], SNFA_LOADS[-1], 30)
+    for angle in SNFA_ANGLES:
+        deflection.plot(F, [snfa_deflection(angle, one) for one in F], color="C0")
+        expected = [palmgren(7.938, 13, angle, one) for one in SNFA_LOADS]
+        deflection.plot(SNFA_LOADS, expected, color="C3", marker="o", linestyle="none")
+        deflection.text(F[-1], snfa_deflection(angle, F[-1]), f" {angle:g}°", va="center")
+    deflection.set_xlabel("thrust (N)")
+    deflection.set_ylabel("axial deflection (µm)")
+    deflection.set_title("13 balls of 7.938 mm, SNFA", loc="left")
+    for axes in panels[0]:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    gmn = max(abs(row.difference) for row in found if row.source == "GMN")
+    snfa = max(abs(row.difference) for row in found if row.what.startswith("axial deflection"))
+    title = (
+        f"Stiffness of a pair is within {100 * gmn:.1f} % of the catalogue, deflection within "
+        f"{100 * snfa:.0f} % of its formula"
+    )
+    handles = [
+        key("program", color="C0"),
+        key("catalogue", color="C3", marker="o", linestyle="none"),
+    ]
+    frame(figure, title, handles, columns=2)
+    save(figure, [FIGURE, FIGURE.with_suffix(".png")])
+
+
+def main() -> None:
+    found = rows()
+    print("| source | what | unit | theirs | program | difference | allowed |")
+    print("| --- | --- | --- | ---: | ---: | ---: | ---: |")
+    for row in found:
+        print(
+            f"| {row.source} | {row.what} | {row.unit} | {row.expected:.6g} | {row.found:.6g} "
+            f"| {100 * row.difference:+.2g} % | {100 * row.tolerance:.2g} % |"
+        )
+    drawn(found)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+"""Numbers of catalogues and of a commercial program; `benchmarks/catalogues.py` finds ours."""
+
+import importlib.util
+import sys
+
+import pytest
+from support import ROOT
+
+
+@pytest.fixture(scope="module")
+def rows():
+    path = ROOT / "benchmarks" / "catalogues.py"
+    spec = importlib.util.spec_from_file_location("catalogues", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["catalogues"] = module  # its dataclass looks itself up there
+    spec.loader.exec_module(module)
+    return module.rows()
+
+
+@pytest.mark.parametrize(
+    ("source", "what", "count"),
+    [
+        ("GMN", "S 6208 C", 3),
+        ("ISO 16281 examples", "radial", 1),
+        ("ISO 16281 examples", "axial", 1),
+        ("ISO 16281 examples", "moment", 2),
+        ("SNFA", "lift-off", 3),
+        ("SNFA", "axial deflection", 10),
+        ("SKF", "218", 3),
+        ("kinematics", "", 2),
+    ],
+)
+def test_row(rows, source, what, count):
+    found = [row for row in rows if row.source == source and row.what.startswith(what)]
+    assert len(found) == count
+    for row in found:
+        assert abs(row.difference) <= row.tolerance, row
+
+
+def test_no_row_without_a_test(rows):
+    assert len(rows) == 25
