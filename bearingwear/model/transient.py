@@ -114,7 +114,9 @@ def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interr
                 status=status, turns=turns, slopes=None, settled=False, to_land=math.inf
             )
         slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
-        settled = is_settled(slopes, slow, turns, scene.model.settled_drift) and to_land > FAR_FROM_LAND
+        settled = (
+            is_settled(slopes, slow, turns, scene.model.settled_drift) and to_land > FAR_FROM_LAND
+        )
         if settled and length == run.grid.window:
             break
     return LastWindow(status=status, turns=turns, slopes=slopes, settled=settled, to_land=to_land)

@@ -198,10 +198,10 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         "wear.end_of_life.guide_clearance_mm", ("guided by a race",)),
     "gravity without a direction": (
         edited(("  preload_N: 7.0", "  preload_N: 7.0\n  gravity_m_s2: 9.81")),
-        "operation.gravity_m_s2", ("9.81", "3")),
+        "operation.gravity_m_s2", ("9.81", "three")),
     "gravity of a plane": (
         edited(("  preload_N: 7.0", "  preload_N: 7.0\n  gravity_m_s2: [0, -9.81]")),
-        "operation.gravity_m_s2", ("3",)),
+        "operation.gravity_m_s2", ("three",)),
     "imbalance the other way": (
         edited(("guide_clearance_mm: 0.20", "guide_clearance_mm: 0.20\n  imbalance_um: -5")),
         "cage.imbalance_um", ("-5",)),
