@@ -1,9 +1,9 @@
 """The cage as a rigid body of six degrees of freedom (theory.md section 10).
 
-State (12 numbers): centre, velocity, rotation vector since the orientation `R0` that was fixed at
-the start of the step, and angular momentum about the centre; all in the inertial frame. A rotation
-vector that is put back to zero at each step has no singularity and no length to keep; the momentum
-of a cage that nothing touches stays to the last digit.
+State (12 numbers): centre of mass and its velocity, rotation vector since the orientation `R0` that
+was fixed at the start of the step, and angular momentum about the centre of mass; all in the
+inertial frame. A rotation vector that is put back to zero at each step has no singularity and no
+length to keep; the momentum of a weightless cage that nothing touches stays to the last digit.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.state import MOMENTUM, ROTATION, VELOCITY
-from bearingwear.kernels.vectors import cross, dot, triple
+from bearingwear.kernels.vectors import cross, dot, times, triple
 
 NO_LAND, OUTER_LAND, INNER_LAND = 0, 1, 2
 
@@ -21,6 +21,8 @@ class CageModel(NamedTuple):
 
     present: bool
     mass: float  # [kg]
+    gravity: tuple[float, float, float]  # inertial axes [m/s2]
+    imbalance: float  # of the centre of mass from the centre, towards the first pocket [m]
     I_x: float  # moment of inertia about its axis [kg m2]
     I_t: float  # and across it
     clearance: float  # radial pocket clearance of the unworn ball [m]
@@ -38,6 +40,9 @@ class CageModel(NamedTuple):
     # the fourth root of the pocket's law would make rounding of a ball's place a force.
     ramp_pocket: float
     ramp_land: float
+    # Displacement (Y, Z) at t = 0 of the race that guides the cage, the part that turns with the
+    # shaft [m]: it alone has a velocity.
+    turning: tuple[float, float]
 
 
 @jit
@@ -57,6 +62,12 @@ def turn(theta, R0, R):
         R[0, k] = a[0] + s * once[0] + c * twice[0]
         R[1, k] = a[1] + s * once[1] + c * twice[1]
         R[2, k] = a[2] + s * once[2] + c * twice[2]
+
+
+@jit
+def imbalance_vector(cage, R):
+    """Centre of mass from the cage's centre, in inertial axes [m]."""
+    return times(cage.imbalance, (R[0, 2], R[1, 2], R[2, 2]))
 
 
 @jit
@@ -90,7 +101,7 @@ def cage_rates(cage, z, force, R, dz):
     w = angular_velocity(cage, z, R)
     for k in range(3):
         dz[k] = z[VELOCITY + k]
-        dz[VELOCITY + k] = force[k] / cage.mass
+        dz[VELOCITY + k] = force[k] / cage.mass + cage.gravity[k]
         dz[MOMENTUM + k] = force[3 + k]
     # theta' = omega - theta x omega / 2 + theta x (theta x omega) / 12, next term of order 4.
     once = cross(theta, w)

@@ -2,7 +2,13 @@
 
 import math
 
-from bearingwear.kernels.cage import INNER_LAND, NO_LAND, angular_velocity, turn
+from bearingwear.kernels.cage import (
+    INNER_LAND,
+    NO_LAND,
+    angular_velocity,
+    imbalance_vector,
+    turn,
+)
 from bearingwear.kernels.cage_law import (
     ELASTIC,
     INNER_TORQUE,
@@ -17,7 +23,7 @@ from bearingwear.kernels.cage_law import (
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.pocket import add_pocket, pocket_place
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, PSI, ROTATION, VELOCITY
-from bearingwear.kernels.vectors import cross, dot, plus, store, triple
+from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple
 
 
 @jit(forceinline=True)
@@ -39,12 +45,26 @@ def land_force(cage, approach, closing):
     return spring, F, max(cage.k_land + change * closing, 0.0), c_n, change
 
 
+@jit
+def set_race_velocity(time, bearing, contacts):
+    """Velocity of the inner race: of the part of its displacement that turns with the shaft.
+
+    The equilibrium of balls and race knows displacements alone.
+    """
+    omega, (u1, u2) = bearing.op.omega_i, bearing.cage.turning
+    s, c = math.sin(omega * time), math.cos(omega * time)
+    contacts.race_velocity[0] = -omega * (s * u1 + c * u2)
+    contacts.race_velocity[1] = omega * (c * u1 - s * u2)
+
+
 @jit(forceinline=True)
-def add_land_edge(bearing, z, w, edge, delta, contacts, load):
+def add_land_edge(bearing, z, w, shift, edge, delta, contacts, load):
     """Force of one edge of the land, stored and added to the sums; returns the load on the cage.
 
     Parameters
     ----------
+    shift : tuple of 3 floats
+        Centre of mass from the cage's centre [m].
     delta : ndarray (3,)
         Displacement of the inner race [m].
     load : tuple of two tuples of 3 floats
@@ -53,11 +73,13 @@ def add_land_edge(bearing, z, w, edge, delta, contacts, load):
     cage, R, place = bearing.cage, contacts.R, bearing.D.size + edge
     inner = cage.land == INNER_LAND
     x = cage.half_width if edge == 1 else -cage.half_width
-    o = (x * R[0, 0], x * R[1, 0], x * R[2, 0])
-    e1, e2 = z[CENTRE + 1] + o[1], z[CENTRE + 2] + o[2]
+    o = minus(times(x, (R[0, 0], R[1, 0], R[2, 0])), shift)  # from the centre of mass
+    race1 = race2 = speed1 = speed2 = 0.0
     omega = bearing.op.omega_o
     if inner:
-        e1, e2, omega = e1 - delta[1], e2 - delta[2], bearing.op.omega_i
+        race1, race2, omega = delta[1], delta[2], bearing.op.omega_i
+        speed1, speed2 = contacts.race_velocity[0], contacts.race_velocity[1]
+    e1, e2 = z[CENTRE + 1] + o[1] - race1, z[CENTRE + 2] + o[2] - race2
     offset = math.sqrt(e1 * e1 + e2 * e2)
     approach = offset - cage.gap
     contacts.approach[place] = approach
@@ -67,9 +89,9 @@ def add_land_edge(bearing, z, w, edge, delta, contacts, load):
     side = -1.0 if inner else 1.0
     q = (o[0], o[1] + side * cage.radius * n1, o[2] + side * cage.radius * n2)
     v_cage = plus(triple(z, VELOCITY), cross(w, q))
-    # Land surface: omega about X at the contact point.
-    l1, l2 = z[CENTRE + 1] + q[1], z[CENTRE + 2] + q[2]
-    s0, s1, s2 = -v_cage[0], -omega * l2 - v_cage[1], omega * l1 - v_cage[2]
+    # Land surface: omega about the axis of its race, which has a velocity of its own.
+    l1, l2 = z[CENTRE + 1] + q[1] - race1, z[CENTRE + 2] + q[2] - race2
+    s0, s1, s2 = -v_cage[0], speed1 - omega * l2 - v_cage[1], speed2 + omega * l1 - v_cage[2]
     closing = -(s1 * n1 + s2 * n2)
     slip = (s0, s1 + closing * n1, s2 + closing * n2)
     spring, F, stiffness, damping, change = land_force(cage, approach, closing)
@@ -93,7 +115,7 @@ def add_land_edge(bearing, z, w, edge, delta, contacts, load):
     sums[LAND_DAMPING] += (F - spring) * closing
     sums[ELASTIC] += 0.5 * spring * approach
     torque = l1 * h[2] - l2 * h[1]
-    sums[LAND_TORQUE] += torque
+    sums[LAND_TORQUE] += torque + race1 * h[2] - race2 * h[1]
     sums[LAND_WORK] += omega * torque
     if inner:
         contacts.race_force[0] -= h[1]
@@ -122,14 +144,14 @@ def cage_contacts(y, bearing, balls, contacts):
     turn(z[ROTATION : ROTATION + 3], contacts.R0, contacts.R)
     contacts.sums[:] = 0.0
     contacts.race_force[:] = 0.0
-    w = angular_velocity(cage, z, contacts.R)
+    w, shift = angular_velocity(cage, z, contacts.R), imbalance_vector(cage, contacts.R)
     load = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for j in range(n):
         contacts.normal[j] = contacts.power[j] = 0.0
         for k in range(3):
             contacts.ball_force[j, k] = contacts.ball_moment[j, k] = 0.0
         r = g.R_o + balls.X[j, 1]
-        place = pocket_place(z, contacts.R, j, n, y[BALL * j + PSI], r, balls.X[j, 0])
+        place = pocket_place(z, contacts.R, shift, j, n, y[BALL * j + PSI], r, balls.X[j, 0])
         approach = place.offset - cage.clearance - 0.5 * (g.D0 - bearing.D[j])
         contacts.approach[j] = approach
         if approach > 0.0:
@@ -137,7 +159,7 @@ def cage_contacts(y, bearing, balls, contacts):
     for edge in range(2):
         contacts.normal[n + edge] = contacts.power[n + edge] = 0.0
         if cage.land != NO_LAND:
-            load = add_land_edge(bearing, z, w, edge, balls.delta, contacts, load)
+            load = add_land_edge(bearing, z, w, shift, edge, balls.delta, contacts, load)
     force, moment = load
     for k in range(3):
         contacts.force[k], contacts.force[3 + k] = force[k], moment[k]

@@ -38,6 +38,7 @@ class CageBuffers(NamedTuple):
     approach: np.ndarray  # (n + 2,) interference; < 0: open [m]
     normal: np.ndarray  # (n + 2,) normal forces [N]
     power: np.ndarray  # (n + 2,) normal force times slip, for wear [W]
+    race_velocity: np.ndarray  # (2,) of the inner race along Y, Z [m/s]
     race_force: np.ndarray  # (2,) of the land on the inner race along Y, Z [N]
     sums: np.ndarray  # (9,) powers [W], torques about the bearing axis [N m], elastic energy [J]
     K: np.ndarray  # (n + 2, 3, 3) derivative of the contact force by displacement [N/m]
@@ -60,6 +61,7 @@ def cage_buffers(n):
         approach=np.full(n + 2, -1.0),
         normal=np.zeros(n + 2),
         power=np.zeros(n + 2),
+        race_velocity=np.zeros(2),
         race_force=np.zeros(2),
         sums=np.zeros(9),
         K=np.zeros((n + 2, 3, 3)),

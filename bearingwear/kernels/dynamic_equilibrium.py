@@ -6,7 +6,7 @@ import numpy as np
 
 from bearingwear.kernels.bearing_model import load_at
 from bearingwear.kernels.cage import INNER_LAND
-from bearingwear.kernels.cage_contacts import cage_contacts
+from bearingwear.kernels.cage_contacts import cage_contacts, set_race_velocity
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.linear import add_multiple, copy
 from bearingwear.kernels.quasistatic import (
@@ -121,6 +121,7 @@ def joint_equilibrium(time, y, bearing, balls, contacts):
     dX, d_delta = np.zeros((bearing.D.size, 2)), np.zeros(3)
     size, largest, share, done = math.inf, 0.0, 1.0, False
     load_at(bearing, time, balls.F)
+    set_race_velocity(time, bearing, contacts)
     for _ in range(MOST_TRIALS):
         cage_contacts(y, bearing, balls, contacts)
         linearise_cage_forces(y, bearing, balls, contacts)

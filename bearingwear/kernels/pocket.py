@@ -24,14 +24,20 @@ class PocketPlace(NamedTuple):
     sin_psi: float  # of the ball's azimuth
     cos_psi: float
     axis: tuple[float, float, float]  # of the pocket, a unit vector
-    d: tuple[float, float, float]  # ball centre from the cage's [m]
+    d: tuple[float, float, float]  # ball centre from the cage's centre of mass [m]
     across: tuple[float, float, float]  # ball centre from the pocket's axis [m]
     offset: float  # its length [m]
 
 
 @jit(forceinline=True)
-def pocket_place(z, R, j, n_balls, psi, r, X1):
-    """Place of ball j, of axial position X1 on a circle of radius r."""
+def pocket_place(z, R, shift, j, n_balls, psi, r, X1):
+    """Place of ball j, of axial position X1 on a circle of radius r.
+
+    Parameters
+    ----------
+    shift : tuple of 3 floats
+        Centre of mass from the cage's centre, which the pockets' axes meet in [m].
+    """
     sp, cp = math.sin(psi), math.cos(psi)
     phi = 2.0 * math.pi * j / n_balls
     u1, u2 = -math.sin(phi), math.cos(phi)
@@ -41,7 +47,8 @@ def pocket_place(z, R, j, n_balls, psi, r, X1):
         R[2, 1] * u1 + R[2, 2] * u2,
     )
     d = minus((X1, -r * sp, r * cp), triple(z, CENTRE))
-    across = minus(d, times(dot(d, axis), axis))
+    e = plus(d, shift)
+    across = minus(e, times(dot(e, axis), axis))
     offset = math.sqrt(dot(across, across))
     return PocketPlace(sin_psi=sp, cos_psi=cp, axis=axis, d=d, across=across, offset=offset)
 
@@ -51,7 +58,7 @@ class PocketMotion(NamedTuple):
 
     n: tuple[float, float, float]  # unit normal, from the pocket's axis outward
     reach: tuple[float, float, float]  # contact point from the ball's centre [m]
-    arm: tuple[float, float, float]  # and from the cage's [m]
+    arm: tuple[float, float, float]  # and from the cage's centre of mass [m]
     w_ball: tuple[float, float, float]  # angular velocity of the ball [rad/s]
     slip: tuple[float, float, float]  # of the cage against the ball, tangential [m/s]
     closing: float  # approach speed [m/s]
@@ -93,22 +100,29 @@ def pocket_motion(y, i, z, w, place, r, R_b):
     )
 
 
+class PocketForce(NamedTuple):
+    """Elastic force of a pocket, its damping along the orbit, and both along the normal."""
+
+    elastic: float  # [N]
+    stiffness: float  # its derivative by approach [N/m]
+    drag: float  # damping force on the ball, along the orbit's y [N]
+    c_n: float  # its derivative by the speed along the orbit [N s/m]
+    normal: float  # elastic force and the damping's normal part: what rubs [N]
+    change: float  # derivative of `normal` by approach [N/m]
+
+
 @jit(forceinline=True)
 def pocket_force(cage, mass, approach, n_y, along_orbit):
-    """Normal force of a pocket, its stiffness, and its damping along the orbit.
+    """Force of a pocket whose normal has the component n_y along the orbit.
 
     Parameters
     ----------
     mass : float
         Of the ball [kg].
-    n_y : float
-        Component of the normal along the orbit.
 
     Returns
     -------
-    F, stiffness, drag, c_n : float
-        Normal force [N] and its derivative by approach [N/m]; damping force on the ball [N] and
-        its derivative by the speed along the orbit [N s/m].
+    PocketForce
     """
     root = math.sqrt(approach)
     F = contact_load(cage.K_pocket, approach)
@@ -116,22 +130,30 @@ def pocket_force(cage, mass, approach, n_y, along_orbit):
     part = approach / (approach + cage.ramp_pocket)
     c_n = cage.damping_pocket * math.sqrt(m_eff * cage.K_pocket) * math.sqrt(root) * part
     c_n *= n_y * n_y
-    drag = c_n * along_orbit
+    drag, stiffness = c_n * along_orbit, 1.5 * cage.K_pocket * root
+    change = stiffness - n_y * drag * (1.25 / approach - 1.0 / (approach + cage.ramp_pocket))
     if drag * n_y > F * n_y * n_y:  # nothing pulls
-        drag, c_n = F * n_y, 0.0
-    return F, 1.5 * cage.K_pocket * root, drag, c_n
+        drag, c_n, change = F * n_y, 0.0, stiffness * max(1.0 - n_y * n_y, 0.0)
+    return PocketForce(
+        elastic=F,
+        stiffness=stiffness,
+        drag=drag,
+        c_n=c_n,
+        normal=max(F - drag * n_y, 0.0),
+        change=change,
+    )
 
 
 @jit(forceinline=True)
-def add_geometric_stiffness(cage, w, place, motion, F, R_b, speed, K):
+def add_geometric_stiffness(cage, w, place, motion, force, R_b, speed, K):
     """Add to K what turns with the ball's place: the normal, and with it the contact point.
 
     At another point the surfaces have other speeds: friction turns.
     """
     a, n, slip, offset = place.axis, motion.n, motion.slip, place.offset
-    turning = F / offset
+    turning = force.elastic / offset
     W = math.sqrt(speed * speed + cage.v_r * cage.v_r)
-    drift, lever = cage.mu * F / W, R_b / offset
+    drift, lever = cage.mu * force.normal / W, R_b / offset
     s = (slip[0] / W, slip[1] / W, slip[2] / W)
     # The cage against the ball at a point that moves over the ball, and at one fixed to it.
     over = times(lever, minus(w, motion.w_ball))
@@ -153,6 +175,37 @@ def add_geometric_stiffness(cage, w, place, motion, F, R_b, speed, K):
 
 
 @jit(forceinline=True)
+def store_pocket_slopes(cage, motion, force, n_y, y_axis, contacts, j):
+    """Friction of pocket j and its speed of slip; derivatives of its force and powers, stored.
+
+    Friction sees the whole normal force, of which only the elastic part acts along the normal: the
+    damping acts along `y_axis`, against the orbit.
+    """
+    n, slip, drag = motion.n, motion.slip, force.c_n * motion.along_orbit
+    rubbing = CageContact(
+        n=n,
+        slip=slip,
+        closing=motion.closing,
+        F=force.normal,
+        stiffness=force.change,
+        damping=0.0,
+        change=0.0,
+    )
+    K, C, heat, loss = contacts.K[j], contacts.C[j], contacts.heat[j], contacts.loss[j]
+    friction, speed = contact_law(rubbing, cage.mu, cage.v_r, K, C)
+    power_slopes(rubbing, cage.mu, cage.v_r, heat, loss)
+    W = math.sqrt(speed * speed + cage.v_r * cage.v_r)
+    less = cage.mu * n_y * force.c_n / W  # of the friction, as the cage goes along the orbit's y
+    for i in range(3):
+        for k in range(3):
+            K[i, k] += (force.stiffness - force.change) * n[i] * n[k]
+            C[i, k] += (force.c_n * y_axis[i] - less * slip[i]) * y_axis[k]
+        heat[i] -= less * speed * speed * y_axis[i]
+        loss[i] = 2.0 * drag * y_axis[i]
+    return friction, speed
+
+
+@jit(forceinline=True)
 def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
     """Force of the closed pocket j, stored and added to the sums; returns the load on the cage.
 
@@ -165,25 +218,10 @@ def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
     motion = pocket_motion(y, BALL * j, z, w, place, r, R_b)
     sp, cp, d, n = place.sin_psi, place.cos_psi, place.d, motion.n
     n_y = n[1] * cp + n[2] * sp
-    F, stiffness, drag, c_n = pocket_force(cage, bearing.mass[j], approach, n_y, motion.along_orbit)
-    contact = CageContact(
-        n=n,
-        slip=motion.slip,
-        closing=motion.closing,
-        F=F,
-        stiffness=stiffness,
-        damping=0.0,
-        change=0.0,
-    )
-    K, C, loss = contacts.K[j], contacts.C[j], contacts.loss[j]
-    friction, speed = contact_law(contact, cage.mu, cage.v_r, K, C)
-    add_geometric_stiffness(cage, w, place, motion, F, R_b, speed, K)
-    C[1, 1] += c_n * cp * cp
-    C[1, 2] += c_n * cp * sp
-    C[2, 1] += c_n * cp * sp
-    C[2, 2] += c_n * sp * sp
-    power_slopes(contact, cage.mu, cage.v_r, contacts.heat[j], loss)
-    loss[1], loss[2] = 2.0 * c_n * motion.along_orbit * cp, 2.0 * c_n * motion.along_orbit * sp
+    whole = pocket_force(cage, bearing.mass[j], approach, n_y, motion.along_orbit)
+    F, drag = whole.elastic, whole.drag
+    friction, speed = store_pocket_slopes(cage, motion, whole, n_y, (0.0, cp, sp), contacts, j)
+    add_geometric_stiffness(cage, w, place, motion, whole, R_b, speed, contacts.K[j])
     # On the ball: pushed back along -n, dragged by the cage's slip.
     h = minus(friction, times(F, n))
     store((h[0], h[1] * cp + h[2] * sp + drag, -h[1] * sp + h[2] * cp), contacts.ball_force[j])
@@ -192,8 +230,8 @@ def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
         (moment[0], moment[1] * cp + moment[2] * sp, -moment[1] * sp + moment[2] * cp),
         contacts.ball_moment[j],
     )
-    contacts.normal[j] = F
-    contacts.power[j] = F * speed
+    contacts.normal[j] = whole.normal
+    contacts.power[j] = whole.normal * speed
     store(motion.arm, contacts.arm[j])
     store(motion.reach, contacts.reach[j])
     sums = contacts.sums

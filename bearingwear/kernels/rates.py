@@ -20,7 +20,7 @@ from bearingwear.kernels.contact import LARGEST_AXIS, friction_sums, slip_coeffi
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
 from bearingwear.kernels.ellipse import quadrature_points
 from bearingwear.kernels.quasistatic import COS_I, SIN_I
-from bearingwear.kernels.state import BALL, CAGE, OMEGA, PSI, W_X, W_Y, W_Z
+from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
 
 
@@ -105,9 +105,12 @@ def store_cage_rates(y, bearing, contacts, dy):
     dy[layout.damping] = sums[POCKET_DAMPING] + sums[LAND_DAMPING]
     dy[layout.pocket_torque] = sums[POCKET_TORQUE]
     dy[layout.land_torque] = sums[LAND_TORQUE]
+    dy[layout.gravity_torque] = 0.0
     if bearing.cage.present:
-        begin, end = layout.cage, layout.cage + CAGE
+        begin, end, g = layout.cage, layout.cage + CAGE, bearing.cage.gravity
         cage_rates(bearing.cage, y[begin:end], contacts.force, contacts.R, dy[begin:end])
+        off_y, off_z = y[begin + CENTRE + 1], y[begin + CENTRE + 2]
+        dy[layout.gravity_torque] = bearing.cage.mass * (off_y * g[2] - off_z * g[1])
 
 
 @jit

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.cage import axial_momentum
+from bearingwear.kernels.cage import axial_momentum, imbalance_vector
 from bearingwear.kernels.cage_law import INNER_TORQUE
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
@@ -268,8 +268,9 @@ def add_instant(y, bearing, buf, recorder, place):
 def keep_cage(y, bearing, contacts, speed, history, place):
     """Put the cage's pose, speed and forces into the history."""
     R, row = contacts.R, history.cage[place]
+    shift = imbalance_vector(bearing.cage, R)
     for i in range(3):
-        row[POSITION + i] = y[bearing.layout.cage + CENTRE + i]
+        row[POSITION + i] = y[bearing.layout.cage + CENTRE + i] - shift[i]
     # The small turn that takes the X axis to the cage's.
     row[TILT + 1] = -math.asin(R[2, 0])
     row[TILT + 2] = math.asin(R[1, 0])

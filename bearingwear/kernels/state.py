@@ -7,8 +7,8 @@ from bearingwear.kernels.compile import jit
 BALL = 5  # states of a ball
 W_X, W_Y, W_Z, OMEGA, PSI = range(BALL)  # its angular velocity, orbit rate [rad/s], azimuth [rad]
 CAGE = 12  # states of a cage
-# Its centre [m] and velocity [m/s], its rotation vector since the start of the step [rad] and its
-# angular momentum about the centre [kg m2/s]: three inertial components each.
+# Its centre of mass [m] and velocity [m/s], its rotation vector since the start of the step [rad]
+# and its angular momentum about that centre [kg m2/s]: three inertial components each.
 CENTRE, VELOCITY, ROTATION, MOMENTUM = 0, 3, 6, 9
 
 
@@ -30,6 +30,7 @@ class StateLayout(NamedTuple):
     damping: int  # of pockets and land [J]
     pocket_torque: int  # angular impulse of the pockets on the cage [N m s]
     land_torque: int  # and of the land
+    gravity_torque: int  # and of gravity
     size: int
 
 
@@ -56,5 +57,6 @@ def state_layout(n, with_cage):
         damping=land + 9,
         pocket_torque=land + 10,
         land_torque=land + 11,
-        size=land + 12,
+        gravity_torque=land + 12,
+        size=land + 13,
     )

@@ -26,7 +26,8 @@ def cage_of(scene: Scene) -> CageModel:
     c = scene.cage
     if c is None:
         nothing: dict[str, Any] = dict.fromkeys(CageModel._fields, 1.0)
-        return CageModel(**nothing | {"present": False, "land": NO_LAND})
+        vectors = {"gravity": (0.0, 0.0, 0.0), "turning": (0.0, 0.0)}
+        return CageModel(**nothing | vectors | {"present": False, "land": NO_LAND})
     b = scene.bearing
     material = scene.materials[c.material]
     ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
@@ -58,9 +59,12 @@ def cage_of(scene: Scene) -> CageModel:
     impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
     m_ball = ball_mass(ball.density_kg_m3, 2.0 * R)
     m_eff = m_ball * mass / (m_ball + mass)
+    g_x, g_y, g_z = operation.gravity_m_s2
     return CageModel(
         present=True,
         mass=mass,
+        gravity=(float(g_x), float(g_y), float(g_z)),
+        imbalance=c.imbalance_um * 1e-6,
         I_x=0.5 * mass * (r_i**2 + r_o**2),
         I_t=mass * (3.0 * (r_i**2 + r_o**2) + width**2) / 12.0,
         clearance=clearance,
@@ -77,6 +81,7 @@ def cage_of(scene: Scene) -> CageModel:
         damping_land=math.sqrt(0.5) * land_damping(c.restitution),
         ramp_pocket=max(RAMP * (1.25 * m_eff * impact**2 / hertz.K) ** 0.4, 1e-9),
         ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
+        turning=(0.0, 0.0),  # see DynamicSystem.of
     )
 
 

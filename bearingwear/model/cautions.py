@@ -202,6 +202,10 @@ def _assumed(e: Evidence) -> Finding | None:
     return (None, {"value": speed}) if told else None
 
 
+def _weightless(e: Evidence) -> Finding | None:
+    return None if not e.chosen.cage or any(e.scene.operation.gravity_m_s2) else (None, {})
+
+
 def _when_new(e: Evidence) -> Finding | None:
     """The criterion of a life that ends where it begins."""
     if e.life is None or len(e.life.get("history_ball_diameter_loss", ())) != 1:
@@ -303,6 +307,13 @@ CAUTIONS = (
         lambda e: fit_lost(e.scene),
         "the ring is loose on its seat ({seats}): heat and speed have taken the interference",
         "more interference, or less speed",
+    ),
+    Caution(
+        "cage_weightless",
+        _weightless,
+        "the cage is weightless: its motion, and the wear of pockets and land by ten times and "
+        "more, may be others under gravity",
+        "give operation.gravity_m_s2, [0, 0, -9.81] where the shaft lies",
     ),
     Caution(
         "speed_assumed",

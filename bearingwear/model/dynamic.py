@@ -86,8 +86,21 @@ class DynamicSystem:
         system.buffers.rest[0] = parameters.static_place(scene)
         system.buffers.balls.delta[:] = system.buffers.rest
         if bearing.cage.present:
+            if bearing.cage.land == INNER_LAND and bearing.F_rot:
+                cage = bearing.cage._replace(turning=system.turning_displacement())
+                system.bearing = bearing._replace(cage=cage)
             system.place_cage()
         return system
+
+    def turning_displacement(self) -> tuple[float, float]:
+        """What the rotating load alone displaces of the race (Y, Z), now [m]; zero if it fails."""
+        balls, found = self.buffers.balls, []
+        for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
+            if free_equilibrium(self.time, self.y, bearing, balls) != code.OK:
+                return 0.0, 0.0
+            found.append(balls.delta[1:].copy())
+        y, z = (found[1] - found[0]).tolist()
+        return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
         """The same bearing, some fields of its model replaced; to be unpacked into."""
@@ -112,7 +125,7 @@ class DynamicSystem:
         z[CENTRE + 2] = -0.5 * room
         if cage.land == INNER_LAND:
             z[CENTRE + 1 : CENTRE + 3] += balls.delta[1:]
-        middle = z[POSE]
+        middle = z[POSE] + np.r_[0.0, 0.0, cage.imbalance, 0.0, 0.0, 0.0]
 
         def squeezed(shift: np.ndarray) -> float:
             z[POSE] = middle + shift * scale
@@ -274,12 +287,19 @@ class DynamicSystem:
         d = np.maximum(lengths - free, 0.0)
         r = bearing.g.R_o + balls.X[:, 1]
         orbit = bearing.mass * r**2 * Omega**2
-        cage_kinetic = 0.0
+        cage_kinetic = weight_work = 0.0
         if bearing.cage.present:
-            cage_kinetic = cage_energy(bearing.cage, self.cage_state, cage.R)
+            z = self.cage_state
+            cage_kinetic = cage_energy(bearing.cage, z, cage.R)
+            weight_work = bearing.cage.mass * np.dot(bearing.cage.gravity, z[CENTRE : CENTRE + 3])
         races = STORED * (balls.factors[:, :, HERTZ_K] * d**2.5).sum()
         return {
-            "supplied": y[layout.shaft] + balls.delta @ (balls.F * self.load_mask) - y[layout.load],
+            "supplied": (
+                y[layout.shaft]
+                + balls.delta @ (balls.F * self.load_mask)
+                - y[layout.load]
+                + weight_work
+            ),
             "heat": y[layout.heat],
             "drag": y[layout.drag],
             "cage heat": y[layout.cage_heat],

@@ -139,6 +139,7 @@ def add_cage_values(
         "cage_friction_heat": integrals[p.cage_heat - offset] / time,
         "mean_pocket_torque": integrals[p.pocket_torque - offset] / time,
         "mean_land_torque": integrals[p.land_torque - offset] / time,
+        "mean_gravity_torque": integrals[p.gravity_torque - offset] / time,
     }
 
 

@@ -271,7 +271,12 @@ def _dynamic(scene: Scene) -> list[str]:
         told.append("ball diameters: one for each ball, as worn")
     if cage is not None:
         guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
-        told.append(f"cage: six degrees of freedom moving in time, guided by the {guide}")
+        g = math.hypot(*operation.gravity_m_s2)
+        weight = f"gravity {g:.3g} m/s2" if g else "weightless, no operation.gravity_m_s2"
+        balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
+        told.append(
+            f"cage: six degrees of freedom moving in time, guided by the {guide}; {weight}{balance}"
+        )
     told.append(
         "Coriolis force and radial inertia of the balls: left out, as in the source of the model; "
         "the energy account books the first"

@@ -1,5 +1,6 @@
 """A dynamic run: windows of recorded time, their trend, lines of progress."""
 
+import math
 import time as clock
 from collections import deque
 from collections.abc import Callable
@@ -8,8 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.cage import INNER_LAND, NO_LAND
 from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
 from bearingwear.kernels.record import (
+    POSITION,
     PRELOAD,
     Recorder,
     TimeGrid,
@@ -27,18 +30,22 @@ from bearingwear.scene.scene import Scene
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
+FAR_FROM_LAND = 200.0  # turns: a cage that takes longer to drift to its land is where it stays
+RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
+_SIGNIFICANT = 3.0  # standard errors of a slope
 RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns differ in cost
 
 
 class Trend:
     """Straight lines through what successive turns give, without keeping them.
 
-    QV, wear of all parts, of the balls, of balls and races, preload.
+    QV, wear of all parts, of the balls, of balls and races, preload; last the room between the cage
+    and its land, as a share of their clearance.
     """
 
     def __init__(self) -> None:
         self.sums = np.zeros(3)  # 1, k, k^2
-        self.values = np.zeros((3, 5))  # (value, k value, value^2) of each
+        self.values = np.zeros((3, 6))  # (value, k value, value^2) of each
 
     def add(self, values: np.ndarray) -> None:
         k = self.sums[0]
@@ -51,9 +58,9 @@ class Trend:
         return bool(self.sums[0] >= 3 and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Relative change a turn of each (5,); None if not `known`."""
+        """Relative change a turn of each but the room (5,); None if not `known`."""
         n, k, kk = self.sums
-        total, weighted, _ = self.values
+        total, weighted, _ = self.values[:, :-1]
         if not self.known:
             return None
         mean = np.where(total != 0.0, total / n, 1.0)
@@ -62,9 +69,24 @@ class Trend:
     def scatter(self) -> np.ndarray:
         """Standard error of each mean, relative, were the turns independent (5,)."""
         n = self.sums[0]
-        mean, square = self.values[0] / n, self.values[2] / n
+        mean, square = self.values[0, :-1] / n, self.values[2, :-1] / n
         variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
         return np.sqrt(variance) / np.where(mean != 0.0, np.abs(mean), 1.0)
+
+    def turns_to_land(self) -> float:
+        """Turns until the cage meets its land if it drifts on; infinite where it does not drift."""
+        n, k, kk = self.sums
+        total, weighted, square = self.values[:, -1]
+        if n < 3:
+            return math.inf
+        spread = kk - k * k / n
+        slope = (weighted - k * total / n) / spread
+        rest = max(square - total * total / n - slope * slope * spread, 0.0)
+        error = math.sqrt(rest / ((n - 2.0) * spread))
+        left = total / n + 0.5 * slope * (n - 1.0)
+        if left <= RIDING or -slope <= _SIGNIFICANT * error:
+            return math.inf
+        return -left / slope
 
 
 def wear_per_joule(scene: Scene, material: str) -> float:
@@ -201,6 +223,7 @@ class TimeRun:
             keep=True,
         )
         self.loads = LoadRange(n)
+        self.room = 1.0  # of the cage, see `Trend`, over the stretch simulated last
         self.weights = wear_weights(scene, system)
         self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
         self.done = 0
@@ -238,7 +261,18 @@ class TimeRun:
             self.done += count
             if count:
                 self.loads.add(self.recorder.history.load[place : place + count])
+                self.room = self.land_room(slice(place, place + count))
         return tally.status
+
+    def land_room(self, stretch: slice) -> float:
+        """Mean room of the cage to its land over instants of the history, over the clearance."""
+        cage, history = self.system.bearing.cage, self.recorder.history
+        if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
+            return 1.0
+        off = history.cage[stretch, POSITION + 1 : POSITION + 3].astype(float)
+        if cage.land == INNER_LAND:
+            off -= history.displacement[stretch, 1:]
+        return 1.0 - float(np.hypot(*off.T).mean()) / cage.gap
 
     def window(self, length: int, interrupt: Interrupt) -> int:
         """Simulate a window and record it; returns a status."""
@@ -260,7 +294,7 @@ class TimeRun:
             if count == points:
                 gained = integrals - before
                 pressed = sums.bearing[PRELOAD] - preload
-                self.trend.add(np.array([*self.weights @ gained, pressed]))
+                self.trend.add(np.array([*self.weights @ gained, pressed, self.room]))
             shown = self.trend if self.trend.known else before_last
             self.report(self.turns, shown.slopes())
         return code.OK

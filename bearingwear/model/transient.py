@@ -17,7 +17,7 @@ from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.start import Start, start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem, steady_answer
-from bearingwear.model.time_run import RunGrid, TimeRun
+from bearingwear.model.time_run import FAR_FROM_LAND, RunGrid, TimeRun
 from bearingwear.scene.scene import Scene
 
 _LARGEST_RESIDUAL = 1e-6  # of the contact load: what balls and pockets are agreed to, and more
@@ -95,6 +95,7 @@ class LastWindow:
     turns: float
     slopes: np.ndarray | None  # see `Trend.slopes`
     settled: bool
+    to_land: float  # turns until the cage meets its land, see `Trend.turns_to_land`
 
 
 def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interrupt) -> LastWindow:
@@ -109,12 +110,16 @@ def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interr
         turns = length / run.grid.points
         status = run.window(length, interrupt)
         if status != code.OK:
-            return LastWindow(status=status, turns=turns, slopes=None, settled=False)
-        slopes = run.trend.slopes()
-        settled = is_settled(slopes, slow, turns, scene.model.settled_drift)
+            return LastWindow(
+                status=status, turns=turns, slopes=None, settled=False, to_land=math.inf
+            )
+        slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
+        settled = (
+            is_settled(slopes, slow, turns, scene.model.settled_drift) and to_land > FAR_FROM_LAND
+        )
         if settled and length == run.grid.window:
             break
-    return LastWindow(status=status, turns=turns, slopes=slopes, settled=settled)
+    return LastWindow(status=status, turns=turns, slopes=slopes, settled=settled, to_land=to_land)
 
 
 def run_of(
@@ -165,7 +170,7 @@ def run_of(
             f"normal balance {residual:.1e} of the contact load, allowed {_LARGEST_RESIDUAL:.0e}; "
             f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
         ),
-        "settled": settled_sentence(last.slopes, last.settled),
+        "settled": settled_sentence(last),
         "integrator": f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}",
     }
     return values, attrs
@@ -260,9 +265,12 @@ def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: fl
     return slopes is not None and bool(np.abs(slopes[:2]).max() * max(slow, turns) <= allowed)
 
 
-def settled_sentence(slopes: np.ndarray | None, settled: bool) -> str:
+def settled_sentence(last: LastWindow) -> str:
     """How settled the averages are, in words."""
-    if slopes is None:
+    if last.slopes is None:
         return "not known: fewer than three whole turns were evaluated"
-    verdict = "settled" if settled else "not settled; the turns were used up"
-    return f"{verdict}: QV drifts {slopes[0]:+.1e}, wear {slopes[1]:+.1e} a turn"
+    verdict = "settled" if last.settled else "not settled; the turns were used up"
+    said = f"{verdict}: QV drifts {last.slopes[0]:+.1e}, wear {last.slopes[1]:+.1e} a turn"
+    if last.to_land <= FAR_FROM_LAND:
+        said += f"; the cage drifts towards its land, which is {last.to_land:.0f} turns away"
+    return said

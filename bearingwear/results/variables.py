@@ -266,6 +266,8 @@ DYNAMIC = table(
         averaged=True),
     Variable("mean_pocket_torque", (), "N m", "torque of the balls on the cage about the axis",
         averaged=True, label="mean pocket torque"),
+    Variable("mean_gravity_torque", (), "N m", "torque of gravity on the cage about the axis",
+        averaged=True),
     Variable("mean_land_torque", (), "N m", "torque of the guiding land on the cage about the axis",
         averaged=True, label="mean land torque"),
     Variable("cage_momentum_rate", (), "N m",

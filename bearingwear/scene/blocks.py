@@ -139,6 +139,14 @@ class Cage:
     guide_clearance_mm: Annotated[
         float, Key("Diametral clearance of cage and guiding land", "mm", "[0, 50]")
     ]
+    imbalance_um: Annotated[
+        float,
+        Key(
+            "Distance of the centre of mass from the cage's centre, towards its first pocket",
+            "um",
+            "[0, 1000]",
+        ),
+    ] = 0.0
     worn_share: Annotated[
         float,
         Key(
@@ -178,6 +186,15 @@ class Operation:
         Key("Radial load that turns with the shaft, along +Z at the start", "N", "[-1e7, 1e7]"),
     ] = 0.0
     tilt_mrad: Annotated[float, Key("Tilt of the inner race about Y", "mrad", "[-20, 20]")] = 0.0
+    gravity_m_s2: Annotated[
+        tuple[float, float, float],
+        Key(
+            "Gravity along X, Y and Z (up where the shaft lies), on the cage alone",
+            "m/s2",
+            "[-1000, 1000]",
+            each="One component of gravity",
+        ),
+    ] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,6 +19,7 @@ from bearingwear.model.start import start_of
 from bearingwear.model.transient import solve_dynamic
 
 ROTATING = {"operation.rotating_load_N": 1.0}
+HEAVY = {"operation.gravity_m_s2": [20.0, 30.0, -300.0], "cage.imbalance_um": 5.0}
 
 
 def started(scene):
@@ -49,6 +50,7 @@ def moved(motion, duration, *options):
         {"cage.guiding_race": "inner", "cage.inner_diameter_mm": 6.2} | ROTATING,
         {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.0, 0.2, 0.0, 0.0, 0.05, 0.0, 0.0]},
         {"operation.outer_speed_rpm": -10000, "lubricant.drag_density_kg_m3": 100.0},
+        HEAVY,
     ],
 )
 def test_energy_account(scene, changes):
@@ -168,11 +170,14 @@ def test_damping_of_a_restitution(restitution):
 PRECISE = {"model.dynamic_tolerance": 1e-4, "model.simulated_turns": 20}
 
 
-def test_torques_are_the_rate_of_momentum(scene):
-    """Mean pocket and land torque on the cage against its momentum, over the evaluated window."""
-    values, _ = solve_dynamic(scene("gyro_s1", PRECISE | ROTATING))
+@pytest.mark.parametrize("changes", [ROTATING, HEAVY])
+def test_torques_are_the_rate_of_momentum(scene, changes):
+    """Mean torques on the cage against its momentum, over the evaluated window."""
+    values, _ = solve_dynamic(scene("gyro_s1", PRECISE | changes))
     torque = values["mean_pocket_torque"] + values["mean_land_torque"]
+    torque = torque + values["mean_gravity_torque"]
     assert values["status"] == OK
+    assert bool(values["mean_gravity_torque"]) == (changes is HEAVY)
     # Pushes to and fro cancel in the mean: they are the scale.
     force = values["history_pocket_force"].mean(axis=0).sum()
     scale = force * 0.5e-3 * 7.5
@@ -208,8 +213,13 @@ def test_pockets_pull_and_push_balls(scene):
 
 
 def test_land_stiffness_does_not_matter(scene):
-    """Half the stiffness of the land: wear rates of balls and races within 1 %."""
-    changes = {"model.simulated_turns": 60, "friction.ball_race": 0.02} | ROTATING
+    """Half the stiffness of a land that the cage rides on: wear rates of the rest within 1 %.
+
+    What wears off balls in pockets hangs on the cage's path, which is chaotic before it rides.
+    """
+    changes = {"model.simulated_turns": 60, "model.evaluated_turns": 20} | ROTATING
+    changes |= {"friction.ball_race": 0.02, "friction.cage": 0.02}
+    changes |= {"cage.guide_clearance_mm": 0.155, "model.settled_drift": 1e-9}
     found = []
     for factor in (1.0, 0.5):
         values, _ = solve_dynamic(
@@ -309,7 +319,7 @@ def test_angular_velocity_of_a_tilted_top(scene):
 
 def test_derivative_of_a_pocket_force(scene):
     """Against differences, as the ball moves axially and radially in its pocket."""
-    motion = started(scene("gyro_s1", ROTATING | {"friction.cage": 0.4}))
+    motion = started(scene("gyro_s1", ROTATING | {"friction.cage": 0.4, "cage.restitution": 1.0}))
     buf, bearing = motion.buffers, motion.bearing
     balls = buf.balls
     for _ in range(400):

@@ -179,7 +179,7 @@ def test_failed_case(monkeypatch, solver, tmp_path, capsys):
 
 
 def test_progress_is_one_line_each(solver, tmp_path, capsys):
-    assert solve(tmp_path / "x.nc") == 0
+    assert solve(tmp_path / "x.nc", "--set", "operation.gravity_m_s2=[0,0,-9.81]") == 0
     assert capsys.readouterr().err.splitlines() == [
         f"{S1}: turn 10 of 20, simulated 0.02 s?in 1 s",
         f"{S1}: turn 20 of 20",

@@ -195,13 +195,28 @@ def test_a_ball_without_load_reaches_no_shoulder():
     assert "ellipse_over_shoulder" not in ids(solved)
 
 
+def test_a_cage_without_weight():
+    """Said where the cage is solved, and only there."""
+    for changes, fidelity, expected in (
+        ({}, "dynamic", {"cage_weightless"}),
+        ({}, "steady", set()),
+        ({"operation.gravity_m_s2": [0.0, 0.0, -9.81]}, "dynamic", set()),
+    ):
+        scene = variant(scene_file("gyro_s1"), changes)
+        chosen = choice(scene, fidelity)
+        assert {one["id"] for one in warnings_of(scene, chosen)} == expected
+        told = [reason for reason in chosen.reasons if "weightless" in reason]
+        assert len(told) == len(expected)
+
+
 def test_every_caution_is_tested_and_documented():
     told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
     known = {caution.id for caution in CAUTIONS}
     assert len(known) == len(CAUTIONS)
     assert set(re.findall(r"^\| `(\w+)` \|", told, re.MULTILINE)) == known
     tested = set().union(*(expected for _, expected in ABSURD.values()))
-    assert known - tested == {"over_limit_when_new", "criterion_not_watched"}  # of lives
+    of_lives_and_cages = {"over_limit_when_new", "criterion_not_watched", "cage_weightless"}
+    assert known - tested == of_lives_and_cages
 
 
 def test_hoop_stress_of_a_disc_with_a_tiny_hole(spindle):

@@ -196,6 +196,15 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         edited(("guiding_race: outer", "guiding_race: ball"),
                ("ball_diameter_loss_um: 0.7", "guide_clearance_mm: 0.3")),
         "wear.end_of_life.guide_clearance_mm", ("guided by a race",)),
+    "gravity without a direction": (
+        edited(("  preload_N: 7.0", "  preload_N: 7.0\n  gravity_m_s2: 9.81")),
+        "operation.gravity_m_s2", ("9.81", "three")),
+    "gravity of a plane": (
+        edited(("  preload_N: 7.0", "  preload_N: 7.0\n  gravity_m_s2: [0, -9.81]")),
+        "operation.gravity_m_s2", ("three",)),
+    "imbalance the other way": (
+        edited(("guide_clearance_mm: 0.20", "guide_clearance_mm: 0.20\n  imbalance_um: -5")),
+        "cage.imbalance_um", ("-5",)),
     "share of a surface": (
         edited(("guide_clearance_mm: 0.20", "guide_clearance_mm: 0.20\n  worn_share: 0")),
         "cage.worn_share", ("0.001",)),

@@ -67,6 +67,7 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
         assert plain[block][name] == given[option]
         assert re.search(rf"^  {name}: \S+  # given$", text, re.M) and key not in told
     assert "# assumed" in text and "bearing.ball_material: bearing_steel" in told
+    assert scene.operation.gravity_m_s2 == (0.0, 0.0, -9.80665)
     assert new(tmp_path / "b.yaml", *SIZE) == 0
     told, text = capsys.readouterr().out, (tmp_path / "b.yaml").read_text(encoding="utf-8")
     for _, key, *_ in OPTIONS:

@@ -1,0 +1,114 @@
+"""A cage's forces and powers against two programs written from theory.md alone.
+
+`cage_states.json` holds states of five scenes and what the first of them found, before friction saw
+the damping of a pocket and before the land of a race at rest stood still. `plain_cage.py` gives its
+numbers with the laws of then, and the kernels' with the laws of today.
+"""
+
+import functools
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kernels.plain_cage import STORED, TODAY, rotation, solve
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.cage_law import (
+    LAND_DAMPING,
+    LAND_HEAT,
+    LAND_TORQUE,
+    POCKET_DAMPING,
+    POCKET_HEAT,
+    POCKET_TORQUE,
+)
+from bearingwear.kernels.state import CENTRE, MOMENTUM, PSI, VELOCITY
+from bearingwear.kernels.status import OK
+from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.start import start_of
+
+STATES = json.loads(Path(__file__).with_suffix("").with_name("cage_states.json").read_text())
+CASES = [(name, k) for name, states in STATES["states"].items() for k in range(len(states))]
+BALLS, POSE = 45, 58  # numbers of the balls; of balls and cage, with a quaternion
+
+
+def close(found, expected, what):
+    """To 1e-8 of the largest of its kind."""
+    expected = np.asarray(expected, float)
+    assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max(), err_msg=what)
+
+
+@pytest.fixture(scope="module")
+def systems(scene):
+    """Function (name, imbalance) -> one of the five bearings, put into its states one by one."""
+
+    @functools.cache
+    def system_of(name, imbalance):
+        changes = dict(STATES["scenes"][name])
+        time = changes.pop("time_s", 0.0)
+        changes |= {"friction.slip_regularisation_m_s": 1e-2, "cage.imbalance_um": imbalance}
+        s = scene("gyro_s1", changes)
+        system = DynamicSystem.of(s, start_of(s).u)
+        system.time = time
+        return system
+
+    return system_of
+
+
+def put(system, y):
+    """Put a system into a stored state; what the plain program takes of it."""
+    R, cage = rotation(y[BALLS + 6 : BALLS + 10]), np.r_[y[BALLS : BALLS + 6], y[POSE - 3 : POSE]]
+    bearing, buf = system.bearing, system.buffers
+    system.y[:] = 0.0
+    system.y[:BALLS] = y[:BALLS]
+    z = system.cage_state
+    z[CENTRE : CENTRE + 3] = cage[:3] = cage[:3] + bearing.cage.imbalance * R[:, 2]
+    z[VELOCITY : VELOCITY + 3], z[MOMENTUM : MOMENTUM + 3] = cage[3:6], cage[6:]
+    buf.cage.R0[:] = R
+    assert system.update() == OK
+    return bearing, system.balls, cage, R, buf.balls.F, buf.balls.X, buf.balls.delta
+
+
+@pytest.mark.parametrize(("name", "k"), CASES)
+def test_stored_states(systems, name, k):
+    """The plain program with the laws of then: all numbers stored, to 1e-8."""
+    stored = STATES["states"][name][k]
+    rates = np.array(stored["dy"])
+    then, delta = solve(*put(systems(name, 0.0), np.array(stored["y"])), STORED)
+    # After QV: a power for each pocket, the land, heat of both, damping, torque of both.
+    pockets = rates[POSE + 18 : POSE + 27]
+    land, *others = rates[POSE + 27 :]
+    close(then.force, stored["f"], "force")
+    close(then.moment, stored["t_cage"], "moment")
+    close(delta, stored["delta"], "displacement")
+    close(then.pocket_power, pockets, "pockets")
+    close(then.land_power, land, "land")
+    close([*then.heat, then.damping], others[:3], "heat and damping")
+    close(then.torque, others[3:], "torque")
+
+
+@pytest.mark.parametrize("imbalance", [0.0, 5.0])
+@pytest.mark.parametrize(("name", "k"), CASES)
+def test_kernels(systems, name, k, imbalance):
+    """The kernels against the plain program with the laws of today, to 1e-8."""
+    system = systems(name, imbalance)
+    now, delta = solve(*put(system, np.array(STATES["states"][name][k]["y"])), TODAY)
+    contacts, sums = system.buffers.cage, system.buffers.cage.sums
+    close(contacts.force[:3], now.force, "force")
+    close(contacts.force[3:], now.moment, "moment")
+    close(system.buffers.balls.delta, delta, "displacement")
+    close(contacts.ball_moment, now.turning_balls, "moments on balls")
+    psi = system.balls[:, PSI]
+    found = contacts.ball_force
+    inertial = (
+        found[:, 0],
+        found[:, 1] * np.cos(psi) - found[:, 2] * np.sin(psi),
+        found[:, 1] * np.sin(psi) + found[:, 2] * np.cos(psi),
+    )
+    close(np.transpose(inertial), now.on_balls, "forces on balls")
+    close(contacts.power[:9], now.pocket_power, "pockets")
+    close(contacts.power[9:].sum(), now.land_power, "land")
+    damping = sums[POCKET_DAMPING] + sums[LAND_DAMPING]
+    heat = [sums[POCKET_HEAT], sums[LAND_HEAT], damping]
+    close(heat, [*now.heat, now.damping], "heat and damping")
+    close(sums[[POCKET_TORQUE, LAND_TORQUE]], now.torque, "torque")
