@@ -13,11 +13,11 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import LARGEST_STRAIN, Temperature, Thermal, expansion
 
-BALANCED = 1e-7  # of the heat: how far what is made may be from what is carried away
+HEAT_BALANCED = 1e-7  # of the heat: how far what is made may be from what is carried away
 LARGEST_HEAT_RESIDUAL = 1e-5  # the same, of a solve that is verified
 MOST_SOLVES = 40
 RUNAWAY = 0.999  # heat that a watt of heat brings about, from which on nothing bounds it [W/W]
-HALVINGS = 6  # of a step at whose end the bearing has no state
+MOST_HALVED = 6  # of a step at whose end the bearing has no state
 
 
 class HeatFlow(NamedTuple):
@@ -164,7 +164,7 @@ def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> War
         status, made = (code.NO_HEAT_BALANCE, HeatFlow(*h)) if warm is None else heats(warm)
         here = warm or here
         if status != code.OK:
-            if left_before is None or runs_away or halved == HALVINGS:
+            if left_before is None or runs_away or halved == MOST_HALVED:
                 lost = code.WARM_SEIZURE if runs_away else status
                 return Warmed(lost, here, HeatFlow(*h), solves, slope)
             halved += 1
@@ -172,7 +172,7 @@ def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> War
             h = before + step
             continue
         left = np.array(made) - h
-        if np.abs(left).max() <= BALANCED * made.total:
+        if np.abs(left).max() <= HEAT_BALANCED * made.total:
             return Warmed(balance_status(scene, here, made), here, made, solves, slope)
         if left_before is not None:
             slope += np.outer(left - left_before - slope @ step, step) / (step @ step)
