@@ -15,6 +15,8 @@ NO_RACE_CONTROL = 11
 RACE_UNSEATED = 12
 TOO_STIFF = 13
 CAGE_JAMMED = 14
+WARM_SEIZURE = 15
+NO_HEAT_BALANCE = 16
 
 STATUS_NAMES = (
     "ok",
@@ -32,6 +34,8 @@ STATUS_NAMES = (
     "race_unseated",
     "too_stiff",
     "cage_jammed",
+    "warm_seizure",
+    "no_heat_balance",
 )
 
 STATUS_SENTENCES = {
@@ -57,4 +61,8 @@ STATUS_SENTENCES = {
     "cage_jammed": "balls and race have places, but none in which the cage fits too: it has no "
     "room, or friction in a pocket holds a ball that only inertia across its orbit would free, "
     "which is not modelled",
+    "warm_seizure": "friction heat and preload drive each other up and no temperature bounds them: "
+    "the bearing seizes",
+    "no_heat_balance": "no temperatures were found at which the friction heat is carried away and "
+    "no part grows by more than 1 %",
 }

@@ -102,6 +102,13 @@ def temperatures(scene: Scene) -> Temperature:
     )
 
 
+def part_temperatures(scene: Scene) -> list[float]:
+    """Inner ring, balls, outer ring, shaft, housing [degC]; NaN of one as mounted."""
+    t = temperatures(scene)
+    parts = (t.inner_ring_C, t.balls_C, t.outer_ring_C, t.shaft_C, t.housing_C)
+    return [math.nan if part is None else part for part in parts]
+
+
 def thermal_expansion(scene: Scene) -> Expansion:
     """Thermal growth of the parts."""
     b, fits, t = scene.bearing, scene.fits or Fits(), temperatures(scene)

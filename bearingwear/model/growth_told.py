@@ -12,7 +12,7 @@ from bearingwear.model.growth import (
     axial_change,
     grown,
     growth_of,
-    temperatures,
+    part_temperatures,
 )
 from bearingwear.model.mounted import MM, mounted_geometry
 from bearingwear.scene.scene import Scene
@@ -148,9 +148,7 @@ def growth_values(scene: Scene) -> dict[str, Any]:
     """Result variables of what has grown; none where the bearing runs as mounted."""
     growth, values = growth_of(scene), {}
     if scene.temperature is not None:
-        t = temperatures(scene)
-        parts = (t.inner_ring_C, t.balls_C, t.outer_ring_C, t.shaft_C, t.housing_C)
-        values["part_temperature"] = [math.nan if part is None else part for part in parts]
+        values["part_temperature"] = part_temperatures(scene)
         values["thermal_growth"] = list(growth.heat)
     rings = (growth.inner, growth.outer)
     if any(ring.speed for ring in rings):

@@ -6,17 +6,18 @@ Contact state, slip and preload are solved anew at every loss that the integral 
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
+from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
 from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import choice_for_life
 from bearingwear.model.growth_told import growth_values
+from bearingwear.model.heat import SteadyHeat, heat_of_case, race_control_heat, warmth_of
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life_integrator import (
     FIRST_STEP,
@@ -28,6 +29,7 @@ from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.solve import provenance
 from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thermal import Warmed, warmed
 from bearingwear.model.values import wear_values
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
@@ -39,21 +41,29 @@ def steady_states(
 
     `problem`, if given, takes the place of the scene's own (other settings of accuracy).
     """
-    problem = problem or ThrustProblem.of(scene)
-    g = problem.g
-    solved: dict[float, np.ndarray] = {}
+    like = problem or ThrustProblem.of(scene)
+    solved: dict[float, tuple[np.ndarray, Warmed | None]] = {}
 
     def state(loss: float) -> WearState:
-        if problem.undetermined() != code.OK:
-            return WearState(loss, problem.undetermined())
-        D = g.D0 - loss
+        if like.undetermined() != code.OK:
+            return WearState(loss, like.undetermined())
         near = min(solved, key=lambda x: abs(x - loss), default=None)
-        case = problem.solve(D, None if near is None else solved[near])
+        u, found = (None, None) if near is None else solved[near]
+        problem, warmth = like, dict[str, Any]()
+        if scene.thermal is None:
+            case = like.solve(like.g.D0 - loss, u)
+        else:
+            solver = SteadyHeat(loss, like, u)
+            found = warmed(scene, solver, found)
+            if found.status != code.OK:
+                return WearState(loss, found.status)
+            problem, case = solver.problem, solver.case
+            warmth = warmth_of(scene, found)
         if case.status != code.OK:
             return WearState(loss, case.status)
-        solved[loss] = case.u
-        c = case.contacts
-        F_v, _ = drag_force(g, D, problem.op.drag, case.u[3])
+        solved[loss] = case.u, found
+        g, D, c = problem.g, problem.g.D0 - loss, case.contacts
+        made = heat_of_case(problem, D, case)
         wear = wear_values(
             scene, np.array([D]), c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
         )
@@ -71,9 +81,10 @@ def steady_states(
             skid=case.skid,
             pressure=float(c[:, PRESSURE].max()),
             stiffness=float(g.n_balls * case.S_xx),
-            friction_power=float(g.n_balls * (c[:, HEAT].sum() + F_v * case.r * case.u[3])),
+            friction_power=made.total,
             ball_rate=float(wear["ball_wear_rate"][0]),
             race_rate=wear["race_wear_rate"],
+            **warmth,
         )
 
     return state
@@ -85,12 +96,20 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
     first = fresh[0] * parameters.UM
     op = parameters.operating_point(scene)
     slip_speed = abs(op.omega_i - op.omega_o)
+    known: dict[float, Warmed] = {}
 
     def state(loss: float) -> WearState:
         worn = tuple(fresh + (loss - first) / parameters.UM)
-        values, _ = solve_race_control(
-            replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=worn))
-        )
+        now = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=worn))
+        warmth: dict[str, Any] = {}
+        if scene.thermal is not None:
+            near = min(known, key=lambda x: abs(x - loss), default=None)
+            found = warmed(now, race_control_heat, None if near is None else known[near])
+            if found.status != code.OK:
+                return WearState(loss, found.status)
+            known[loss] = found
+            now, warmth = found.scene, warmth_of(scene, found)
+        values, _ = solve_race_control(now)
         if values["status"] != code.OK:
             return WearState(loss, values["status"])
         return WearState(
@@ -110,6 +129,7 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
             friction_power=float(values["shaft_torque"]) * slip_speed,
             ball_rate=float(values["ball_wear_rate"].mean()),
             race_rate=values["race_wear_rate"],
+            **warmth,
         )
 
     return state
@@ -194,7 +214,8 @@ def life(
                 values = life_values(scene, history)
         attrs = {"solves": history.solves}
     elapsed = time.perf_counter() - started
-    values |= growth_values(scene)
+    if scene.thermal is None:
+        values |= growth_values(scene)
     attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
     return Result(values, attrs, elapsed)
 
@@ -258,7 +279,11 @@ def history_values(states: list[WearState]) -> dict:
         "ball_wear_rate": "ball_rate",
         "race_wear_rate": "race_rate",
     }
-    return {
+    values: dict[str, Any] = {
         f"history_{name}": np.array([getattr(s, attribute) for s in states])
         for name, attribute in columns.items()
     }
+    if np.isfinite(states[0].temperature).any():
+        values["history_part_temperature"] = np.array([s.temperature for s in states])
+        values["heat_flow_residual"] = max(s.heat_flow_residual for s in states)
+    return values

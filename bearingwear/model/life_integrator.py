@@ -52,6 +52,8 @@ class WearState:
     friction_power: float = np.nan  # friction heat and drag, whole bearing [W]
     ball_rate: float = np.nan  # wear of one ball [m3/s]
     race_rate: np.ndarray = pair()  # wear of the whole races [m3/s]
+    temperature: np.ndarray = field(default_factory=lambda: np.full(5, np.nan))  # of parts [degC]
+    heat_flow_residual: float = np.nan  # where a network finds the temperatures [1]
 
 
 @dataclass

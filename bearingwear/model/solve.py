@@ -5,9 +5,11 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from bearingwear.kernels import status as code
 from bearingwear.model.cautions import warnings_of
 from bearingwear.model.fidelity import Choice, NotAvailable, choice
 from bearingwear.model.growth_told import growth_values
+from bearingwear.model.heat import network_values, warmed_for
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
@@ -52,7 +54,6 @@ def solve(
     with Interrupt():
         values, attrs = solved(chosen.reduced(scene), chosen.tier, restart, progress)
     elapsed = time.perf_counter() - started
-    values |= growth_values(scene)
     return Result(values, attrs | provenance(scene, chosen, values), elapsed)
 
 
@@ -60,6 +61,22 @@ def solved(
     scene: Scene, tier: str, restart: Mapping[str, Any] | None, progress: Progress | None
 ) -> tuple[dict, dict]:
     """Values and attributes of a scene solved with the model of that tier."""
+    if scene.thermal is None:
+        values, attrs = solved_as_given(scene, tier, restart, progress)
+        return values | growth_values(scene), attrs
+    found = warmed_for(scene, tier)
+    if found.status != code.OK:
+        return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}
+    values, attrs = solved_as_given(found.scene, tier, restart, progress)
+    if "friction_heat" in values:
+        values |= network_values(scene, found, values, tier)
+    return values | growth_values(found.scene), attrs
+
+
+def solved_as_given(
+    scene: Scene, tier: str, restart: Mapping[str, Any] | None, progress: Progress | None
+) -> tuple[dict, dict]:
+    """The same, no temperatures left to find."""
     if tier == "dynamic":
         # its kernels take long to load, and the others do without
         from bearingwear.model.transient import solve_dynamic

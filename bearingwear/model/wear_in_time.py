@@ -14,6 +14,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
+from bearingwear.model.heat import warmed_for, warmth_of
 from bearingwear.model.life import margins
 from bearingwear.model.life_integrator import CRITERIA, WearState
 from bearingwear.model.transient import solve_dynamic
@@ -35,6 +36,7 @@ class Node:
     status: int
     carried_on: bool = False
     values: dict[str, Any] = field(default_factory=dict)
+    warmth: dict[str, Any] = field(default_factory=dict)  # where a network finds temperatures
     residual: str = "not solved"
     rates: np.ndarray = field(default_factory=lambda: np.empty(0))
 
@@ -67,6 +69,12 @@ class WearInTime:
             scene = self.parts.worn_scene(worn)
         except SceneError:
             return Node(time, worn, code.CRITERION_NOT_REACHED)
+        warmth: dict[str, Any] = {}
+        if scene.thermal is not None:
+            warm = warmed_for(scene, "dynamic")
+            if warm.status != code.OK:
+                return Node(time, worn, warm.status, residual=warm.sentence)
+            scene, warmth = warm.scene, warmth_of(scene, warm)
         if before is not None:
             values, attrs = solve_dynamic(scene, restart=before.end)
         if before is None or values["status"] != code.OK:
@@ -78,6 +86,7 @@ class WearInTime:
             status=int(values["status"]),
             carried_on=before is not None,
             values=values,
+            warmth=warmth,
             residual=attrs["residual"],
         )
         if found.status == code.OK:
@@ -148,6 +157,7 @@ class WearInTime:
             friction_power=power,
             ball_rate=float(v["ball_wear_rate"].mean()),
             race_rate=v["race_wear_rate"],
+            **node.warmth,
         )
 
     def end_rate(self, node: Node, criterion: int) -> float:

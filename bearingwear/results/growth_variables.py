@@ -18,5 +18,12 @@ GROWN = table(
         label="growth by the fit"),
     Variable("fit_pressure", ("race",), "Pa", "pressure on the seat of the ring",
         label="pressure on the seat"),
+    Variable("heat_flow_residual", (), "1",
+        "heat that the network does not carry away after the solve, over all heat",
+        comment="of a life, the largest along it"),
+    Variable("thermal_solves", (), "1", "solves that found the temperatures", "i4",
+        comment="of a life, of all its states"),
+    Variable("history_part_temperature", ("step", "part"), "degC",
+        "temperature of the part along a life", label="temperature"),
 )
 """Of a bearing that does not run as it was mounted."""

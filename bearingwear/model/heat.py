@@ -1,0 +1,121 @@
+"""Friction heat of a scene by each model, and a scene at the temperatures that it brings about."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import drag_force
+from bearingwear.kernels.summary import HEAT
+from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.model import parameters
+from bearingwear.model.growth import part_temperatures
+from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.start import thrust_alone
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thermal import (
+    LARGEST_HEAT_RESIDUAL,
+    HeatFlow,
+    Warmed,
+    heat_flow_residual,
+    warmed,
+)
+from bearingwear.scene.scene import Scene
+
+NOTHING = HeatFlow(inner=0.0, outer=0.0, drag=0.0)
+
+
+def heat_of_case(problem: ThrustProblem, D: float, case: ThrustCase) -> HeatFlow:
+    """Of a solved steady state."""
+    n = problem.g.n_balls
+    F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
+    inner, outer = (float(n * heat) for heat in case.contacts[:, HEAT])
+    return HeatFlow(inner, outer, drag=float(n * F_v * case.r * case.u[3]))
+
+
+def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
+    """Of the values of a result, by whatever model."""
+    n = scene.bearing.ball_count
+    inner, outer = (float(n * heat) for heat in np.mean(values["friction_heat"], axis=0))
+    return HeatFlow(inner, outer, drag=float(values["drag_power"]))
+
+
+@dataclass
+class SteadyHeat:
+    """Heat of the steady state of a scene at any temperatures, each solve from the last one."""
+
+    loss: float  # of ball diameter [m]
+    like: ThrustProblem | None = None  # whose settings of accuracy are taken, not the scene's
+    u: np.ndarray | None = None  # motion of a solve nearby
+    problem: ThrustProblem = field(init=False)  # of the last solve
+    case: ThrustCase = field(init=False)
+
+    def __call__(self, scene: Scene) -> tuple[int, HeatFlow]:
+        problem, like = ThrustProblem.of(scene), self.like
+        if like is not None:
+            problem = replace(problem, op=like.op, rule=like.rule, fine_rule=like.fine_rule)
+        status = problem.undetermined()
+        if status != code.OK:
+            return status, NOTHING
+        D = problem.g.D0 - self.loss
+        case = problem.solve(D, self.u)
+        if case.status != code.OK:
+            return case.status, NOTHING
+        self.problem, self.case, self.u = problem, case, case.u
+        return code.OK, heat_of_case(problem, D, case)
+
+
+def race_control_heat(scene: Scene) -> tuple[int, HeatFlow]:
+    """Estimated heat of the race-control solution."""
+    values, _ = solve_race_control(scene)
+    status = int(values["status"])
+    return status, heat_of_values(scene, values) if status == code.OK else NOTHING
+
+
+def warmed_for(scene: Scene, tier: str) -> Warmed:
+    """A scene with a thermal network at the temperatures of its own friction heat.
+
+    In time they are those of the steady state under the thrust alone, of race control where there
+    is none: warming takes a million turns.
+    """
+    if tier == "race_control":
+        return warmed(scene, race_control_heat)
+    loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
+    found = warmed(thrust_alone(scene), SteadyHeat(loss))
+    if tier == "dynamic" and found.status not in (
+        code.OK,
+        code.WARM_SEIZURE,
+        code.NO_HEAT_BALANCE,
+    ):
+        found = warmed(scene, race_control_heat)
+    given = found.scene.temperature
+    if given is None:
+        return replace(found, scene=scene)
+    return replace(found, scene=replace(scene, temperature=given, thermal=None))
+
+
+def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:
+    """Temperatures and heat flows of a scene with a network, as a state of a life has them."""
+    t = found.scene.temperature
+    assert scene.thermal is not None and t is not None
+    return {
+        "temperature": np.array(part_temperatures(found.scene)),
+        "heat_flow_residual": heat_flow_residual(scene.thermal, t, found.heat),
+    }
+
+
+def network_values(
+    scene: Scene, found: Warmed, values: Mapping[str, Any], tier: str
+) -> dict[str, Any]:
+    """Result variables of the network; the heat flows are those of the solved values."""
+    t = found.scene.temperature
+    assert scene.thermal is not None and t is not None
+    # in time the temperatures are those of another model
+    heat = found.heat if tier == "dynamic" else heat_of_values(scene, values)
+    residual = heat_flow_residual(scene.thermal, t, heat)
+    made = {"heat_flow_residual": residual, "thermal_solves": found.solves}
+    if values["status"] == code.OK and not residual <= LARGEST_HEAT_RESIDUAL:
+        return made | {"status": code.UNVERIFIED}
+    return made

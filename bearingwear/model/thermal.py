@@ -1,0 +1,184 @@
+"""Temperatures of rings and balls from the friction heat: a network of three parts.
+
+Heat makes the parts grow, growth changes the loads, and loads make heat (theory.md section 12).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.warmth import LARGEST_STRAIN, Temperature, Thermal, expansion
+
+HEAT_BALANCED = 1e-7  # of the heat: how far what is made may be from what is carried away
+LARGEST_HEAT_RESIDUAL = 1e-5  # the same, of a solve that is verified
+MOST_SOLVES = 40
+RUNAWAY = 0.999  # heat that a watt of heat brings about, from which on nothing bounds it [W/W]
+MOST_HALVED = 6  # of a step at whose end the bearing has no state
+
+
+class HeatFlow(NamedTuple):
+    """Heat of a whole bearing [W]."""
+
+    inner: float  # friction in the inner contacts
+    outer: float
+    drag: float  # power of the lubricant drag on the balls
+
+    @property
+    def total(self) -> float:
+        """All of it [W]."""
+        return self.inner + self.outer + self.drag
+
+
+Heats = Callable[[Scene], tuple[int, HeatFlow]]
+"""Status and heat of a scene with given temperatures."""
+
+
+@dataclass(frozen=True)
+class Warmed:
+    """A scene at the temperatures at which its friction heat is carried away."""
+
+    status: int
+    scene: Scene  # with these temperatures given
+    heat: HeatFlow  # as last solved
+    solves: int
+    slope: np.ndarray  # of what is made less what there is, by the heat, as the search left it
+
+    @property
+    def sentence(self) -> str:
+        """How far the search for temperatures came, in words."""
+        t = self.scene.temperature or Temperature()
+        return (
+            f"not solved; after {self.solves} solves {self.heat.total:.3g} W of heat, inner ring "
+            f"{t.inner_ring_C:.4g}, balls {t.balls_C:.4g}, outer ring {t.outer_ring_C:.4g} degC"
+        )
+
+
+def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
+    """Temperatures at which the network carries this heat away.
+
+    Half of the friction heat of a contact goes to the ring and half to the ball (assumed); the heat
+    of the drag goes to the outer ring (assumed).
+    """
+    G = thermal.conductance_W_K
+    shaft, housing, ball = G.inner_ring_shaft, G.outer_ring_housing, G.ball_race
+    flows = np.array(
+        [
+            [shaft + ball, -ball, 0.0],
+            [-ball, 2.0 * ball, -ball],
+            [0.0, -ball, ball + housing],
+        ]
+    )
+    # relative to the shaft, so that no heat and no difference give its temperature to the last bit
+    above = housing * (thermal.housing_C - thermal.shaft_C)
+    made = [
+        0.5 * heat.inner,
+        0.5 * (heat.inner + heat.outer),
+        0.5 * heat.outer + heat.drag + above,
+    ]
+    inner, balls, outer = (thermal.shaft_C + float(t) for t in np.linalg.solve(flows, made))
+    return Temperature(
+        inner_ring_C=inner,
+        balls_C=balls,
+        outer_ring_C=outer,
+        shaft_C=thermal.shaft_C,
+        housing_C=thermal.housing_C,
+        reference_C=thermal.reference_C,
+    )
+
+
+def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:
+    """What the three parts take in and do not give away, the largest, over all heat [1].
+
+    Summed part by part, apart from the solver; heat that flows from a warm shaft to a cold housing
+    counts as heat.
+    """
+    G = thermal.conductance_W_K
+    assert t.inner_ring_C is not None and t.balls_C is not None and t.outer_ring_C is not None
+    to_shaft = G.inner_ring_shaft * (t.inner_ring_C - thermal.shaft_C)
+    to_housing = G.outer_ring_housing * (t.outer_ring_C - thermal.housing_C)
+    from_inner = G.ball_race * (t.inner_ring_C - t.balls_C)
+    to_outer = G.ball_race * (t.balls_C - t.outer_ring_C)
+    left = (
+        0.5 * heat.inner - to_shaft - from_inner,
+        0.5 * heat.inner + 0.5 * heat.outer + from_inner - to_outer,
+        0.5 * heat.outer + heat.drag + to_outer - to_housing,
+    )
+    scale = max(heat.total, abs(to_shaft), abs(to_housing))
+    return max(map(abs, left)) / scale if scale > 0.0 else 0.0
+
+
+def balance_status(scene: Scene, warm: Scene, heat: HeatFlow) -> int:
+    """OK where the heat flows of the temperatures found balance, summed anew."""
+    assert scene.thermal is not None and warm.temperature is not None
+    left = heat_flow_residual(scene.thermal, warm.temperature, heat)
+    return code.OK if left <= LARGEST_HEAT_RESIDUAL else code.UNVERIFIED
+
+
+def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
+    """The scene with the temperatures that this heat brings about; None beyond all growth."""
+    assert scene.thermal is not None
+    t, b = network_temperatures(scene.thermal, heat), scene.bearing
+    for part, material in (
+        (t.inner_ring_C, b.race_material),
+        (t.balls_C, b.ball_material),
+        (t.outer_ring_C, b.race_material),
+    ):
+        assert part is not None
+        if not abs(expansion(scene, material) * (part - t.reference_C)) <= LARGEST_STRAIN:
+            return None
+    return replace(scene, temperature=t, thermal=None)
+
+
+def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
+    """Find the temperatures of a scene with a thermal network, from cold upwards.
+
+    The heat h is where what the bearing makes at the temperatures of h is h again. Broyden's
+    method, whose first step takes the heat as it was found. While a watt more of heat brings about
+    a watt or more, no balance is near, and the heat is followed upwards as it grows: to a balance,
+    or to where the bearing has none (`warm_seizure`).
+
+    Parameters
+    ----------
+    scene : Scene
+        With `thermal`.
+    heats : callable
+    start : Warmed, optional
+        Of a solve nearby.
+    """
+    if start is not None:
+        found = _search(scene, heats, np.array(start.heat), start.slope.copy())
+        if found.status == code.OK:
+            return found
+    return _search(scene, heats, np.zeros(3), -np.eye(3))
+
+
+def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> Warmed:
+    before, step, left_before = h, np.zeros(3), None
+    runs_away, halved, here = False, 0, scene
+    for solves in range(1, MOST_SOLVES + 1):
+        warm = at_temperatures(scene, HeatFlow(*h))
+        status, made = (code.NO_HEAT_BALANCE, HeatFlow(*h)) if warm is None else heats(warm)
+        here = warm or here
+        if status != code.OK:
+            if left_before is None or runs_away or halved == MOST_HALVED:
+                lost = code.WARM_SEIZURE if runs_away else status
+                return Warmed(lost, here, HeatFlow(*h), solves, slope)
+            halved += 1
+            step = 0.5 * step
+            h = before + step
+            continue
+        left = np.array(made) - h
+        if np.abs(left).max() <= HEAT_BALANCED * made.total:
+            return Warmed(balance_status(scene, here, made), here, made, solves, slope)
+        if left_before is not None:
+            slope += np.outer(left - left_before - slope @ step, step) / (step @ step)
+            runs_away = 1.0 + (left - left_before) @ step / (step @ step) > RUNAWAY
+        before, left_before, halved = h, left, 0
+        h = np.maximum(h + (left if runs_away else -np.linalg.solve(slope, left)), 0.0)
+        step = h - before
+    lost = code.WARM_SEIZURE if runs_away else code.NO_HEAT_BALANCE
+    return Warmed(lost, here, HeatFlow(*h), MOST_SOLVES, slope)
