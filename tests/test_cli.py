@@ -505,7 +505,7 @@ def test_recommend(capsys):
 
 
 def test_recommend_at_a_cliff(capsys):
-    """Just below, the slip share ends the life, and a preload rounded down would lose most of it."""
+    """Just below, the slip share ends the life; rounding the preload down would lose most of it."""
     steep = ["--set", "wear.end_of_life.gyroscopic_slip_share=0.05"]
     assert main(["recommend", str(SCENE), *steep]) == 0
     told = capsys.readouterr().out
