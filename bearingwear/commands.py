@@ -112,8 +112,11 @@ def recommend(args: argparse.Namespace) -> int:
     scene = life_scene(args.scene, args.set)
     from bearingwear.studies.design.new_and_worn import recommended_sheet
 
-    _print_sheet(recommended_sheet(scene, _limits(args), args.scene), args)
-    return OK
+    sheet, solved = recommended_sheet(scene, _limits(args), args.scene)
+    _print_sheet(sheet, args)
+    if not solved:
+        sys.stderr.write(one_line(f"{args.scene}: no life could be solved at any preload"))
+    return OK if solved else NOT_SOLVED
 
 
 def show(args: argparse.Namespace) -> int:

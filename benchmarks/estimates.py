@@ -23,6 +23,7 @@ CASE = {
     "qv_error_estimate": "total_qv",
     "residual_preload_error_estimate": "residual_preload",
     "wear_rate_error_estimate": "ball_diameter_loss_rate",
+    "shaft_torque_error_estimate": "shaft_torque",
 }
 LIFE = {"life_error_estimate": "life"}
 RIGHT = ["model.quadrature=split", "model.strips=200"]

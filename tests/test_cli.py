@@ -504,6 +504,30 @@ def test_recommend(capsys):
     assert {row["name"] for row in data["quantities"]} >= {"preload", "life", "axial_stiffness"}
 
 
+def test_recommend_at_a_cliff(capsys):
+    """Just below, the slip share ends the life; rounding the preload down would lose most of it."""
+    steep = ["--set", "wear.end_of_life.gyroscopic_slip_share=0.05"]
+    assert main(["recommend", str(SCENE), *steep]) == 0
+    told = capsys.readouterr().out
+    (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
+    (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
+    assert re.search(r"held by +a change in what ends the life", told)
+    assert "warning: 2 times, at worst: 0.7 um lost" in told
+    lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
+    counted = float(lived.life.sel(counts="ball_and_races"))
+    assert counted == pytest.approx(float(hours), rel=0.01)
+    lower = [*steep[1:], f"operation.preload_N={0.98 * float(preload)}"]
+    cut = float(bearingwear.life(load_scene(SCENE, lower)).life.sel(counts="ball_and_races"))
+    assert cut < 0.8 * counted
+
+
+def test_recommend_says_where_nothing_could_be_solved(capsys):
+    assert main(["recommend", str(SCENE), "--set", "friction.ball_race=0"]) == 3
+    told, error = capsys.readouterr()
+    assert "none within the limits, constant force: no life could be solved" in told
+    assert error == f"{SCENE}: no life could be solved at any preload\n"
+
+
 @pytest.mark.parametrize(
     "arguments, said",
     [

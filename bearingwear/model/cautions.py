@@ -7,12 +7,13 @@ sourced, or said to be assumed. None is an error. A result carries what is said 
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bearingwear.model.criterion import IN_WORDS, criterion_met
+from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence, evidence_of
 from bearingwear.model.fidelity import Choice, unwatched
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
 from bearingwear.scene.scene import Scene
@@ -33,7 +34,7 @@ speed of 3 million, Bamberger, Zaretsky and Signer, J. Lubr. Technol. 98 (1976) 
 HOOP_MPA = 200.0
 """Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
 
-LIGHTEST_INNER = 0.05
+LIGHTESTINNER = 0.05
 """Load of an inner contact over its outer one below which a ball hardly feels the shaft, assumed"""
 
 LONGEST_LIFTED = 0.05
@@ -45,33 +46,20 @@ LEAST_PRELOAD = 1.5e-3
 FLAT_GROOVE = 0.1
 """Loss over the gap at the ellipse's edge from which on a worn groove is not Hertz' any more."""
 
+ROUNDED_SLIP = 0.25
+"""Slip below which friction is rounded, over the balls' mean slip: from here on it takes a few per
+cent off the friction torque (docs/warnings.md)."""
+
 SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 """What the description of a scene says whose speed nobody gave; true until another is."""
+
+JUST_MET = math.nextafter(1.0, 2.0)
+"""Excess of a criterion that is met exactly, which ends a life as well."""
 
 LARGEST_EXCESS = 1e6
 """What is stated of anything over nothing at all."""
 
 _GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
-_INNER, _OUTER = 0, 1
-
-
-def _none() -> np.ndarray:
-    return np.full((1, 2), math.nan)
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What of a result the table looks at; NaN and empty where it was not solved."""
-
-    scene: Scene
-    chosen: Choice
-    pressure: float = math.nan  # the largest [Pa]
-    angle: np.ndarray = field(default_factory=_none)  # (n, 2) [rad]
-    major: np.ndarray = field(default_factory=_none)  # (n, 2) semi-major axes [m]
-    load: np.ndarray = field(default_factory=_none)  # (n, 2) [N]
-    lifted: float = 0.0  # share of time that any ball is off the inner race
-    loss: float = math.nan  # of ball diameter [m]
-    life: Mapping[str, Any] | None = None  # values of a life
 
 
 Finding = tuple[float | None, Mapping[str, Any]]
@@ -123,8 +111,8 @@ def _shoulder(e: Evidence) -> Finding:
     D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
     found = []
     for race, side, factor, shoulder in (
-        (_INNER, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
-        (_OUTER, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
+        (INNER_SIDE, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
+        (OUTER_SIDE, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
     ):
         r = factor * D
         edges = np.degrees(e.angle[:, race] + e.major[:, race] / (r * _MM))
@@ -165,12 +153,12 @@ def _hoop(e: Evidence) -> Finding | None:
 def _inner(e: Evidence) -> Finding | None:
     if e.scene.operation.shaft_speed_rpm == e.scene.operation.outer_speed_rpm == 0.0:
         return None  # nothing skids
-    share = np.min(e.load[:, _INNER] / e.load[:, _OUTER])
+    share = np.min(e.load[:, INNER_SIDE] / e.load[:, OUTER_SIDE])
     if e.lifted > LONGEST_LIFTED:
         said = f"a ball is off the inner race {e.lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
         return e.lifted / LONGEST_LIFTED, {"said": said}
-    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
-    return LIGHTEST_INNER / share, {"said": said}
+    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTESTINNER:g}"
+    return LIGHTESTINNER / share, {"said": said}
 
 
 def _preload(e: Evidence) -> Finding | None:
@@ -189,6 +177,16 @@ def _groove(e: Evidence) -> Finding:
     value = e.loss / np.min(curvature * e.major.mean(axis=0) ** 2)
     words = {"loss": e.loss / _UM, "value": value, "limit": FLAT_GROOVE}
     return value / FLAT_GROOVE, words
+
+
+def _rounded(e: Evidence) -> Finding | None:
+    """Whether the balls slip so slowly that the friction law is not yet Coulomb's."""
+    if not e.slip > 0.0:
+        return None
+    v_r = e.scene.friction.slip_regularisation_m_s
+    by = f", by about {100.0 * e.torque_error:.2g} %" if e.torque_error < 1.0 else ""
+    words = {"v_r": v_r, "slip": e.slip, "by": by, "better": 0.01 * e.slip}
+    return v_r / (ROUNDED_SLIP * e.slip), words
 
 
 def _unwatched(e: Evidence) -> Finding | None:
@@ -217,9 +215,9 @@ def _when_new(e: Evidence) -> Finding | None:
     value = criterion.value(e.life, 0, e.scene)
     excess = np.float64(limit) / value if criterion.falls else value / limit
     new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
-    side = "below" if criterion.falls else "above"
+    side = "at" if value == limit else "below" if criterion.falls else "above"
     said = f"{criterion.said(value)} {side} {criterion.number(limit)}"
-    return excess, {"said": said, "new": new, "advice": criterion.advice}
+    return max(excess, JUST_MET), {"said": said, "new": new, "advice": criterion.advice}
 
 
 CAUTIONS = (
@@ -316,6 +314,13 @@ CAUTIONS = (
         "give operation.gravity_m_s2, [0, 0, -9.81] where the shaft lies",
     ),
     Caution(
+        "slip_rounded",
+        _rounded,
+        "friction is rounded below a slip of {v_r:g} m/s, and the balls slip at {slip:.2g} m/s on "
+        "average: friction torque and power come out too small{by}",
+        "friction.slip_regularisation_m_s of {better:.0e} or less",
+    ),
+    Caution(
         "speed_assumed",
         _assumed,
         "the speed of {value:.6g} r/min is assumed by `bearingwear new`",
@@ -323,33 +328,6 @@ CAUTIONS = (
     ),
 )
 """The table; what decides a result stands first."""
-
-
-def _evidence(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
-    """A case, or the first and the last state of a life."""
-    history = "end_criterion" in values
-    prefix = "history_" if history else ""
-    names = {"pressure": "maximum_pressure", "angle": "contact_angle", "major": "semi_major_axis"}
-    names |= {"load": "contact_load", "loss": "ball_diameter_loss"}
-    solved = {key: np.asarray(values.get(prefix + name, ())) for key, name in names.items()}
-    if not all(found.size for found in solved.values()):
-        yield Evidence(scene, chosen)
-        return
-    for k in (0, -1) if history else (...,):
-        state = {key: np.atleast_2d(solved[key][k]) for key in ("angle", "major", "load")}
-        if "maximum_contact_load" in values:
-            with np.errstate(invalid="ignore", divide="ignore"):
-                peak = np.cbrt(np.asarray(values["maximum_contact_load"]) / state["load"])
-            state["major"] = state["major"] * np.where(np.isfinite(peak), peak, 1.0)
-        yield Evidence(
-            scene,
-            chosen,
-            pressure=float(np.max(solved["pressure"][k])),
-            lifted=float(np.max(values.get("unloaded_share", state["load"] == 0.0)[:, _INNER])),
-            loss=float(np.mean(solved["loss"][k])),
-            life=values if history else None,
-            **state,
-        )
 
 
 def warnings_of(
@@ -370,7 +348,7 @@ def warnings_of(
     list of dict
         id, sentence, advice, and `excess`: how many times the value is the limit, None for a fact.
     """
-    every = list(_evidence(scene, chosen, values or {}))
+    every = list(evidence_of(scene, chosen, values or {}))
     return [
         _said(caution, *max(findings, key=lambda finding: finding[0] or 0.0))
         for caution in CAUTIONS

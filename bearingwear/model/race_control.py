@@ -1,7 +1,9 @@
 """Jones-Harris race control for any load: equilibrium of balls and race, slip as an estimate."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -29,11 +31,11 @@ from bearingwear.kernels.race import (
     unpack_ball_state,
 )
 from bearingwear.kernels.steady_balance import LAST_BIT
-from bearingwear.kernels.summary import COLUMNS, HEAT, MAJOR, QV, TRACK, contact_summary, workspace
+from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, workspace
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
-from bearingwear.model.estimate import DOUBLED, changed, measured, summed
+from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
@@ -287,6 +289,43 @@ def checked_status(
     return code.OK
 
 
+def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
+    """The torque that the estimated heat would take [N m], as there is no balance of power."""
+    heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
+    slip_speed = abs(problem.op.omega_i - problem.op.omega_o)
+    return heat / slip_speed if slip_speed > 0.0 else 0.0
+
+
+def controlled_error_estimates(
+    scene: Scene,
+    problem: RaceControlProblem,
+    balance: Balance,
+    models: np.ndarray,
+    values: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Estimated numerical errors: of the points, and of the regularisation, which moves no ball."""
+    D, n_balls = problem.D, problem.g.n_balls
+    halved = replace(problem, op=problem.op._replace(v_r=0.5 * problem.op.v_r))
+    settings = (
+        (problem, parameters.quadrature(scene, refined=2)),
+        (halved, parameters.quadrature(scene)),
+    )
+    answers = []
+    for changed_problem, rule in settings:
+        _, rows = contact_solution(changed_problem, balance, models, rule)
+        qv = rows[..., QV]
+        other = {
+            **values,
+            **wear_values(scene, D, qv, values["semi_major_axis"], values["contact_track_radius"]),
+            "total_qv": n_balls * qv.sum() / len(D),
+            "friction_heat": rows[..., HEAT],
+            "shaft_torque": torque_of_heat(changed_problem, rows),
+        }
+        answers.append(measured(other, n_balls))
+    now, (with_twice, with_half) = measured(values, n_balls), answers
+    return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
+
+
 def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of the race-control solution."""
     problem = RaceControlProblem.of(scene)
@@ -305,35 +344,27 @@ def solve_race_control(scene: Scene) -> tuple[dict, dict]:
     if values["status"] in (code.NOT_CONVERGED, code.BEYOND_GROOVE, code.OUTSIDE_HERTZ_RANGE):
         return values, {"residual": "not solved"}
 
-    rules = parameters.quadrature(scene), parameters.quadrature(scene, refined=2)
-    (u, rows), (_, finer) = (contact_solution(problem, balance, models, r) for r in rules)
+    u, rows = contact_solution(problem, balance, models, parameters.quadrature(scene))
     residual = equilibrium_residual(problem, balance)
     rounding = max(load_rounding(g, state) for state in balance.states)
     allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
     if values["status"] == code.OK:
         values["status"] = checked_status(problem, balance, residual, allowed)
-    n, slip_speed = len(D), abs(op.omega_i - op.omega_o)
-    heat = g.n_balls * rows[..., HEAT].sum() / n
+    n = len(D)
     axial = np.array([state.F_ix for state in balance.states])
     values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
     values |= {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
         "stiffness_matrix": stiffness_matrix(g, D, rows),
-        # No balance of power here: the torque that the estimated heat would take.
-        "shaft_torque": heat / slip_speed if slip_speed > 0.0 else 0.0,
+        "shaft_torque": torque_of_heat(problem, rows),
         "drag_power": 0.0,
         "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
         "race_control": models - OUTER_CONTROL,
         "equilibrium_residual": residual,
         "equilibrium_rounding": rounding,
     }
-    now = measured(values)
-    rates = wear_values(scene, D, finer[..., QV], rows[..., MAJOR], rows[..., TRACK])
-    other = np.array(
-        [g.n_balls * finer[..., QV].sum() / n, now[1], *rates["ball_diameter_loss_rate"]]
-    )
-    values |= summed([DOUBLED * changed(now, other)])
+    values |= controlled_error_estimates(scene, problem, balance, models, values)
     return values, {
         "residual": f"normal balance {residual:.1e} of the contact load; allowed {allowed:.0e}"
     }

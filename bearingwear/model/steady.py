@@ -17,10 +17,10 @@ from bearingwear.kernels.steady_balance import (
     ThrustBearing,
     balance_problem,
 )
-from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, QV, TORQUE, TRACK
+from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
-from bearingwear.model.estimate import DOUBLED, HALVED, changed, summed
+from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
 from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
@@ -213,21 +213,29 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     """Estimated numerical errors of a solved state; empty where they cannot be had."""
     now = steady_answer(scene, problem, D, case)
-    parts = []
-    for weight, other in zip((HALVED, DOUBLED), problem.perturbed(scene), strict=True):
+    answers = []
+    for other in problem.perturbed(scene):
         near = other.solve(D, start=case.u)
         if near.status != code.OK:
             return {}
-        parts.append(weight * changed(now, steady_answer(scene, other, D, near)))
-    return summed(parts)
+        answers.append(steady_answer(scene, other, D, near))
+    halved, twice = answers
+    return summed([halved_part(now, halved), DOUBLED * changed(now, twice)])
 
 
 def steady_answer(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> np.ndarray:
     """What errors are estimated of, as `estimate.measured` has it."""
     n, c = problem.g.n_balls, case.contacts
     qv, a, track = (c[None, :, column] for column in (QV, MAJOR, TRACK))
-    rates = wear_values(scene, np.array([D]), qv, a, track)["ball_diameter_loss_rate"]
-    return np.array([n * qv.sum(), n * c[0, LOAD] * math.sin(c[0, ANGLE]), *rates])
+    F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
+    answer = wear_values(scene, np.array([D]), qv, a, track) | {
+        "total_qv": n * qv.sum(),
+        "residual_preload": n * c[0, LOAD] * math.sin(c[0, ANGLE]),
+        "friction_heat": c[None, :, HEAT],
+        "shaft_torque": n * c[0, TORQUE],
+        "drag_power": n * F_v * case.r * case.u[3],
+    }
+    return measured(answer, n)
 
 
 def residual_sentence(case: ThrustCase) -> str:

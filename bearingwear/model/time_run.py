@@ -12,6 +12,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.cage import INNER_LAND, NO_LAND
 from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
 from bearingwear.kernels.record import (
+    INNER_RACE_TORQUE,
     POSITION,
     PRELOAD,
     Recorder,
@@ -39,13 +40,13 @@ RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns d
 class Trend:
     """Straight lines through what successive turns give, without keeping them.
 
-    QV, wear of all parts, of the balls, of balls and races, preload; last the room between the cage
-    and its land, as a share of their clearance.
+    QV, wear of all parts, of the balls, of balls and races, preload, shaft torque; last the room
+    between the cage and its land, as a share of their clearance.
     """
 
     def __init__(self) -> None:
         self.sums = np.zeros(3)  # 1, k, k^2
-        self.values = np.zeros((3, 6))  # (value, k value, value^2) of each
+        self.values = np.zeros((3, 7))  # (value, k value, value^2) of each
 
     def add(self, values: np.ndarray) -> None:
         k = self.sums[0]
@@ -58,7 +59,7 @@ class Trend:
         return bool(self.sums[0] >= 3 and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
-        """Relative change a turn of each but the room (5,); None if not `known`."""
+        """Relative change a turn of each but the room (6,); None if not `known`."""
         n, k, kk = self.sums
         total, weighted, _ = self.values[:, :-1]
         if not self.known:
@@ -67,7 +68,7 @@ class Trend:
         return (n * weighted - k * total) / (n * kk - k * k) / mean
 
     def scatter(self) -> np.ndarray:
-        """Standard error of each mean, relative, were the turns independent (5,)."""
+        """Standard error of each mean, relative, were the turns independent (6,)."""
         n = self.sums[0]
         mean, square = self.values[0, :-1] / n, self.values[2, :-1] / n
         variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
@@ -286,15 +287,15 @@ class TimeRun:
             count = min(points, length - at)
             if at + points >= length:
                 self.before_last_turn = self.system.packed(), self.system.time
-            before, preload = integrals.copy(), sums.bearing[PRELOAD]
+            before, summed = integrals.copy(), sums.bearing.copy()
             status = self.advance(count)
             interrupt.check()
             if status != code.OK:
                 return status
             if count == points:
                 gained = integrals - before
-                pressed = sums.bearing[PRELOAD] - preload
-                self.trend.add(np.array([*self.weights @ gained, pressed, self.room]))
+                preload, torque = (sums.bearing - summed)[[PRELOAD, INNER_RACE_TORQUE]]
+                self.trend.add(np.array([*self.weights @ gained, preload, torque, self.room]))
             shown = self.trend if self.trend.known else before_last
             self.report(self.turns, shown.slopes())
         return code.OK

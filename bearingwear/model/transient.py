@@ -12,7 +12,7 @@ from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.dynamic_outputs import histories, window_values
-from bearingwear.model.estimate import DOUBLED, HALVED, changed, measured, summed
+from bearingwear.model.estimate import DOUBLED, MEASURED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.start import Start, start_of, thrust_alone
@@ -211,27 +211,29 @@ def dynamic_error_estimates(
     answers = [values for values in found if values is not None]
     if len(answers) < len(found):
         return {}
-    now, *others = answers
-    weights = HALVED, DOUBLED, math.sqrt(run.tolerance / tolerance)
-    parts = [weight * changed(now, other) for weight, other in zip(weights, others, strict=True)]
-    parts[0] = np.maximum(parts[0], thrust_part(scene, start.case))
+    now, with_half, with_twice, with_looser = answers
+    parts = [
+        np.maximum(halved_part(now, with_half), thrust_part(scene, start.case)),
+        DOUBLED * changed(now, with_twice),
+        math.sqrt(run.tolerance / tolerance) * changed(now, with_looser),
+    ]
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
-    qv, _, balls, both, preload = drift
-    return summed([*parts, np.array([qv, preload, balls, both])])
+    qv, _, balls, both, preload, torque = drift
+    return summed([*parts, np.array([qv, preload, balls, both, torque, torque])])
 
 
 def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
-    """What half the regularisation changes in the steady state under the thrust alone (4,)."""
+    """What half the regularisation changes in the steady state under the thrust alone (6,)."""
     if case is None or case.status != code.OK:
-        return np.zeros(4)
+        return np.zeros(MEASURED)
     thrust = thrust_alone(scene)
     problem, D = ThrustProblem.of(thrust), float(parameters.ball_diameters(scene).mean())
     halved, _ = problem.perturbed(thrust)
     other = halved.solve(D, start=case.u)
     if other.status != code.OK:
-        return np.zeros(4)
+        return np.zeros(MEASURED)
     answers = (steady_answer(thrust, p, D, c) for p, c in ((problem, case), (halved, other)))
-    return HALVED * changed(*answers)
+    return halved_part(*answers)
 
 
 def rerun(
@@ -249,7 +251,7 @@ def rerun(
         run = TimeRun(replace(scene, model=model), system, None, tolerance)
         if run.window(count, interrupt) != code.OK:
             return None
-    return measured(window_values(scene, run))
+    return measured(window_values(scene, run), scene.bearing.ball_count)
 
 
 def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: float) -> bool:

@@ -20,6 +20,7 @@ class Row(NamedTuple):
     """A quantity, its values in the unit that is shown.
 
     `values` are numbers or words, one for each column of the block; `limit` is in the same unit.
+    Numbers that are `given` stand as they are.
     """
 
     label: str
@@ -28,6 +29,7 @@ class Row(NamedTuple):
     name: str = ""
     limit: float | None = None
     note: str = ""
+    given: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,10 @@ def _plain(value: Any) -> Any:
 
 
 def _lines(block: Block) -> list[str]:
-    cells = [[_shown(value, row.unit, block.given) for value in row.values] for row in block.rows]
+    cells = [
+        [_shown(value, row.unit, block.given or row.given) for value in row.values]
+        for row in block.rows
+    ]
     longest = max((len(t) for texts in [block.columns, *cells] for t in texts), default=0)
     label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
     value_width = max(VALUE_WIDTH, longest + 2)

@@ -11,6 +11,8 @@ from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.scene.accuracy import NAMED_PRESETS, PRESETS, accuracy_preset
 
+NUMBERS = ("total_qv", "residual_preload", "ball_diameter_loss_rate", "shaft_torque")
+
 
 def program():
     spec = importlib.util.spec_from_file_location("estimates", ROOT / "benchmarks" / "estimates.py")
@@ -27,7 +29,7 @@ def covered(rows, name) -> float:
 
 def test_estimates_of_random_steady_scenes():
     rows = program().steady_rows(100, seed=7)
-    for name in ("total_qv", "residual_preload", "ball_diameter_loss_rate", "life"):
+    for name in (*NUMBERS, "life"):
         assert covered(rows, name) >= 0.95
     # and they are no empty promises: half of them are within ten times the error
     ratio = [bound / max(error, 1e-9) for name, bound, error in rows if name == "total_qv"]
@@ -36,7 +38,7 @@ def test_estimates_of_random_steady_scenes():
 
 def test_estimates_in_time():
     rows = program().rows_in_time(3, seed=11, turns=25)
-    for name in ("total_qv", "residual_preload", "ball_diameter_loss_rate"):
+    for name in NUMBERS:
         assert covered(rows, name) >= 0.95
 
 
@@ -48,7 +50,8 @@ def test_a_coarser_setting_has_a_larger_estimate(scene, key):
         solve(scene("gyro_s1", {where: value, "model.quadrature": "strips"})).values
         for value in (fine, coarse)
     ]
-    for name in ("qv_error_estimate", "wear_rate_error_estimate"):
+    names = ("qv_error_estimate", "wear_rate_error_estimate", "friction_power_error_estimate")
+    for name in (*names, "shaft_torque_error_estimate"):
         assert (np.asarray(made[0][name]) < np.asarray(made[1][name])).all()
 
 

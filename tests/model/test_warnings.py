@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -71,7 +72,8 @@ ABSURD = {
     "twenty kilonewtons": ({"operation.preload_N": 20_000}, {"pressure_above_practice"}),
     "kN typed for N": ({"operation.preload_N": 0.14}, {"preload_too_small", "inner_load_lost"}),
     "one newton at rest": (
-        {"operation.preload_N": 1.0, "operation.shaft_speed_rpm": 100}, {"preload_too_small"},
+        {"operation.preload_N": 1.0, "operation.shaft_speed_rpm": 100},
+        {"preload_too_small", "slip_rounded"},
     ),
     "too fast for its spring": ({"operation.preload_N": 10}, {"inner_load_lost"}),
     "rev/h typed for r/min": (
@@ -95,6 +97,9 @@ ABSURD = {
     "a ring that comes loose": (
         {"bearing.bore_mm": 40, "fits.shaft_interference_um": 0.5, "fits.shaft_bore_mm": 30.0},
         {"fit_lost"},
+    ),
+    "a turn in an hour": (
+        {"operation.shaft_speed_rpm": 1.0 / 60.0}, {"slip_rounded"},
     ),
     "speed of `new`": ({"description": "Speed assumed: 19000 r/min."}, {"speed_assumed"}),
 }  # fmt: skip
@@ -289,6 +294,36 @@ def test_a_breath_of_radial_load_does_not_change_how_a_life_ends(spindle):
     assert loaded.attrs["fidelity"] == "dynamic" and thrust.attrs["fidelity"] == "steady"
     assert loaded.values["life"][1] == thrust.values["life"][1] == 0.0
     assert ids(loaded) == ids(thrust) and "over_limit_when_new" in ids(loaded)
+
+
+def test_a_life_that_begins_at_its_limit_says_so(spindle):
+    worn = {"wear.ball_diameter_loss_um": 0.3, "wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
+    lived = life(variant(spindle, worn))
+    assert lived.values["life"].tolist() == [0.0, 0.0]
+    told = warnings_in(lived.attrs)[0]
+    assert told["id"] == "over_limit_when_new" and told["excess"] == 1.0
+    assert told["sentence"] == (
+        "over the limit from the start: loss of ball diameter 0.3 um at 0.3 um"
+    )
+
+
+def test_friction_that_is_rounded_away(scene):
+    """At 50 r/min the torque is a third of what it is without rounding."""
+    slow = scene("gyro_s1", {"operation.shaft_speed_rpm": 50.0})
+    result = solve(slow)
+    (told,) = warnings_in(result.attrs)
+    assert told["id"] == "slip_rounded" and told["excess"] > 10.0
+    said = re.fullmatch(r"friction.slip_regularisation_m_s of (\S+) or less", told["advice"])
+    better = float(said[1])
+    finer = solve(replace(slow, friction=replace(slow.friction, slip_regularisation_m_s=better)))
+    assert ids(finer) == set()
+    # what the advice gives is right: two hundredths of the slip do not change it any more
+    finest = replace(slow.friction, slip_regularisation_m_s=0.5 * better)
+    right = solve(replace(slow, friction=finest)).values["shaft_torque"]
+    assert_allclose(finer.values["shaft_torque"], right, rtol=2e-3)
+    assert result.values["shaft_torque"] < 0.5 * right
+    assert "shaft_torque_error_estimate" not in result.values  # no half of it says how much
+    assert finer.values["shaft_torque_error_estimate"] < 0.01
 
 
 def test_a_criterion_that_is_met_later_is_no_warning(spindle):

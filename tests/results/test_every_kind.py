@@ -192,7 +192,10 @@ def test_compare_lists_results_before_how_they_were_solved(kinds, tmp_path, caps
     heads = ("  result ", "  scene ", "  how well it was solved ", "  how it was made ")
     places = [text.index(head) for head in heads]
     assert places == sorted(places)
-    results, _, numerics, _ = (text[a:b] for a, b in zip(places, [*places[1:], None], strict=True))
+    results, causes, numerics, _ = (
+        text[a:b] for a, b in zip(places, [*places[1:], None], strict=True)
+    )
+    assert "  further result " in causes and not re.search("residual  |rounding|error", causes)
     assert re.search(r"^  axial_stiffness +N/um +4\.48\d+ ", results, re.M)
     assert "friction_residual" in numerics and "residual  " not in results
     assert "error" not in results and "rounding" not in results

@@ -50,9 +50,16 @@ LIMITED = {
     "friction_power_W": Limited(variable="friction_power"),
 }
 
-ACTIVE = (*LIMITED, "none", "end_of_range", "not_solved", "no_preload_within_limits")
+ACTIVE = (
+    *LIMITED,
+    "none",
+    "end_of_range",
+    "not_solved",
+    "no_preload_within_limits",
+    "end_of_life",
+)
 """What keeps the recommended preload from another one with a longer life."""
-UNLIMITED, END_OF_RANGE, NEXT_NOT_SOLVED, NO_PRELOAD = range(len(LIMITED), len(ACTIVE))
+UNLIMITED, END_OF_RANGE, NEXT_NOT_SOLVED, NO_PRELOAD, OTHER_END = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(
     "active_limit", (), "", "what keeps the preload from a longer life", dtype="i1", flags=ACTIVE
@@ -223,6 +230,11 @@ def _held_by(
     if any(not solved[k] for k in neighbours):
         return NEXT_NOT_SOLVED
     return END_OF_RANGE if len(neighbours) < 2 else UNLIMITED
+
+
+def preload_text(one: xr.Dataset) -> str:
+    """The recommended preload of a method [N], in as many digits as it is to be set with."""
+    return f"{float(one.get('preload_to_set', one['preload'])):.7g}".replace("nan", "–")
 
 
 def front(design: xr.Dataset, basis: int) -> xr.DataArray:

@@ -28,11 +28,18 @@ from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.choice import ACTIVE, front, limit_margins, limits_of
+from bearingwear.studies.design.choice import (
+    ACTIVE,
+    NO_PRELOAD,
+    front,
+    limit_margins,
+    limits_of,
+    preload_text,
+)
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.words import LIMIT_WORDS
 
-LETTERS = dict(zip(ACTIVE, "GSPFLEU×", strict=True))
+LETTERS = dict(zip(ACTIVE, "GSPFLEU×N", strict=True))
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 STIFFNESS_UNIT = display("N m-1")
@@ -235,10 +242,11 @@ def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
 def _letter_keys(design: xr.Dataset) -> list[Any]:
     """Legend of the letters on the map."""
     shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
+    held = {name: "held by " for name in shown if name != ACTIVE[NO_PRELOAD]}
     return [
         *(
             key(
-                f"{LETTERS[name]}: {'' if name == ACTIVE[-1] else 'held by '}{LIMIT_WORDS[name]}",
+                f"{LETTERS[name]}: {held.get(name, '')}{LIMIT_WORDS[name]}",
                 linestyle="none",
             )
             for name in shown
@@ -263,9 +271,9 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
         spread = f" (L10 {digits(l10)} h, L50 {digits(l50)} h)"
     within = " within the limits" if limits_of(recommendation).given else ""
     held = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
-    preload, life = (digits(float(chosen[name])) for name in ("preload", "life"))
+    life = digits(float(chosen["life"]))
     return (
-        f"{name}: {in_words(method)} at {preload} N lives longest{within}, "
+        f"{name}: {in_words(method)} at {preload_text(chosen)} N lives longest{within}, "
         f"{life} h{spread}, counting {in_words(COUNTS[basis])}; held by {held}"
     )
 

@@ -19,7 +19,7 @@ from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
 
 SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
-    "preload": (lambda s: s.preload, "N", ""),
+    "residual preload": (lambda s: s.preload, "N", ""),
     "axial stiffness": (lambda s: s.stiffness, "N m-1", ""),
     "contact pressure": (lambda s: s.pressure, "Pa", ""),
     "friction power": (lambda s: s.friction_power, "W", ""),
@@ -28,8 +28,12 @@ SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
 """Value of a state of wear, its unit, and what it is shown as where that does not say."""
 
 
-def recommended_sheet(scene: Scene, limits: DesignLimits, source: str = "scene") -> Sheet:
+def recommended_sheet(
+    scene: Scene, limits: DesignLimits, source: str = "scene"
+) -> tuple[Sheet, bool]:
     """The preload to take at the scene's own friction and speed, by each method.
+
+    And whether any life was solved at all.
 
     Parameters
     ----------
@@ -40,7 +44,7 @@ def recommended_sheet(scene: Scene, limits: DesignLimits, source: str = "scene")
         What error messages name.
     """
     axes = axes_around(scene, [scene.friction.ball_race], source)
-    _, found = mapped(scene, axes, limits)
+    design, found = mapped(scene, axes, limits)
     chosen = recommendation_sheet(found)
     states = [
         (f"{method.replace('_', ' ')}, {when}", state)
@@ -55,7 +59,8 @@ def recommended_sheet(scene: Scene, limits: DesignLimits, source: str = "scene")
         rows.append(Row(label, unit.unit, tuple(float(unit.of(number)) for number in numbers)))
     columns = tuple(name for name, _ in states)
     worn = [Block("at that preload", columns, tuple(rows))] if states else []
-    return Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn))
+    sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn))
+    return sheet, bool((design["status"] == OK).any())
 
 
 def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:

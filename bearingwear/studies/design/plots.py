@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import ALL_INPUTS
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.choice import ACTIVE
+from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.figures import LOSS_DASHES, MAPPED, map_overview
 from bearingwear.studies.design.uncertainty_figure import (
     draw_cumulated,
@@ -107,7 +107,7 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
         for at, (name, one) in enumerate(rows):
             life = float(one["life"].isel(loss_basis=k))
             held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
-            text = f"{digits(float(one['preload']))} N, held by {held}"
+            text = f"{preload_text(one)} N, held by {held}"
             panel.barh(at, np.nan_to_num(life), color=COLOURS[name], height=0.5)
             said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
             panel.text(0.0, at + 0.32, said, va="bottom", fontsize=7)

@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,12 +20,14 @@ from bearingwear.kernels.status import OK
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import CaseFileError, data_array, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
+from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, counted, dataset_with
 from bearingwear.studies.design.choice import (
     ACTIVE,
     ACTIVE_LIMIT,
+    OTHER_END,
     UNLIMITED,
     best_within,
     limit_margins,
@@ -39,10 +42,19 @@ from bearingwear.studies.life_scene import life_scene
 
 RECOMMENDATION = "recommendation"
 RECOMMENDED_PRELOAD = Variable("preload", (), "N", "recommended initial axial preload")
+PRELOAD_TO_SET = Variable(
+    "preload_to_set",
+    (),
+    "N",
+    "recommended initial axial preload in few digits",
+    comment="three digits, or as many more as keep to the limits and to the life",
+)
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
 PRELOAD_TOLERANCE = 1e-6  # relative, of the recommended preload
+BESIDE = 3e-3  # relative: where it is asked what ends a life beside the longest one
+LEAST_LEFT = 0.98  # of the life, where the preload is rounded
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 
 
@@ -122,6 +134,7 @@ def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
             none[PRELOAD_METHODS[int(flag)]] = why_none(one, limits, basis)
         rows.append(row)
     found = _dataset(rows, at_scene, design)
+    found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
 
@@ -166,6 +179,29 @@ class PreloadLine:
         within = found["status"] == OK and all(m >= 0.0 for m in limit_margins(found, self.limits))
         return float(found["life"][self.basis]) if within else 0.0
 
+    def ends_otherwise_beside(self, preload: float) -> bool:
+        """Whether lives close by, on either side, are ended by different criteria of the scene."""
+        beside = [self.point(times * preload) for times in (1.0 - BESIDE, 1.0 + BESIDE)]
+        ends = {one["end_criterion"] for one in beside}
+        return all(one["status"] == OK for one in beside) and len(ends) > 1
+
+    def rounded(self, preload: float) -> float:
+        """A preload with the fewest digits, three at least, that is as good as this one [N].
+
+        It may be rounded to either side: one of them can pass a limit, or end the life at once.
+        """
+        enough = LEAST_LEFT * self.life_within(preload)
+        for decimals in range(2 - math.floor(math.log10(preload)), 9):
+            unit = 10.0**-decimals
+            near = sorted(
+                (round(unit * side(preload / unit), 9) for side in (math.floor, math.ceil)),
+                key=lambda p: abs(p - preload),
+            )
+            for one in near:
+                if one > 0.0 and self.life_within(one) >= enough > 0.0:
+                    return one
+        return preload
+
 
 def _refined(line: PreloadLine, index: int, active: int) -> dict[str, Any]:
     """The best preload near a point of a line, and its life."""
@@ -179,9 +215,17 @@ def _refined(line: PreloadLine, index: int, active: int) -> dict[str, Any]:
         left = limit_margins(values, line.limits)
         if left and min(left) < AT_LIMIT:
             active = ACTIVE.index(list(line.limits.given)[int(np.argmin(left))])
+        elif active == UNLIMITED and line.ends_otherwise_beside(best):
+            active = OTHER_END
     answer = life(line.scene_at(best))
     error = answer.values.get("life_error_estimate", np.full(2, np.nan))
-    return values | {"preload": best, "active_limit": active, "life_error_estimate": error}
+    return values | {
+        "preload": best,
+        "preload_to_set": line.rounded(best),
+        "active_limit": active,
+        "life_error_estimate": error,
+        "warnings": answer.attrs["warnings"],
+    }
 
 
 def _on_limit(line: PreloadLine, index: int) -> float:
@@ -214,12 +258,14 @@ def _dataset(
     rows: Sequence[dict[str, Any]], at_scene: xr.Dataset, design: xr.Dataset
 ) -> xr.Dataset:
     along = ("preload_method",)
-    unknown = {"end_criterion": len(CRITERIA) - 1, "life_error_estimate": np.full(2, np.nan)}
+    unknown: dict[str, Any] = {"end_criterion": len(CRITERIA) - 1, "preload_to_set": np.nan}
+    unknown |= {"life_error_estimate": np.full(2, np.nan)}
     rows = [unknown | row for row in rows]
     variables = point_variables(rows, {"preload_method": len(rows)})
     variables["status"].attrs["missing"] = "-1: there was none to solve"
     for variable in (
         RECOMMENDED_PRELOAD,
+        PRELOAD_TO_SET,
         replace(ACTIVE_LIMIT, long_name="what keeps it from a longer life"),
         LIFE_ERROR,
     ):

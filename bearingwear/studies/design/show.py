@@ -10,6 +10,7 @@ import numpy as np
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display, in_ascii
+from bearingwear.results.warnings import WARNING, warning_lines
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.words import (
     LIMIT_TEXT,
@@ -26,7 +27,7 @@ def recommendation_sheet(file: Any) -> Sheet:
     columns = tuple(names[int(flag)].replace("_", " ") for flag in values(file, "preload_method"))
     lives = values(file, "life")
     rows = [
-        _row(file, "preload", "preload", ""),
+        Row("initial preload", "N", _preloads(file), "preload", given=True),
         Row("held by", "", tuple(_held(file)), "active_limit"),
         *(
             Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
@@ -48,13 +49,22 @@ def recommendation_sheet(file: Any) -> Sheet:
             for method, why in none.items()
         ),
     )
+    warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
+    heading += tuple(warnings)
     facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
+    facts["warnings"] = [line.removeprefix(WARNING) for line in warnings]
     return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)),))
 
 
 def _held(file: Any) -> list[str]:
     names = file["active_limit"].flag_meanings.split()
     return [LIMIT_WORDS[names[int(flag)]] for flag in values(file, "active_limit")]
+
+
+def _preloads(file: Any) -> tuple[float, ...]:
+    """As they are to be set; of a file that does not say it, as they were found."""
+    known = "preload_to_set" if "preload_to_set" in file.variables else "preload"
+    return tuple(float(value) for value in values(file, known))
 
 
 def _known(value: Any) -> Any:

@@ -26,7 +26,7 @@ from bearingwear.results.quantiles import (
 from bearingwear.results.units import digits, display, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.choice import ACTIVE, limits_of
+from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
 from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
@@ -149,7 +149,7 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
         error = float(one["life_error_estimate"].isel(loss_basis=basis))
         known = f"{100 * error:.2g} %" if np.isfinite(error) else "–"
         cells = {
-            "preload (N)": digits(float(one["preload"])),
+            "initial preload (N)": preload_text(one),
             "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
             **{
                 f"life counting {in_words(COUNTS[k])} (h)": (

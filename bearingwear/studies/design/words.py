@@ -9,6 +9,7 @@ LIMIT_WORDS = {
     "end_of_range": "end of the map",
     "not_solved": "an unsolved neighbour",
     "no_preload_within_limits": "no preload keeps to all limits",
+    "end_of_life": "a change in what ends the life",
 }
 """What keeps a preload from another one with a longer life."""
 
@@ -25,7 +26,7 @@ RECOMMENDED_WORDS = {
     "maximum_pressure": ("largest pressure", ""),
     "friction_power": ("largest friction power", ""),
     "gyroscopic_slip_share": ("largest gyroscopic slip share", "%"),
-    "residual_preload_at_end": ("preload left at the end", ""),
+    "residual_preload_at_end": ("residual preload at the end", ""),
 }
 """Quantities beside a recommended life, and what they are shown as where a unit does not say."""
 
