@@ -1,6 +1,8 @@
 """Where things are, and how a step of a study is run, for tests of every kind."""
 
+import importlib.util
 import json
+import sys
 from pathlib import Path
 
 import yaml
@@ -13,6 +15,16 @@ ROOT = Path(__file__).resolve().parents[1]
 def scene_file(name: str) -> Path:
     """Path of a scene of the study."""
     return ROOT / "config" / "scenes" / f"{name}.yaml"
+
+
+def benchmark(name: str):
+    """A program of `benchmarks/`, as a module."""
+    path = ROOT / "benchmarks" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"benchmark_{name}", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look themselves up there
+    spec.loader.exec_module(module)
+    return module
 
 
 def with_value(file: Path, path: str, value: object, folder: Path) -> Path:

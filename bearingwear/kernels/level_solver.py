@@ -8,12 +8,10 @@ from typing import NamedTuple
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.compile import inlined, jit
-from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import CONTACT_LOST, NO_STEADY_STATE, NOT_CONVERGED, OK
 from bearingwear.kernels.steady_balance import (
     Seat,
-    balance_problem,
     balance_size,
     friction_balance,
     full_jacobian,
@@ -203,27 +201,3 @@ def pseudo_transient(p, v_r, seat, u, tolerance, most):
         dt *= GROWTH if unexplained > WELL_EXPLAINED * size else FAST_GROWTH
     status = NO_STEADY_STATE if why == OK else why
     return Solution(status=status, seat=seat, iterations=most, size=size)
-
-
-@jit
-def settle_from_motion(bearing, rule, delta_a, u, tolerance, most):
-    """Where a ball that moves as u settles, by `pseudo_transient`; u is replaced.
-
-    Parameters
-    ----------
-    bearing : ThrustBearing
-    rule : Rule
-        For the ellipse.
-    delta_a : float
-        Axial displacement of the race nearby [m].
-
-    Returns
-    -------
-    int
-        OK where it settled.
-    """
-    seat = orbit_equilibrium(bearing, u[3], Seat(delta_a=delta_a, state=cold_start()))
-    if seat.state.status != OK:
-        return seat.state.status
-    p = balance_problem(bearing, rule)
-    return pseudo_transient(p, bearing.op.v_r, seat, u, tolerance, most).status

@@ -18,6 +18,7 @@ from bearingwear.model.mounted import mounted_geometry
 from bearingwear.model.quadrature import equal_strips, gathered, gauss_halves
 from bearingwear.scene.scene import Scene
 
+SEARCH_POINTS = 16  # along the ellipse, at a v_r that these resolve
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
@@ -69,6 +70,13 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
     """The rule of a scene for the contact ellipse, with so many times its points."""
     name, points = scene.model.quadrature, scene.model.strips
     return ellipse_rule(name, refined * (max(points, FEWEST_SPLIT) if name == "split" else points))
+
+
+def search_rule(scene: Scene) -> Rule:
+    """The rule by which other steady states are sought: a coarse one, which slip does not move."""
+    rule = quadrature(scene)
+    is_coarse = not rule.split and rule.t.size <= SEARCH_POINTS
+    return rule if is_coarse else ellipse_rule("gauss", SEARCH_POINTS)
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:

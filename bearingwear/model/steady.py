@@ -8,9 +8,9 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.ellipse import Rule, most_points
-from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
-from bearingwear.kernels.level_solver import settle_from_motion
+from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.search import settled_elsewhere
 from bearingwear.kernels.steady_balance import (
     BalanceProblem,
     Preload,
@@ -29,8 +29,7 @@ VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface s
 STABILITY_POINTS = 512
 LIKE_STATE = 1e-2  # share of the speeds by which one state may differ between two rules
 UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED, code.CONTACT_LOST)
-SETTLED = 1e-9  # residual of a motion that settles from an unlike start, over friction
-SETTLING_STEPS = 300
+SEARCH_SLIP = 3e-3  # least regularisation of the search for others, as a share of the same speed
 SAME_STATE = 1e-4  # relative difference below which two steady states are one
 
 
@@ -43,6 +42,7 @@ class ThrustProblem:
     preload: Preload
     rule: Rule
     fine_rule: Rule
+    search_rule: Rule
 
     @classmethod
     def of(cls, scene: Scene) -> "ThrustProblem":
@@ -53,7 +53,8 @@ class ThrustProblem:
         preload = Preload(
             constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
         )
-        return cls(g, parameters.operating_point(scene), preload, rule, fine_rule)
+        op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
+        return cls(g, op, preload, rule, fine_rule, search_rule)
 
     def bearing(self, D: float) -> ThrustBearing:
         """The bearing with balls of diameter D [m]."""
@@ -129,38 +130,25 @@ class ThrustProblem:
             again.status == code.OK and same and self.time_scales(D, again).real.max() < 0.0
         )
 
-    def starts(self, count: int) -> list[np.ndarray]:
-        """So many unlike motions (4,) of a ball, the same ones each time.
+    def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
+        """Steady states other than `case` (`stable` or not), sought over the orbit rate.
 
-        First those of a kind of their own: spinning on the outer race, lagging behind, turning
-        about the tangent, spinning on the inner race; then any.
+        The ball settles from so many motions at the most. Those nearest to rolling come first.
         """
-        rolling = self.kinematic_start(OUTER_CONTROL)
-        tumbling = rolling.copy()
-        tumbling[1:3] = -tumbling[2], 0.0
-        kinds = [rolling, 0.3 * rolling, tumbling, self.kinematic_start(INNER_CONTROL)]
-        random = np.random.default_rng(0)
-        spin = np.linalg.norm(rolling[:3])
-        for _ in range(count - len(kinds)):
-            axis = random.normal(size=3)
-            axis *= spin * random.uniform(0.2, 1.5) / np.linalg.norm(axis)
-            kinds.append(np.array([*axis, rolling[3] * random.uniform(0.2, 1.2)]))
-        return kinds[:count]
-
-    def other_states(self, D: float, case: ThrustCase, count: int) -> list[ThrustCase]:
-        """Steady states other than `case` that the ball settles in from unlike starts."""
-        found = [case]
-        bearing = self.bearing(D)
-        for u in self.starts(count):
-            status = settle_from_motion(
-                bearing, self.rule, case.delta_a, u, SETTLED, SETTLING_STEPS
-            )
-            # Newton may go on from a state that had not settled to one that is known.
-            if status == code.OK and is_new(u, found):
+        if most == 0:
+            return []
+        op, found = self.op, [case]
+        v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
+        rules = self.rule, self.search_rule
+        args = case.delta_a, case.u, not stable, most
+        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
+            # Newton may go on from a motion that had not settled to a state that is known.
+            if is_new(u, found):
                 other = self.solve(D, start=u)
                 if other.status == code.OK and is_new(other.u, found):
                     found.append(other)
-        return found[1:]
+        rolling = self.kinematic_start(OUTER_CONTROL)[3]
+        return sorted(found[1:], key=lambda c: abs(c.u[3] - rolling))
 
 
 def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
@@ -184,9 +172,11 @@ def solve_steady(scene: Scene) -> tuple[dict, dict]:
     values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):
-        every = [case, *problem.other_states(D, case, scene.model.steady_starts)]
-        stable = {id(c): problem.stable(D, c) for c in every}
-        every.sort(key=lambda c: not stable[id(c)])  # the one reached first, if it is stable
+        stable = {id(case): problem.stable(D, case)}
+        others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)
+        stable |= {id(c): problem.stable(D, c) for c in others}
+        # the one reached first, if it is stable
+        every = sorted([case, *others], key=lambda c: not stable[id(c)])
         case = every[0]
         attrs["residual"] = residual_sentence(case)
         values |= error_estimates(scene, problem, D, case)

@@ -154,7 +154,8 @@ class Model:
     steady_starts: Annotated[
         int,
         Key(
-            "Unlike starts from which other steady states are sought, steady only",
+            "Motions from which other steady states are sought, at the most, where the force along "
+            "the orbit says that there may be one (0 seeks none), steady only",
             "1",
             "[0, 10000]",
             default_by=ACCURACY,

@@ -1,24 +1,16 @@
 """Estimated errors against true ones; `benchmarks/estimates.py` does the same on many more."""
 
-import importlib.util
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from support import ROOT
+from support import benchmark
 
 from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.scene.accuracy import NAMED_PRESETS, PRESETS, accuracy_preset
 
 NUMBERS = ("total_qv", "residual_preload", "ball_diameter_loss_rate", "shaft_torque")
-
-
-def program():
-    spec = importlib.util.spec_from_file_location("estimates", ROOT / "benchmarks" / "estimates.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def covered(rows, name) -> float:
@@ -28,7 +20,7 @@ def covered(rows, name) -> float:
 
 
 def test_estimates_of_random_steady_scenes():
-    rows = program().steady_rows(100, seed=7)
+    rows = benchmark("estimates").steady_rows(100, seed=7)
     for name in (*NUMBERS, "life"):
         assert covered(rows, name) >= 0.95
     # and they are no empty promises: half of them are within ten times the error
@@ -37,7 +29,7 @@ def test_estimates_of_random_steady_scenes():
 
 
 def test_estimates_in_time():
-    rows = program().rows_in_time(3, seed=11, turns=25)
+    rows = benchmark("estimates").rows_in_time(3, seed=11, turns=25)
     for name in NUMBERS:
         assert covered(rows, name) >= 0.95
 

@@ -4,13 +4,10 @@ Tolerances: the plain program stops at residuals of 1e-9 or so; where a state is
 the race with little slip) that shows as 1e-6.
 """
 
-import importlib.util
-import sys
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support import ROOT
+from support import benchmark
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import static_displacement
@@ -24,12 +21,7 @@ from bearingwear.model.steady import ThrustProblem
 
 @pytest.fixture(scope="module")
 def plain():
-    path = ROOT / "benchmarks" / "plain_scipy.py"
-    spec = importlib.util.spec_from_file_location("plain_scipy", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["plain_scipy"] = module  # its dataclasses look themselves up there
-    spec.loader.exec_module(module)
-    return module
+    return benchmark("plain_scipy")
 
 
 def both(plain, scene, name, method, mu, loss, drag):

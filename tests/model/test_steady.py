@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support import benchmark
 
 from bearingwear.kernels import status as code
 from bearingwear.model.parameters import ball_diameters, ellipse_rule
@@ -113,16 +114,17 @@ def test_balances_close(values, method, mu, loss, drag):
 @pytest.mark.parametrize("mu", [0.02, 0.08])
 def test_balls_settle_from_anywhere(scene, mu):
     """Starts far apart end in the state that was followed down from viscous friction."""
-    from bearingwear.model.steady import ThrustProblem
-
+    search = benchmark("search")
     for method in ("constant_force", "fixed_position"):
         problem = ThrustProblem.of(
             scene("gyro_s1", {"operation.preload_method": method, "friction.ball_race": mu})
         )
         for loss in (0.0, 0.5e-6):
-            case = problem.solve(problem.g.D0 - loss)
+            D = problem.g.D0 - loss
+            case = problem.solve(D)
             assert case.status == code.OK
-            assert problem.other_states(problem.g.D0 - loss, case, 8) == []
+            assert search.settled_from_starts(problem, D, case, 8) == []
+            assert problem.other_states(D, case, True, 8) == []
 
 
 def test_time_scales_agree_with_integration(scene):

@@ -1,0 +1,99 @@
+"""The search for other steady states over the orbit rate."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import benchmark
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import cold_start
+from bearingwear.kernels.search import balance_at_rate
+from bearingwear.kernels.steady_balance import Seat
+from bearingwear.model.parameters import ball_diameters
+from bearingwear.model.steady import ThrustProblem, is_new
+
+# The size of a dental drill's bearing, at high friction (docs/verification.md, "Several answers").
+DRILL = {
+    "cage": None,
+    "operation.preload_N": 7.46,
+    "operation.shaft_speed_rpm": 544000,
+    "friction.slip_regularisation_m_s": 5.0e-5,
+    "friction.ball_race": 0.306,
+    "bearing.ball_count": 5,
+    "bearing.ball_diameter_mm": 0.948,
+    "bearing.pitch_diameter_mm": 2.494,
+    "bearing.contact_angle_deg": 25.07,
+    "bearing.inner_groove_factor": 0.5097,
+    "bearing.outer_groove_factor": 0.559,
+    "wear.ball_diameter_loss_um": 1.07,
+}
+
+
+def problem_of(scene, **geometry):
+    """The problem, the ball's diameter and the state reached."""
+    problem, D = ThrustProblem.of(scene), float(ball_diameters(scene)[0])
+    problem = replace(problem, g=problem.g._replace(**geometry))
+    case = problem.solve(D)
+    assert case.status == code.OK
+    return problem, D, case
+
+
+def at_rate(problem, D, case, share, w=None, v_r=0.03):
+    """F and its slope at a share of the state's orbit rate, and the motion there."""
+    u = np.array([*(case.u[:3] if w is None else w), share * case.u[3]])
+    near = Seat(delta_a=case.delta_a, state=cold_start())
+    return balance_at_rate(problem.balance(D), v_r, near, u, np.empty(3), 1e-10), u
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 1.0, 1.2, 2.0])
+def test_one_angular_velocity_at_each_orbit_rate(scene, share):
+    """From unlike angular velocities the moments come to the same balance."""
+    problem, D, case = problem_of(scene("gyro_s1"))
+    found, u = at_rate(problem, D, case, share)
+    assert found.status == code.OK
+    for start in benchmark("search").unlike_starts(problem, 8):
+        again, v = at_rate(problem, D, case, share, start[:3])
+        assert again.status == code.OK
+        assert_allclose(again.F, found.F, atol=1e-8)
+        assert_allclose(v, u, atol=1e-6 * np.abs(u).max())
+
+
+def test_force_vanishes_at_the_state(scene):
+    problem, D, case = problem_of(scene("gyro_s1"))
+    v_r = problem.op.v_r
+    assert abs(at_rate(problem, D, case, 1.0, v_r=v_r)[0].F) < 1e-9
+    below, above = (at_rate(problem, D, case, share)[0].F for share in (0.9, 1.1))
+    assert below > 0.5 and above < -0.5
+
+
+@pytest.mark.parametrize("share", [0.6, 0.97, 1.01, 1.4])
+def test_slope_of_the_force(scene, share):
+    """Against differences, with balls so light that the loads do not follow the orbit rate."""
+    problem, D, case = problem_of(scene("gyro_s1"), rho=1e-3)
+    found, u = at_rate(problem, D, case, share)
+    step = 1e-5
+    ends = [at_rate(problem, D, case, share + s, u[:3])[0].F for s in (-step, step)]
+    assert_allclose(found.slope * case.u[3], (ends[1] - ends[0]) / (2 * step), rtol=1e-3)
+
+
+def test_friction_alone_never_raises_the_force(scene):
+    """Without the gyroscopic moment F only falls: then there is one state."""
+    problem, D, case = problem_of(scene("gyro_s1"), rho=1e-3)
+    for share in np.linspace(0.05, 2.5, 40):
+        assert at_rate(problem, D, case, share)[0].slope <= 1e-12
+
+
+def test_each_of_two_states_leads_to_the_other(scene):
+    problem, D, case = problem_of(scene("gyro_s1", DRILL))
+    (other,) = problem.other_states(D, case, True, 4)
+    assert other.u[3] / case.u[3] == pytest.approx(1.18234, abs=1e-5)
+    assert problem.stable(D, case) and problem.stable(D, other)
+    (back,) = problem.other_states(D, other, True, 4)
+    assert not is_new(back.u, [case])
+
+
+def test_none_is_sought_from_no_motions(scene):
+    problem, D, case = problem_of(scene("gyro_s1", DRILL))
+    assert problem.other_states(D, case, True, 0) == []
