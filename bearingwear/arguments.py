@@ -67,9 +67,9 @@ def command_parser() -> argparse.ArgumentParser:
     for sub in (solve, life):
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
-    _add_uncertainty(
-        command("uncertainty", "quantiles of life, over what the scene calls uncertain")
-    )
+    spread = command("uncertainty", "quantiles of life, over what the scene calls uncertain")
+    _add_uncertainty(spread)
+    _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
     recommend = command("recommend", "say which preload to take, within limits; seconds")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
@@ -161,7 +161,11 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "-o", "--output", metavar="FILE.nc", type=_file_name, help="the file to write, if any"
+        "-o",
+        "--output",
+        metavar="FILE.nc",
+        type=_file_name,
+        help="the file to write, if any; folders that are missing are made",
     )
     sub.add_argument(
         "--record-timing",

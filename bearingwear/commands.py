@@ -103,6 +103,11 @@ def uncertainty(args: argparse.Namespace) -> int:
     samples = SAMPLES if args.samples is None else args.samples
     found = life_quantiles(args.scene, args.friction, args.method or (), samples, args.seed)
     write_dataset(found, args.output)
+    if not args.quiet:
+        from bearingwear.results.show import sheet
+        from bearingwear.studies import registry
+
+        _print_sheet(sheet(args.output, registry("SHEETS")), args)
     return OK
 
 
@@ -137,6 +142,8 @@ def plot(args: argparse.Namespace) -> int:
     from bearingwear.plotting.plot import plot as draw
     from bearingwear.studies import registry
 
+    for path in args.output:
+        _tell_of_new_folder(path)
     draw(args.file, args.output, registry("PLOTS"))
     for path in args.output:
         print(f"{path}: written")
@@ -152,13 +159,27 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-    from bearingwear.studies.launch import CONFIG, launch, launch_own, only_run
+    from bearingwear.arguments import LIMITS
+    from bearingwear.studies.launch import (
+        CONFIG,
+        DRY_RUN,
+        check_arguments,
+        launch,
+        launch_own,
+        only_run,
+    )
+
+    check_arguments(args.more, [option for option, *_ in LIMITS] + ["--output", "--jobs"])
 
     if args.name.endswith(SCENE_SUFFIXES):
-        from bearingwear.studies.own.folder import answer_of, write_study
+        from bearingwear.studies.own.folder import answer_of, looked_at, write_study
 
         file = Path(args.name)
         folder = args.output or Path(file.stem)
+        if DRY_RUN & set(args.more):
+            with looked_at(folder) as other:
+                write_study(file, folder, _limits(args), other)
+                return launch("all", args.jobs, args.more, other)
         with contextlib.ExitStack() as stack:
             # a new folder comes into being only for a scene that can be studied
             held = stack.enter_context(only_run(folder)) if folder.exists() else None
@@ -251,10 +272,11 @@ def _scene(args: argparse.Namespace) -> Scene:
 
 
 def _check_output(path: Path, scene: str) -> None:
-    """Refuse, before anything is solved, an output that must not be replaced."""
+    """Refuse, before anything is solved, an output that must not be replaced; say if it is far."""
     from bearingwear.atomic import OutputError
 
     try:
+        _tell_of_new_folder(path)
         if path.exists():
             if not path.is_file():
                 raise OutputError(f"{path}: given something that is no file; allowed a file name")
@@ -265,6 +287,12 @@ def _check_output(path: Path, scene: str) -> None:
         raise
     except OSError as error:  # a name that is too long
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _tell_of_new_folder(path: Path) -> None:
+    """Folders that are missing are made, which may come of a mistyped name."""
+    if not path.parent.exists():
+        _tell(f"{path.parent}: new folder")
 
 
 def _check_replaced(path: Path) -> None:
@@ -287,7 +315,9 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
         from bearingwear.results.netcdf import write_result
 
         write_result(result, args.output)
-    _warn(result.attrs)
+    # a terminal has them in the sheet already
+    if args.quiet or args.json or args.csv or not (sys.stdout.isatty() and sys.stderr.isatty()):
+        _warn(result.attrs)
     if not args.quiet:
         from bearingwear.results.show import sheet, sheet_of_result
 

@@ -41,7 +41,8 @@ def solve(output, *more) -> int:
 def test_solve(tmp_path, capsys):
     assert solve(tmp_path / "new" / "case.nc") == 0
     sheet, err = capsys.readouterr()
-    assert not err and main(["show", str(tmp_path / "new" / "case.nc")]) == 0
+    assert err.endswith("new: new folder\n") and err.count("\n") == 1
+    assert main(["show", str(tmp_path / "new" / "case.nc")]) == 0
     assert capsys.readouterr().out == sheet and "axial stiffness" in sheet
     assert os.listdir(tmp_path / "new") == ["case.nc"]
     case = load(tmp_path / "new" / "case.nc")
@@ -504,6 +505,40 @@ def test_recommend(capsys):
     assert {row["name"] for row in data["quantities"]} >= {"preload", "life", "axial_stiffness"}
 
 
+def test_a_terminal_has_warnings_once(monkeypatch, capsys):
+    worn = ["solve", str(SCENE), "--set", "wear.ball_diameter_loss_um=0.3"]
+    assert main(worn) == 0
+    told, error = capsys.readouterr()
+    assert told.count("gap between ball and groove") == error.count("gap between ball") == 1
+    for stream in (sys.stdout, sys.stderr):
+        monkeypatch.setattr(stream, "isatty", lambda: True)
+    assert main(worn) == 0
+    told, error = capsys.readouterr()
+    assert told.count("gap between ball and groove") == 1 and error == ""
+    assert main([*worn, "--quiet"]) == 0
+    assert capsys.readouterr().err.startswith("warning: 0.3 um lost")
+
+
+def test_a_new_folder_is_told(tmp_path, capsys):
+    where = tmp_path / "new" / "folder"
+    assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
+    assert capsys.readouterr().err == f"{where}: new folder\n"
+    assert main(["solve", str(SCENE), "-o", str(where / "case.nc"), "--quiet"]) == 0
+    assert main(["plot", str(where / "case.nc"), "-o", str(tmp_path / "other" / "a.svg")]) == 0
+    assert capsys.readouterr().err == f"{tmp_path / 'other'}: new folder\n"
+
+
+def test_skid_ratio_has_one_sign(capsys):
+    """That of its meaning, a lag behind rolling: in a case and along a life."""
+    shown = []
+    for command in ("solve", "life"):
+        assert main([command, str(SCENE), "--json", "--set", "lubricant.drag_density_kg_m3=0"]) == 0
+        rows = json.loads(capsys.readouterr().out)["quantities"]
+        (row,) = [row for row in rows if row["name"] == "skid_ratio"]
+        shown.append(row["value"] if command == "solve" else row["values"]["start"])
+    assert shown[0] == pytest.approx(shown[1], rel=1e-6) and shown[0] < 0.0
+
+
 def test_recommend_at_a_cliff(capsys):
     """Just below, the slip share ends the life; rounding the preload down would lose most of it."""
     steep = ["--set", "wear.end_of_life.gyroscopic_slip_share=0.05"]
@@ -532,6 +567,10 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
     "arguments, said",
     [
         (["--stiffness", "0"], "argument --stiffness: given '0'; allowed a number > 0"),
+        (
+            ["--pressure", "2000"],
+            "maximum_pressure_GPa: given 2000.0; allowed a number > 0 and <= 20",
+        ),
         (["--slip", "35"], "gyroscopic_slip_share: given 35.0; allowed a number > 0 and <= 1"),
         (["--set", "operation.rotating_load_N=1"], "allowed one with a steady state (for its own"),
         (["--set", "operation.preload_N=0"], "preload_fraction"),

@@ -27,7 +27,7 @@ MAY_IMPORT = {
     "console": set(),
     "__init__": {"api", "scene"},
     "api": {"studies", "plotting"} | READING,
-    "commands": {"studies", "plotting", "console"} | READING,
+    "commands": {"arguments", "studies", "plotting", "console"} | READING,
     "arguments": {"studies", "console"} | READING,
     "cli": {"arguments", "commands", "studies", "console"} | READING,
     "__main__": {"cli"},

@@ -22,7 +22,7 @@ from bearingwear.results.units import span
 from bearingwear.scene.scene import COUNTS
 
 ENDS = {  # words for a criterion, and by how much its limit in the scene is multiplied
-    "preload_fraction": ("preload down to {:g}\N{NO-BREAK SPACE}%", 100.0),
+    "preload_fraction": ("residual preload down to {:g}\N{NO-BREAK SPACE}%", 100.0),
     "gyroscopic_slip_share": ("gyroscopic share of slip up to {:g}\N{NO-BREAK SPACE}%", 100.0),
     "skid_ratio": ("skid ratio up to {:g}\N{NO-BREAK SPACE}%", 100.0),
     "ball_diameter_loss_um": ("{:g}\N{NO-BREAK SPACE}µm of ball diameter lost", 1.0),

@@ -46,8 +46,8 @@ GLOSSARY = {
     "skid ratio": "By how much a ball's orbit lags behind pure rolling.",
     "loss of ball diameter": "What wear has taken off a ball. Counting balls and races, what the "
     "races lose is booked to the ball as well, since it opens the bearing as much.",
-    "wear life": "Hours until the first limit is met: preload left, gyroscopic slip, skidding, or "
-    "loss of diameter.",
+    "wear life": "Hours until the first limit is met: residual preload, gyroscopic slip, skidding, "
+    "or loss of diameter.",
     "in time, steady": "Solved as motion in time, with the cage where there is one; or as the "
     "state of motion that repeats itself, where forces and friction balance.",
 }

@@ -26,7 +26,7 @@ WORN_WHOLE = (
     "history_guide_clearance",
 )
 CRITERION_ROWS = {
-    "preload_fraction": ("preload left", "history_residual_preload", "%"),
+    "preload_fraction": ("residual preload", "history_residual_preload", "%"),
     "gyroscopic_slip_share": ("gyroscopic slip share", "history_gyroscopic_slip_share", "%"),
     "skid_ratio": ("skid ratio", "history_skid_ratio", "%"),
     "ball_diameter_loss_um": ("loss of ball diameter", "history_ball_diameter_loss", "um"),
@@ -87,8 +87,6 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
         factor = _UNITS_OF_LIMITS[unit]
         if criterion == "preload_fraction":
             found = found / scene["operation"]["preload_N"]
-        elif criterion == "skid_ratio":
-            found = np.abs(found)
         ends = tuple(factor * float(x) for x in found[[0, -1]])
         note = "ends the life" if criterion == ended else ""
         bound = factor * limit if unit == "%" else limit

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
 import fcntl
 import shutil
+import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import IO, NoReturn, TextIO
 
 from bearingwear.atomic import write_text
 from bearingwear.console import UsageError
@@ -67,7 +71,78 @@ def launch(
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     if not TOLD & set(more):  # of a dry run the table of jobs; never the files of each
         more = [*more, "--quiet", "host", "reason", *(["rules"] if DRY_RUN & set(more) else [])]
-    return subprocess.call([*command, f"-j{jobs}", name, *more], cwd=folder, pass_fds=files)
+    return _relayed([*command, f"-j{jobs}", name, *more], folder, files)
+
+
+def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
+    """Refuse arguments that are none of Snakemake's, before it prints its usage.
+
+    Parameters
+    ----------
+    own : sequence of str
+        Options of ours, one of which may have been meant.
+
+    Raises
+    ------
+    UsageError
+    """
+    if set(more) <= DRY_RUN | TOLD:
+        return
+    from snakemake.cli import get_argument_parser  # type: ignore[import-untyped]
+    from snakemake.exceptions import CliException  # type: ignore[import-untyped]
+
+    def refuse(message: str) -> NoReturn:
+        raise UsageError(f"study: {message}")
+
+    parser = get_argument_parser()
+    parser.error = refuse
+    try:
+        _, unknown = parser.parse_known_args(["all", *more])
+    except CliException as error:
+        refuse(str(error))
+    if unknown:
+        near = difflib.get_close_matches(unknown[0].partition("=")[0], own, n=1)
+        allowed = f"did you mean {near[0]}" if near else "allowed options of ours or of Snakemake"
+        refuse(f"given {unknown[0]!r}; {allowed}")
+
+
+def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
+    """Run Snakemake and pass on what it says, until it is interrupted or nobody reads it."""
+    process = subprocess.Popen(
+        command, cwd=folder, pass_fds=files, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    unread = threading.Event()
+
+    def relay(source: IO[bytes], target: TextIO) -> None:
+        for line in source:
+            if not unread.is_set():
+                try:
+                    target.write(line.decode("utf-8", "replace"))
+                    target.flush()
+                except (BrokenPipeError, ValueError):
+                    unread.set()
+                    process.send_signal(signal.SIGINT)
+
+    assert process.stdout and process.stderr
+    streams = ((process.stdout, sys.stdout), (process.stderr, sys.stderr))
+    readers = [threading.Thread(target=relay, args=pair, daemon=True) for pair in streams]
+    for reader in readers:
+        reader.start()
+    try:
+        status = process.wait()
+    except KeyboardInterrupt:
+        unread.set()  # what it says of being interrupted
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(1.0)  # the terminal has told it, too
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        process.wait()
+        raise
+    for reader in readers:
+        reader.join()
+    if unread.is_set():
+        raise BrokenPipeError
+    return status
 
 
 @contextlib.contextmanager
@@ -116,7 +191,7 @@ def launch_own(
     shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)
     status = launch("all", jobs, ["--rerun-incomplete", *more], folder, [held])
     made = folder / PAGE
-    if DRY_RUN & set(more) or not made.is_file():
+    if not made.is_file():
         return status, None
     page = folder / PAGE.name
     write_text(page, made.read_text(encoding="utf-8"))

@@ -1,10 +1,15 @@
 """One command from a bearing to its report: a study of one scene, small enough for a test."""
 
+import os
 import re
+import shlex
 import shutil
+import signal
+import subprocess
+import sys
 
 import pytest
-from support import scene_file
+from support import ROOT, scene_file
 
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
@@ -37,6 +42,14 @@ def rules(output):
     return {line.split()[0] for line in table[1].splitlines()} - {"total"} if table else set()
 
 
+def contents(folder):
+    return {
+        path: (path.read_bytes(), path.stat().st_mtime_ns)
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
 def test_from_a_scene_to_its_page(study, tmp_path):
     folder = tmp_path / "folder"
     status, told = study("-j2", "--stiffness", "3")
@@ -65,10 +78,33 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     # an edited scene: what depends on it, in the copy as well
     mine = tmp_path / "mine.yaml"
     mine.write_text(mine.read_text().replace("preload_N: 7.0", "preload_N: 8.0"))
+    before = contents(folder)
     status, told = study("-n")
     assert status == 0 and rules(told) >= {"grid_solve", "grid_quantiles", "design_small_map"}
     assert "results/" not in told and len(told) < 4000
-    assert "preload_N: 8.0" in (folder / "config/scenes/mine.yaml").read_text()
+    assert contents(folder) == before
+
+
+def test_a_dry_run_makes_no_folder(study, tmp_path):
+    status, told = study("-n", "--stiffness", "3")
+    assert status == 0 and rules(told) >= {"grid_solve", "design_small_map", "page"}
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.yaml"]
+
+
+def test_an_interrupt_and_a_closed_pipe_take_no_lines_of_snakemake(tmp_path):
+    shutil.copy(scene_file("gyro_s1"), tmp_path / "mine.yaml")
+    command = [sys.executable, "-m", "bearingwear", "study", "mine.yaml"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    run = subprocess.Popen(command, cwd=tmp_path, env=environment, **pipes)
+    assert run.stderr.readline()
+    run.send_signal(signal.SIGINT)
+    _, said = run.communicate(timeout=60)
+    assert run.returncode == 130 and said.endswith("interrupted\n")
+    assert "Terminating" not in said and "Traceback" not in said
+    text = f"{shlex.join(command)} -n | head -1"
+    done = subprocess.run(["sh", "-c", text], cwd=tmp_path, env=environment, timeout=60, **pipes)
+    assert done.stdout.count("\n") == 1 and "Traceback" not in done.stderr
 
 
 def test_what_is_refused_takes_one_line(study, tmp_path):
@@ -77,6 +113,8 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
     for arguments, said in (
         ((), "folder: given a folder with other files; allowed a new one"),
         (("--stiffness", "-3"), "argument --stiffness: given '-3'; allowed a number > 0"),
+        (("--stifness", "3"), "study: given '--stifness'; did you mean --stiffness"),
+        (("--cores", "many"), "study: Error parsing number of cores"),
     ):
         status, told = study(*arguments)
         assert status == 2 and len(told.splitlines()) == 1 and said in told

@@ -21,7 +21,7 @@ from bearingwear.results.variable import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import LIMIT_TEXT
+from bearingwear.studies.design.words import in_percent, limit_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,8 +211,8 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
         best = usable[margin[:, usable].min(axis=0).argmax()]
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
     return before + "; ".join(
-        f"{LIMIT_TEXT[name].format(limits.given[name])}, {but}"
-        f"{float(line[LIMITED[name].variable][k]) / LIMITED[name].unit:.3g} "
+        f"{limit_text(name, limits.given[name])}, {but}"
+        f"{in_percent(name, float(line[LIMITED[name].variable][k]) / LIMITED[name].unit):.3g} "
         f"at {float(line['preload'][k]):.3g} N"
         for name, k in failed.items()
     )

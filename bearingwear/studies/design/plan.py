@@ -39,7 +39,7 @@ class DesignLimits:
         None
     )
     maximum_pressure_GPa: Annotated[
-        float | None, Key("Largest contact pressure", "GPa", above=0)
+        float | None, Key("Largest contact pressure", "GPa", above=0, maximum=20)
     ] = None
     friction_power_W: Annotated[
         float | None, Key("Largest power of friction and drag", "W", above=0)

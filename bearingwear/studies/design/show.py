@@ -13,10 +13,10 @@ from bearingwear.results.units import display, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.words import (
-    LIMIT_TEXT,
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
+    limit_text,
 )
 
 
@@ -36,7 +36,7 @@ def recommendation_sheet(file: Any) -> Sheet:
         *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
     ]
     given = json.loads(getattr(file, "limits", "{}"))
-    limits = [in_ascii(LIMIT_TEXT[name].format(value)) for name, value in given.items() if value]
+    limits = [in_ascii(limit_text(name, value)) for name, value in given.items() if value]
     rows = [row._replace(values=tuple(map(_known, row.values))) for row in rows]
     none = json.loads(getattr(file, NONE_BECAUSE, "{}"))
     heading = (

@@ -33,10 +33,10 @@ from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
 from bearingwear.studies.design.words import (
-    LIMIT_TEXT,
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
+    limit_text,
 )
 
 
@@ -82,7 +82,7 @@ def design_summary(
     """The recommended preloads, how sure their lives are, and what could not be solved."""
     scene = scene_of(design)
     given = limits_of(design).given
-    limits = "; ".join(LIMIT_TEXT[name].format(value) for name, value in given.items())
+    limits = "; ".join(limit_text(name, value) for name, value in given.items())
     text = [
         f"# Which preload for {scene['name']}",
         f"{design_message(recommendation, uncertainty)}.{_both_ways(recommendation, uncertainty)}",

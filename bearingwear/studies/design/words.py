@@ -13,13 +13,23 @@ LIMIT_WORDS = {
 }
 """What keeps a preload from another one with a longer life."""
 
-LIMIT_TEXT = {
-    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} in any contact",
+_LIMIT_TEXT = {
+    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} % in any contact",
     "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
     "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
     "friction_power_W": "power of friction and drag at most {:g} W",
 }
-"""What a limit asks for."""
+
+
+def limit_text(name: str, value: float) -> str:
+    """What a limit asks for."""
+    return _LIMIT_TEXT[name].format(in_percent(name, value))
+
+
+def in_percent(name: str, value: float) -> float:
+    """A limit, or a value beside it, as it is shown: a share in per cent."""
+    return 100.0 * value if name == "gyroscopic_slip_share" else value
+
 
 RECOMMENDED_WORDS = {
     "axial_stiffness": ("least axial stiffness", ""),

@@ -6,9 +6,13 @@ and holds a hash of the rest, so that what somebody edited there is never replac
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import re
+import shutil
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import yaml
@@ -21,7 +25,7 @@ from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.own.plan import plan_of
 
 
-def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
+def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | None = None) -> str:
     """Write the configuration of a study of a scene, and the scene, into a folder.
 
     Parameters
@@ -31,6 +35,8 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
     folder : path
         New, empty, or of an earlier call for this scene.
     limits : DesignLimits
+    instead : path, optional
+        Where to write in its place.
 
     Returns
     -------
@@ -64,9 +70,27 @@ def write_study(file: Path, folder: Path, limits: DesignLimits) -> str:
     for path in texts:
         _check_unedited(path, head, folder)
     for path, text in texts.items():
+        path = (instead or folder) / path.relative_to(folder)
         if _text(path) != text:
             write_text(path, text)
     return name
+
+
+@contextlib.contextmanager
+def looked_at(folder: Path) -> Iterator[Path]:
+    """A folder in the place of a study's own, for a dry run, which shall write nothing there.
+
+    It has the same configuration, and sees the same results and what Snakemake knows of them.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        other = Path(name)
+        if (folder / "config").is_dir():
+            shutil.copytree(folder / "config", other / "config")
+        (other / ".snakemake").mkdir()
+        for part in ("results", ".snakemake/metadata"):
+            if (folder / part).is_dir():
+                (other / part).symlink_to((folder / part).resolve())
+        yield other
 
 
 def answer_of(folder: Path, name: str) -> str:
