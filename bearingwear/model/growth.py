@@ -1,4 +1,4 @@
-"""What heat, speed and fits make of the bearing as mounted (theory.md section 12).
+"""What heat, speed and fits make of the bearing as mounted (theory.md section 18).
 
 Warm rings grow as a whole, groove circle and groove radius. Speed and fits stretch a ring along
 its circumference: its section moves outwards, and the groove radius stays. Only lengths change;

@@ -1,6 +1,6 @@
 """Temperatures of rings and balls from the friction heat: a network of three parts.
 
-Heat makes the parts grow, growth changes the loads, and loads make heat (theory.md section 12).
+Heat makes the parts grow, growth changes the loads, and loads make heat (theory.md section 18).
 """
 
 from collections.abc import Callable

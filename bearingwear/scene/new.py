@@ -41,9 +41,9 @@ OPTIONS = (
 
 MATERIALS = {
     "bearing_steel": "{youngs_modulus_GPa: 208, poisson_ratio: 0.3, density_kg_m3: 7800, "
-    "brinell_hardness_GPa: 6.6, wear_coefficient: 5.0e-6}",
+    "brinell_hardness_GPa: 6.6, wear_coefficient: 5.0e-6, thermal_expansion_1_K: 11.5e-6}",
     "silicon_nitride": "{youngs_modulus_GPa: 310, poisson_ratio: 0.27, density_kg_m3: 3200, "
-    "brinell_hardness_GPa: 15.0, wear_coefficient: 1.0e-6}",
+    "brinell_hardness_GPa: 15.0, wear_coefficient: 1.0e-6, thermal_expansion_1_K: 3.2e-6}",
     "phenolic": "{youngs_modulus_GPa: 7, poisson_ratio: 0.3, density_kg_m3: 1350, "
     "brinell_hardness_GPa: 0.3, wear_coefficient: 1.0e-4}",
 }

@@ -1,6 +1,7 @@
 """Heat, speed and fits against published forms, closed forms and limits."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad
+from bearingwear.kernels.summary import ANGLE, LOAD
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.growth import (
@@ -22,6 +24,7 @@ from bearingwear.model.life import life
 from bearingwear.model.mounted import mounted_geometry
 from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of
+from bearingwear.model.steady import ThrustProblem
 
 HELD = {"operation.preload_method": "fixed_position"}
 PAPER = HELD
@@ -191,6 +194,15 @@ def test_equal_warming_changes_nothing_but_scale(scene, method):
     # the loads hang on a deformation of a thousandth of the lengths that cancel to it
     assert_allclose(warm["contact_load"], lengths**2 * cold["contact_load"], rtol=1e-10)
     assert_allclose(warm["semi_major_axis"], lengths * cold["semi_major_axis"], rtol=1e-10)
+
+
+def test_a_groove_radius_that_stays_would_be_wrong(scene):
+    """13.5 N where 11.5 N is right, of a ring that is 10 K warmer (gyro_s1, running)."""
+    warm = scene("gyro_s1", PAPER | {"temperature.inner_ring_C": 30})
+    problem = ThrustProblem.of(warm)
+    rigid = replace(problem, g=problem.g._replace(r_i=mounted_geometry(warm).r_i))
+    contact = rigid.solve(rigid.g.D0).contacts[0]
+    assert abs(9.0 * contact[LOAD] * math.sin(contact[ANGLE]) - 13.5) < 0.05
 
 
 def test_mass_of_the_balls_is_kept(scene):

@@ -15,7 +15,9 @@ from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
 from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import load
-from bearingwear.scene.read import load_scene
+from bearingwear.scene.new import scene_text
+from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.scene.strict_yaml import data_of
 
 SIZE = ["--bore", "40", "--outside", "68"]
 
@@ -290,3 +292,14 @@ def test_completion(line, offered, tmp_path):
     )
     found = (tmp_path / "offered").read_text(encoding="utf-8").split("\n")
     assert {text.strip() for text in found} == offered
+
+
+@pytest.mark.parametrize("block", ["temperature", "thermal", "fits"])
+def test_blocks_in_comments_can_be_used(block):
+    text, _ = scene_text("mine", None, None, {}, designation="7008C")
+    commented = f"\n# {block}: "
+    assert text.count(commented) == 1
+    used = text.replace(commented, commented.replace("# ", ""))
+    scene = scene_from_dict(data_of(used, "mine"), "mine")
+    assert getattr(scene, block) is not None
+    assert scene.bearing.bore_mm == 40.0 and scene.bearing.outside_diameter_mm == 68.0

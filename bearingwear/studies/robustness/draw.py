@@ -13,6 +13,7 @@ from bearingwear.model.mounted import mounted_geometry
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import Scene, most_balls
+from bearingwear.scene.warmth import LARGEST_STRAIN
 
 CERAMIC = {
     "youngs_modulus_GPa": 310.0,
@@ -20,6 +21,7 @@ CERAMIC = {
     "density_kg_m3": 3200.0,
     "brinell_hardness_GPa": 15.0,
     "wear_coefficient": 5.0e-6,
+    "thermal_expansion_1_K": 3.2e-6,
 }
 
 
@@ -49,7 +51,9 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
     the inner race at the pitch circle); `outer_ratio` (outer speed over shaft speed);
     `radial_ratio`, `rotating_ratio` (loads over the preload); `loss_ratio` (loss of ball diameter
     over the elastic approach of both races under the preload); `cage` (its guiding race, or none);
-    `pocket_clearance_ratio`, `guide_clearance_ratio` (over the room there is).
+    `pocket_clearance_ratio`, `guide_clearance_ratio` (over the room there is); `warmth`: given
+    temperatures, or those found by the network; `bore_ratio`, `outside_ratio` (over the diameter of
+    the groove's bottom), `fit_ratio` (interference over the most that is accepted).
 
     Raises
     ------
@@ -69,6 +73,7 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
         operation["shaft_speed_rpm"] = drawn["speed_m_s"] / (0.5e-3 * dm) / parameters.RPM
     operation["outer_speed_rpm"] = drawn.get("outer_ratio", 0.0) * operation["shaft_speed_rpm"]
     _fit_cage(data, drawn, D, dm)
+    _warm(data, drawn, D, dm)
     data["wear"]["ball_diameter_loss_um"] = 0.0
     if "stress_GPa" in drawn or "loss_ratio" in drawn:
         scene = scene_from_dict(data)
@@ -97,6 +102,19 @@ def _fit_cage(data: dict[str, Any], drawn: Mapping[str, Any], D: float, dm: floa
     room = dm * math.sin(math.pi / data["bearing"]["ball_count"]) - D
     cage["pocket_clearance_mm"] = drawn.get("pocket_clearance_ratio", 0.1) * 0.9 * max(room, 0.0)
     cage["guide_clearance_mm"] = drawn.get("guide_clearance_ratio", 0.1) * 0.5 * D
+
+
+def _warm(data: dict[str, Any], drawn: Mapping[str, Any], D: float, dm: float) -> None:
+    """Temperatures given or found, rings of the size of the pitch circle, and their fits."""
+    if "warmth" not in drawn:
+        return
+    b = data["bearing"]
+    data["thermal" if drawn["warmth"] == "given" else "temperature"] = None
+    data["materials"]["bearing_steel"]["thermal_expansion_1_K"] = 11.5e-6
+    b["bore_mm"] = bore = drawn["bore_ratio"] * (dm - D)
+    b["outside_diameter_mm"] = outside = drawn["outside_ratio"] * (dm + D)
+    most = 1e3 * LARGEST_STRAIN * drawn["fit_ratio"]
+    data["fits"] = {"shaft_interference_um": most * bore, "housing_interference_um": most * outside}
 
 
 def at_rest(scene: Scene):

@@ -33,6 +33,10 @@ STAND_INS = (
     "cage",
     "pocket_clearance_ratio",
     "guide_clearance_ratio",
+    "warmth",
+    "bore_ratio",
+    "outside_ratio",
+    "fit_ratio",
 )
 """Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
 

@@ -142,15 +142,16 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
 
 def tolerances(fidelity: str, values: Mapping[str, Any]) -> dict[str, float]:
     """Largest residuals of an answer that is right, in view of how its numbers round."""
+    flows = {"heat_flow_residual": 1e-5} if "heat_flow_residual" in values else {}
     if fidelity == "dynamic":
-        return {"equilibrium_residual": 1e-6, "energy_account_error": 1e-3}
+        return flows | {"equilibrium_residual": 1e-6, "energy_account_error": 1e-3}
     rounding = {"equilibrium_residual": "equilibrium_rounding"}
     if fidelity == "steady":
         rounding |= {
             "friction_residual": "friction_rounding",
             "power_balance_error": "power_rounding",
         }
-    return {name: max(1e-9, min(1e-5, values[key])) for name, key in rounding.items()}
+    return flows | {name: max(1e-9, min(1e-5, values[key])) for name, key in rounding.items()}
 
 
 def attributes(kind: str, name: str, more: Mapping[str, Any]) -> dict[str, Any]:

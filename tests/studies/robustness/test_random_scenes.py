@@ -40,7 +40,13 @@ def of_class(name, seed):
 
 
 @pytest.mark.parametrize(
-    "name, unexplained", [("steady_stress", 0.01), ("race_control_stress", 0.02)]
+    "name, unexplained",
+    [
+        ("steady_stress", 0.01),
+        ("race_control_stress", 0.02),
+        ("steady_warm", 0.01),
+        ("race_control_warm", 0.02),
+    ],
 )
 def test_random_scenes_are_never_wrong(name, unexplained):
     """No number is wrong; ends without a physical reason stay rare."""
