@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import plain_scipy as plain
 
+import bearingwear
 from bearingwear.kernels.kinematics import INNER_CONTROL
 from bearingwear.kernels.summary import QV
 from bearingwear.model.life import life
@@ -78,8 +79,17 @@ def main():
     worn = load_scene(SCENE, ["operation.preload_method=fixed_position"])
     ours, _ = median_time(lambda: life(worn), 30)
     row("wear life, solver in the loop", ours)
-    ours, _ = median_time(lambda: solve(scene), 50)
-    row("solve() with search for other steady states", ours)
+    for name in ("constant_force", "fixed_position"):
+        scene = load_scene(SCENE, [f"operation.preload_method={name}"])
+        problem = ThrustProblem.of(scene)
+        operation = plain.Operation(7.0, (problem.op.omega_i, 0.0), 0.08, name)
+        theirs, _ = median_time(lambda o=operation: plain.steady_state(plain.S1, o), 10)
+        wall = statistics.median(solve(scene).wall_time_s for _ in range(200))
+        row(f"steady solve, all of it, {name}", wall, theirs)
+        ours, _ = median_time(lambda s=scene: bearingwear.solve(s), 100)
+        row("   the same in Python, to a Dataset", ours)
+    ours, _ = median_time(lambda: bearingwear.solve(SCENE), 100)
+    row("   and from a scene file", ours)
 
 
 if __name__ == "__main__":

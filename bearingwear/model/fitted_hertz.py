@@ -9,7 +9,8 @@ import math
 from bearingwear.kernels.params import Geometry
 
 INNER_RACE, OUTER_RACE = -1.0, 1.0
-_HALVINGS = 100
+_MOST_SECANTS, _CLOSE = 100, 1e-15
+FIRST_TILT = 1e-3  # [rad]
 STEEPEST = 0.5 * math.pi - 1e-3
 
 
@@ -57,11 +58,19 @@ def fitted_preload(g: Geometry, A1: float) -> float:
 def fitted_displacement(g: Geometry, F_x: float) -> float:
     """Axial displacement of the static, unworn bearing under its preload alone [m]."""
     radial = g.BD * math.cos(g.alpha0)
-    low, high = g.alpha0, STEEPEST
-    for _ in range(_HALVINGS):
-        alpha = 0.5 * (low + high)
-        if fitted_preload(g, radial * math.tan(alpha)) < F_x:
-            low = alpha
-        else:
-            high = alpha
-    return radial * math.tan(high) - g.BD * math.sin(g.alpha0)
+
+    def excess(alpha: float) -> float:
+        # of a power that rises about linearly with the angle, so that secants serve
+        return fitted_preload(g, radial * math.tan(alpha)) ** (2.0 / 3.0) - F_x ** (2.0 / 3.0)
+
+    low, high, last, alpha = g.alpha0, STEEPEST, g.alpha0, g.alpha0 + FIRST_TILT
+    before = excess(last)
+    for _ in range(_MOST_SECANTS):
+        now = excess(alpha)
+        low, high = (alpha, high) if now < 0.0 else (low, alpha)
+        secant = alpha - now * (alpha - last) / (now - before) if now != before else math.nan
+        last, before = alpha, now
+        alpha = secant if low < secant < high else 0.5 * (low + high)
+        if abs(alpha - last) <= _CLOSE * alpha:
+            break
+    return radial * math.tan(alpha) - g.BD * math.sin(g.alpha0)

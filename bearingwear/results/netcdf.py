@@ -11,6 +11,8 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from bearingwear.atomic import reason, whole_file
 from bearingwear.results.entries import (
     SOURCE,
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""
+
+LONG_COORDINATES, MOST_KNOWN = 1000, 16
+"""Coordinates with more values are indexed anew each time; so many sets of others are kept."""
 
 COMPRESSED_ABOVE = 100_000
 """Variables with more values than this are compressed, and histories over time always."""
@@ -106,7 +111,34 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     names = [*filter(variables.__contains__, (*COORDINATES, STRIP_POSITION.name))]
     coordinates = {name: variables.pop(name) for name in names}
     attrs["wall_time_s"] = float(result.wall_time_s)
-    return xr.Dataset(variables, coordinates, attrs)
+    made = xr.Dataset(variables, _indexed(coordinates), attrs)
+    if STRIP_POSITION.name in coordinates:  # no index, so it may be written to: each has its own
+        made.variables[STRIP_POSITION.name].data = coordinates[STRIP_POSITION.name].data
+    return made
+
+
+_KNOWN_COORDINATES: dict[Any, xr.Coordinates] = {}
+"""Of steady cases and the like, which all have the same; to index them takes half a millisecond."""
+
+
+def _indexed(variables: Mapping[str, xr.Variable]) -> xr.Coordinates:
+    """Coordinates with their indexes."""
+    import xarray as xr
+
+    if sum(variable.size for variable in variables.values()) > LONG_COORDINATES:
+        return xr.Coordinates(variables)
+    key = tuple((name, *_contents(variable)) for name, variable in variables.items())
+    if key not in _KNOWN_COORDINATES:
+        if len(_KNOWN_COORDINATES) >= MOST_KNOWN:
+            _KNOWN_COORDINATES.clear()
+        _KNOWN_COORDINATES[key] = xr.Coordinates(variables)
+    return _KNOWN_COORDINATES[key]
+
+
+def _contents(variable: xr.Variable) -> tuple[Any, ...]:
+    """What sets a variable apart, to be looked up by."""
+    attrs = ((name, np.asarray(value).tobytes()) for name, value in variable.attrs.items())
+    return variable.dims, variable.dtype.str, variable.values.tobytes(), *attrs
 
 
 def data_array(variable: Variable, values: Any, along: Sequence[str] = ()) -> xr.DataArray:

@@ -127,7 +127,7 @@ class Fault(NamedTuple):
 def _faults(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Iterator[Fault]:
     if value is None and part.nullable:
         return
-    problem = f"given {shown(value)}; allowed {part.allowed}"
+    given_as = part
     if part.kind == "list" and part.key.single and _is_number(value):
         part = part.item or part
     if part.kind == "block" and isinstance(value, Mapping):
@@ -136,21 +136,25 @@ def _faults(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Iterat
         yield from _mapping_faults(value, part, path, place)
     elif part.kind == "list" and isinstance(value, list):
         if len(value) < part.key.least or len(value) > (part.key.most or math.inf):
-            problem = f"given a list of {len(value)}; allowed {part.allowed}"
-            yield Fault(_OUT_OF_RANGE, place, path, problem)
+            yield _out_of_range(value, part, path, place)
         for i, item in enumerate(value):
             yield from _faults(item, part.item, f"{path}[{i}]", (*place, i))  # type: ignore[arg-type]
     elif part.kind in ("choice", "choice_or_number"):
         number = part.kind == "choice_or_number" and _is_number(value)
         if not (number and _in_range(value, part.key)) and value not in part.key.choices:
-            yield Fault(_OUT_OF_RANGE, place, path, problem)
+            yield _out_of_range(value, given_as, path, place)
     elif part.kind not in ("own", "any"):
         if not _has_kind(value, part.kind):
             hint = _number_hint(value, part) or _text_hint(value, part)
             problem = f"given {shown(value)}{hint}; allowed {part.allowed}"
             yield Fault(_WRONG_TYPE, place, path, problem)
         elif not (_text_fits if part.kind == "text" else _in_range)(value, part.key):
-            yield Fault(_OUT_OF_RANGE, place, path, problem)
+            yield _out_of_range(value, given_as, path, place)
+
+
+def _out_of_range(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Fault:
+    problem = f"given {shown(value)}; allowed {part.allowed}"
+    return Fault(_OUT_OF_RANGE, place, path, problem)
 
 
 def _block_faults(

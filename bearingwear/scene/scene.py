@@ -7,6 +7,7 @@ whoever builds the scene.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
@@ -208,9 +209,15 @@ def _rebuilt(values: dict[str, Any]) -> Scene:
     return Scene(**values)
 
 
+@functools.cache
+def _field_names(kind: type) -> tuple[str, ...]:
+    """Of a dataclass; of any other type none."""
+    return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
+
+
 def _plain(value: Any) -> Any:
-    if is_dataclass(value):
-        parts = ((f.name, getattr(value, f.name)) for f in fields(value))
+    if names := _field_names(value.__class__):
+        parts = ((name, getattr(value, name)) for name in names)
         return {name: _plain(part) for name, part in parts if part is not None}
     if isinstance(value, Mapping):
         return {key: _plain(part) for key, part in value.items()}

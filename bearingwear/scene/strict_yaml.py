@@ -124,9 +124,13 @@ def _check_events(text: str, anchors: bool) -> None:
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
         anchor = isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None
+        tag = getattr(event, "tag", None) is not None
+        large = documents > 1 or values > MOST_VALUES or depth > DEEPEST
+        if not (anchor or tag or large):
+            continue
         for refused, what, allowed in (
             (anchor and not anchors, "an anchor or alias", "none"),
-            (getattr(event, "tag", None) is not None, "a tag", "none"),
+            (tag, "a tag", "none"),
             (documents > 1, "a second document", "one"),
             (values > MOST_VALUES, f"more than {MOST_VALUES} keys and values", "at most that"),
             (depth > DEEPEST, f"more than {DEEPEST} blocks within each other", "at most that"),

@@ -88,6 +88,17 @@ def test_file_and_dataset_are_the_same(result, tmp_path):
     }
 
 
+def test_what_is_done_to_a_dataset_stays_there(case):
+    """Datasets of like cases share their indexes, and nothing else."""
+    spoilt, other = dataset(case, by_name=True), dataset(case, by_name=True)
+    before = other.copy(deep=True)
+    spoilt["strip_position"][0] = 7.0
+    spoilt["race"].attrs["mine"] = 1
+    spoilt["race"] = ["first", "second"]
+    spoilt["qv"][...] = 0.0
+    assert other.identical(before) and dataset(case, by_name=True).identical(before)
+
+
 def test_same_result_gives_same_bytes(result, tmp_path):
     write_result(result, tmp_path / "a.nc")
     if result.wall_time_s:
