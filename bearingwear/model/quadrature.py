@@ -51,3 +51,33 @@ def gathered(m):
     x, w = gauss_legendre(m)
     z = 0.5 * (x + 1.0)
     return SLOPE * z + (1.0 - SLOPE) * z**3, 0.5 * w * (SLOPE + 3.0 * (1.0 - SLOPE) * z**2)
+
+
+def chebyshev(n):
+    """Places across a strip over its half-width, and shares of its load, at n points.
+
+    Gauss-Chebyshev points of the second kind: exact for polynomials of the degree 2 n - 1 under the
+    semi-ellipse that Hertz' pressure is across the contact. One point is the line model.
+
+    Returns
+    -------
+    across, share : ndarray (n,)
+    """
+    angle = np.pi * np.arange(1, n + 1) / (n + 1)
+    across = np.cos(angle)
+    across[n // 2 : n - n // 2] = 0.0  # the middle of an odd number, but for rounding
+    return across, 2.0 / (n + 1) * np.sin(angle) ** 2
+
+
+def gauss_quarters(n):
+    """The same by Gauss-Legendre in the angle, on each half of the strip.
+
+    n points in all (one more if n is odd, but for 1): where slip along the major axis turns round
+    in the middle, its bend is at the ends of both halves.
+    """
+    if n == 1:
+        return chebyshev(1)
+    x, w = gauss_legendre((n + 1) // 2)
+    angle = 0.25 * np.pi * (x + 1.0)
+    half, share = np.cos(angle), 0.5 * w * np.sin(angle) ** 2
+    return np.concatenate([half, -half[::-1]]), np.concatenate([share, share[::-1]])
