@@ -6,10 +6,10 @@ ball's motion u = (w_x, w_y, w_z, Omega):
 
     v1 = c_1 h - c_x y,    v2 = c_0 + c_h h + c_x x,    c = L u + const
 
-and the traction is minus the gradient of the convex sum Phi of the points' friction potentials. The
-loops below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries them
-to the ball. The line model has y = 0 and loops of its own. The law itself stands in friction.py, the
-shape of the contact in profile.py.
+and the traction is minus the gradient of the convex sum Phi of the points' friction potentials.
+The loops below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries
+them to the ball. The line model has y = 0 and loops of its own. The law itself stands in
+friction.py, the shape of the contact in profile.py.
 """
 
 import math
@@ -110,17 +110,10 @@ def surface_height(contact, R, t, h):
 
 
 @jit
-def half_width(contact, across, t, width):
-    """Half-width of the ellipse at the points t [m]; not asked of the line model.
-
-    Parameters
-    ----------
-    width : ndarray (n,)
-        Filled where there are points across.
-    """
-    if across.size > 1:
-        for k in range(t.size):
-            width[k] = contact.b * math.sqrt(max(pressure(t[k]), 0.0))
+def half_width(contact, t, width):
+    """Half-width of the ellipse at the points t [m], into `width` (n,)."""
+    for k in range(t.size):
+        width[k] = contact.b * math.sqrt(pressure(t[k]))
 
 
 @jit(fastmath=REORDER_SUMS)

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
-from bearingwear.kernels.profile import PEAK, base, middle_height, pressure, profile
+from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.profile import PEAK, base, pressure, profile
 
 EDGE = 0.5  # points across gather no nearer to the edge of the ellipse than this share
 SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each
@@ -132,8 +132,8 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
     return t[:n], weight[:n]
 
 
-@jit
-def points_across(rule, contact, R, c, across, share):
+@jit(fastmath=REORDER_SUMS)
+def place_across(rule, contact, R, c, across, share):
     """Places across the strips of a contact with the slip c, and their shares of a strip's load.
 
     A split rule moves its own by a Moebius map, which keeps both edges and carries the middle,
@@ -142,23 +142,21 @@ def points_across(rule, contact, R, c, across, share):
     Parameters
     ----------
     across, share : ndarray (rule.across.size,)
-        Buffers; what is returned may be they.
-
-    Returns
-    -------
-    across, share : ndarray (m,)
+        Filled.
     """
-    if not rule.split or rule.across.size == 1:
-        return rule.across, rule.share
-    e = c[0] * middle_height(profile(contact.r_g, R, contact.a)) / (c[3] * contact.b)
-    if not abs(e) < EDGE:  # NaN too
-        e = math.copysign(EDGE, e)
+    e = 0.0
+    if rule.split and across.size > 1:
+        e = c[0] * R / (c[3] * contact.b)
+        if not abs(e) < EDGE:  # NaN too
+            e = math.copysign(EDGE, e)
     total = 0.0
     for j in range(across.size):
-        by = 1.0 / (1.0 + e * rule.across[j])
-        across[j] = (rule.across[j] + e) * by
-        share[j] = rule.share[j] * by * by * by
-        total += share[j]
+        y = rule.across[j]
+        by = 1.0 / (1.0 + e * y)
+        part = rule.share[j] * by * by * by
+        across[j] = (y + e) * by
+        share[j] = part
+        total += part
+    scale = 1.0 / total
     for j in range(across.size):
-        share[j] /= total
-    return across, share
+        share[j] *= scale

@@ -15,7 +15,7 @@ from bearingwear.kernels.contact import (
     surface_height,
     traction_slope,
 )
-from bearingwear.kernels.ellipse import points_across, quadrature_points
+from bearingwear.kernels.ellipse import place_across, quadrature_points
 from bearingwear.kernels.quasistatic import RACES_11, RACES_12, RACES_22
 from bearingwear.kernels.state import (
     BALL,
@@ -82,8 +82,10 @@ def ball_blocks(y, bearing, buf):
             c = slip_coefficients(contact, (y[i + W_X], w_y, w_z, Omega), r)
             t, weight = quadrature_points(bearing.rule, contact, R, c, m.v_r, buf.t, buf.weight)
             surface_height(contact, R, t, buf.h)
-            across, share = points_across(bearing.rule, contact, R, c, buf.across, buf.share)
-            half_width(contact, across, t, buf.width)
+            across, share = buf.across, buf.share
+            if across.size > 1:
+                place_across(bearing.rule, contact, R, c, across, share)
+                half_width(contact, t, buf.width)
             traction_slope(
                 contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, across, share, buf.gradient, H
             )

@@ -25,7 +25,7 @@ from bearingwear.kernels.contact import (
     surface_height,
 )
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
-from bearingwear.kernels.ellipse import points_across, quadrature_points
+from bearingwear.kernels.ellipse import place_across, quadrature_points
 from bearingwear.kernels.quasistatic import COS_I, SIN_I
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
@@ -67,10 +67,10 @@ def with_friction(bearing, buf, contact, c, R, r, f):
         g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, m.mu, m.v_r, t, weight)
     else:
         surface_height(contact, R, t, buf.h)
-        across, share = points_across(rule, contact, R, c, buf.across, buf.share)
-        half_width(contact, across, t, buf.width)
+        place_across(rule, contact, R, c, buf.across, buf.share)
+        half_width(contact, t, buf.width)
         g_1, g_0, g_h, g_x, qv = ellipse_sums(
-            contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, across, share
+            contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
         )
     sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
     forces = BallForces(

@@ -22,7 +22,7 @@ from bearingwear.kernels.contact import (
     traction,
     traction_slope,
 )
-from bearingwear.kernels.ellipse import Rule, most_points, points_across, quadrature_points
+from bearingwear.kernels.ellipse import Rule, most_points, place_across, quadrature_points
 from bearingwear.kernels.equilibrium import thrust_equilibrium
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.kinematics import ORBIT
@@ -217,8 +217,10 @@ def friction_balance(p, v_r, state, u, out, slope):
         c = slip_coefficients(contact, u, r)
         t, weight = quadrature_points(rule, contact, R, c, v_r, p.t, p.weight)
         surface_height(contact, R, t, h)
-        across, share = points_across(rule, contact, R, c, p.across, p.share)
-        half_width(contact, across, t, p.width)
+        across, share = p.across, p.share
+        if across.size > 1:
+            place_across(rule, contact, R, c, across, share)
+            half_width(contact, t, p.width)
         slip_map(contact, r, L)
         if slope:
             traction_slope(

@@ -15,7 +15,7 @@ from bearingwear.kernels.contact import (
     slip_velocity,
     surface_height,
 )
-from bearingwear.kernels.ellipse import most_points, points_across, quadrature_points
+from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
 from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
@@ -82,10 +82,10 @@ def contact_summary(g, D, op, state, u, r, rule, work, out):
         t, weight = quadrature_points(rule, contact, R, c, op.v_r, work.t, work.weight)
         h = work.h[k]
         surface_height(contact, R, t, h)
-        across, share = points_across(rule, contact, R, c, work.across, work.share)
-        half_width(contact, across, t, work.width)
+        place_across(rule, contact, R, c, work.across, work.share)
+        half_width(contact, t, work.width)
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = dissipation(
-            contact, c, op.mu, op.v_r, r, t, weight, h, work.width, across, share
+            contact, c, op.mu, op.v_r, r, t, weight, h, work.width, work.across, work.share
         )
         # Angular velocity of the ball against the race, along the normal and in the contact plane.
         w_rel = u[0] - contact.omega

@@ -13,7 +13,7 @@ import numpy as np
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import race_contacts, slip_coefficients
-from bearingwear.kernels.ellipse import most_points, points_across, quadrature_points
+from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 
 
@@ -80,7 +80,7 @@ def friction_check(g, D, op, state, u, rule):
     heat = power = power_in = qv = 0.0
     contacts = race_contacts(g, op, state)
     t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
-    across_buffer, share_buffer = np.empty((2, rule.across.size))
+    across, share = np.empty((2, rule.across.size))
     for side in (-1.0, 1.0):
         if side < 0.0:
             Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
@@ -96,7 +96,7 @@ def friction_check(g, D, op, state, u, rule):
         c = slip_coefficients(contact, u, r)
         t, weight = quadrature_points(rule, contact, R, c, op.v_r, t_buffer, weight_buffer)
         race_power = 0.0
-        across, share = points_across(rule, contact, R, c, across_buffer, share_buffer)
+        place_across(rule, contact, R, c, across, share)
         for k in range(t.size * across.size):
             i, j = k // across.size, k % across.size
             x = a * t[i]

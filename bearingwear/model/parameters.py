@@ -17,10 +17,10 @@ from bearingwear.model.mounted import contact_modulus as contact_modulus
 from bearingwear.model.mounted import mounted_geometry
 from bearingwear.model.quadrature import (
     chebyshev,
+    chebyshev_halves,
     equal_strips,
     gathered,
     gauss_halves,
-    gauss_quarters,
 )
 from bearingwear.scene.scene import Scene
 
@@ -71,7 +71,7 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
     Shared, so never to be written to.
     """
     if name == "split":
-        return Rule(True, *gathered(-(-points // SEGMENTS)), *gauss_quarters(across))
+        return Rule(True, *gathered(-(-points // SEGMENTS)), *chebyshev_halves(across))
     along = {"gauss": gauss_halves, "strips": equal_strips}[name](points)
     return Rule(False, *along, *chebyshev(across))
 

@@ -69,15 +69,27 @@ def chebyshev(n):
     return across, 2.0 / (n + 1) * np.sin(angle) ** 2
 
 
-def gauss_quarters(n):
-    """The same by Gauss-Legendre in the angle, on each half of the strip.
+def chebyshev_halves(n):
+    """The same by Gauss points on each half of the strip, for a bend in its middle.
 
-    n points in all (one more if n is odd, but for 1): where slip along the major axis turns round
-    in the middle, its bend is at the ends of both halves.
+    n points in all (one more if n is odd, but for 1), exact under the semi-ellipse on either half.
+    They are the eigenvalues of the Jacobi matrix of the polynomials orthogonal there (Golub and
+    Welsch 1969), found by Stieltjes' procedure.
     """
     if n == 1:
         return chebyshev(1)
-    x, w = gauss_legendre((n + 1) // 2)
-    angle = 0.25 * np.pi * (x + 1.0)
-    half, share = np.cos(angle), 0.5 * w * np.sin(angle) ** 2
-    return np.concatenate([half, -half[::-1]]), np.concatenate([share, share[::-1]])
+    m = (n + 1) // 2
+    angle, weight = gauss_legendre(max(100, 2 * m))
+    angle = 0.25 * np.pi * (angle + 1.0)
+    y, weight = np.cos(angle), weight * np.sin(angle) ** 2
+    mean, norm = np.zeros(m), np.empty(m)
+    before, now = np.zeros(y.size), np.ones(y.size)
+    for k in range(m):
+        norm[k] = (weight * now * now).sum()
+        mean[k] = (weight * y * now * now).sum() / norm[k]
+        ratio = norm[k] / norm[k - 1] if k else 0.0
+        before, now = now, (y - mean[k]) * now - ratio * before
+    side = np.sqrt(norm[1:] / norm[:-1])
+    half, vectors = np.linalg.eigh(np.diag(mean) + np.diag(side, 1) + np.diag(side, -1))
+    share = 0.5 * vectors[0] ** 2
+    return np.concatenate([-half[::-1], half]), np.concatenate([share[::-1], share])

@@ -17,7 +17,6 @@ ACCURACY = "model.accuracy"
 FIDELITIES = ("auto", "race_control", "steady", "dynamic")
 CONTACTS = ("auto", "paper", "hertz")
 SLIP_OVER = ("line", "ellipse")
-NORMAL_BALANCES = ("frictionless", "with_traction")
 
 
 class AccuracyPreset(NamedTuple):
@@ -47,15 +46,14 @@ class AccuracyPreset(NamedTuple):
 
 REGULARISATION = "friction.slip_regularisation_m_s"
 
-# The reference is brute force on a line: its points know nothing of where the slip turns round. Over
-# the ellipse that would take 1e5 points (benchmarks/ellipse.py). Other steady states are sought from
-# many more starts.
+# On a line the reference is brute force: its points know nothing of where the slip turns round.
+# Over the ellipse that takes 1e5 points. Other steady states are sought from many more starts.
 PRESETS = (
     AccuracyPreset(
         error=5e-2,
         quadrature="split",
         strips=24,
-        over_ellipse=(20, 6),
+        over_ellipse=(20, 4),
         steady_starts=2,
         slip_regularisation_m_s=3e-4,
         dynamic_tolerance=1e-1,
@@ -67,7 +65,7 @@ PRESETS = (
         error=2e-2,
         quadrature="split",
         strips=32,
-        over_ellipse=(20, 6),
+        over_ellipse=(20, 4),
         steady_starts=4,
         slip_regularisation_m_s=2e-4,
         dynamic_tolerance=3e-2,
@@ -91,7 +89,7 @@ PRESETS = (
         error=1e-3,
         quadrature="split",
         strips=80,
-        over_ellipse=(32, 12),
+        over_ellipse=(24, 8),
         steady_starts=8,
         slip_regularisation_m_s=3e-5,
         dynamic_tolerance=1e-3,
@@ -103,7 +101,7 @@ PRESETS = (
         error=1e-4,
         quadrature="gauss",
         strips=1000,
-        over_ellipse=(64, 24),
+        over_ellipse=(48, 24),
         steady_starts=64,
         slip_regularisation_m_s=1e-5,
         dynamic_tolerance=1e-5,
@@ -140,22 +138,14 @@ class Model:
     contact: Annotated[
         str,
         Key(
-            "The model of the contacts: paper, that of the source, takes slip on the centre line "
-            "of the ellipse and leaves traction out of the balance of normal forces; hertz does "
-            "neither",
+            "The model of the contacts: that of the paper takes slip on the centre line of the "
+            "ellipse, hertz (auto) over all of it",
             choices=CONTACTS,
         ),
     ] = "auto"
     slip_over: Annotated[
         str | None,
         Key("Where slip is taken, overrides what model.contact says", choices=SLIP_OVER),
-    ] = None
-    normal_balance: Annotated[
-        str | None,
-        Key(
-            "The balance of normal forces, overrides what model.contact says",
-            choices=NORMAL_BALANCES,
-        ),
     ] = None
     cage_results: Annotated[
         bool, Key("Ask for cage motion and wear, which need a cage and dynamics")
