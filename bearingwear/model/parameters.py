@@ -25,6 +25,7 @@ from bearingwear.model.quadrature import (
 from bearingwear.scene.scene import Scene
 
 SEARCH_POINTS = 16  # along the ellipse, at a v_r that these resolve
+SEARCH_ACROSS = 4
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
@@ -94,7 +95,8 @@ def search_rule(scene: Scene) -> Rule:
     """The rule by which other steady states are sought: a coarse one, which slip does not move."""
     rule = quadrature(scene)
     is_coarse = not rule.split and rule.t.size <= SEARCH_POINTS
-    return rule if is_coarse else ellipse_rule("gauss", SEARCH_POINTS)
+    across = min(rule.across.size, SEARCH_ACROSS)
+    return rule if is_coarse else ellipse_rule("gauss", SEARCH_POINTS, across)
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:

@@ -58,7 +58,7 @@ def test_default_points_are_good_to_a_thousandth(scene, name, method):
         D = problem.g.D0 - 1e-6 * loss
         case = problem.solve(D)
         fine = ellipse_rule("split", 100, 32)
-        right = ThrustProblem(problem.g, problem.op, problem.preload, fine, fine).solve(D)
+        right = replace(problem, rule=fine, fine_rule=fine).solve(D)
         assert case.status == right.status == code.OK
         assert_allclose(case.contacts[:, QV].sum(), right.contacts[:, QV].sum(), rtol=1e-3)
 
