@@ -29,7 +29,7 @@ from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.block_system import add_cage_powers, factorise, solve_factorised
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import friction_sums, slip_coefficients
+from bearingwear.kernels.contact import slip_coefficients, strip_sums
 from bearingwear.kernels.dynamic_equilibrium import equilibrium, joint_equilibrium
 from bearingwear.kernels.integrators import ROSENBROCK, take_step
 from bearingwear.kernels.jacobian import add_ball_powers, ball_blocks
@@ -248,7 +248,7 @@ def loop_friction(count, y, bearing, balls, out):
                 contact = race_contact_of(bearing, balls, j, k)
                 c = slip_coefficients(contact, y[i : i + 4], balls.r[j])
                 R = 0.5 * bearing.D[j]
-                sums = friction_sums(contact, R, c, m.mu, m.v_r, rule.t, rule.weight)
+                sums = strip_sums(contact, R, c, m.mu, m.v_r, rule.t, rule.weight)
                 for q in range(5):
                     out[j, k, q] = sums[q]
 

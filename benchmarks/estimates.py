@@ -26,7 +26,7 @@ CASE = {
     "shaft_torque_error_estimate": "shaft_torque",
 }
 LIFE = {"life_error_estimate": "life"}
-RIGHT = ["model.quadrature=split", "model.strips=200"]
+RIGHT = ["model.quadrature=split", "model.strips=200", "model.points_across=32"]
 TRUE_STEADY = [*RIGHT, "friction.slip_regularisation_m_s=1.0e-6", "model.tolerance=1.0e-9"]
 TRUE_IN_TIME = [*RIGHT, "friction.slip_regularisation_m_s=1.0e-5", "model.dynamic_tolerance=1.0e-5"]
 
@@ -52,6 +52,8 @@ def steady_trial(random: np.random.Generator) -> tuple[str, list[str], float]:
     settings = [
         f"operation.preload_method={method}",
         f"friction.ball_race={mu}",
+        f"model.contact={random.choice(['paper', 'hertz'])}",
+        f"model.points_across={int(random.integers(4, 17))}",
         f"model.quadrature={rule}",
         f"model.strips={points}",
         f"friction.slip_regularisation_m_s={10 ** random.uniform(-5.0, -2.0):.7f}",
@@ -67,6 +69,7 @@ def trial_in_time(random: np.random.Generator) -> tuple[str, list[str], float]:
     settings = [
         f"operation.rotating_load_N={load:.3f}",
         f"model.cage_results={random.choice(['true', 'false'])}",
+        f"model.contact={random.choice(['paper', 'hertz'])}",
         "model.quadrature=split",
         f"model.strips={int(random.integers(20, 60))}",
         f"friction.slip_regularisation_m_s={10 ** random.uniform(-4.5, -2.5):.7f}",
@@ -97,7 +100,7 @@ def steady_rows(trials: int, seed: int = 1) -> list[tuple[str, float, float]]:
     for _ in range(trials):
         name, settings, share = steady_trial(random)
         some = worn(scene_of(name, *settings), share)
-        right = worn(scene_of(name, *settings[:2], *TRUE_STEADY), share)
+        right = worn(scene_of(name, *settings[:3], *TRUE_STEADY), share)
         one, other = solve(some, "steady").values, solve(right, "steady").values
         if one["status"] == other["status"] == code.OK:
             rows += compared(one, other, CASE)
@@ -115,7 +118,7 @@ def rows_in_time(trials: int, seed: int = 2, turns: int = 150) -> list[tuple[str
     for _ in range(trials):
         name, settings, share = trial_in_time(random)
         some = worn(scene_of(name, *settings), share)
-        right = worn(scene_of(name, *settings[:2], *TRUE_IN_TIME, *long), share)
+        right = worn(scene_of(name, *settings[:3], *TRUE_IN_TIME, *long), share)
         one = solve(some, "auto").values
         other = solve(right, "auto").values
         if one["status"] == other["status"] == code.OK:

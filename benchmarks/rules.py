@@ -21,7 +21,7 @@ import numba
 import numpy as np
 from scipy.special import roots_jacobi
 
-from bearingwear.kernels.contact import friction_sums, race_contacts, slip_coefficients
+from bearingwear.kernels.contact import race_contacts, slip_coefficients, strip_sums
 from bearingwear.kernels.ellipse import FAR, Rule, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.kinematics import OUTER_CONTROL
@@ -178,7 +178,7 @@ def integrals(how, rule, contact, R, c, mu, v_r):
     """Mean slip, both friction forces and the moment of the second, and the number of points."""
     t, w = np.empty(most_points(rule)), np.empty(most_points(rule))
     t, w = how(rule, contact, R, c, v_r, t, w)
-    g_1, g_0, _, g_x, qv = friction_sums(contact, R, c, mu, v_r, t, w)
+    g_1, g_0, _, g_x, qv = strip_sums(contact, R, c, mu, v_r, t, w)
     forces = np.array([g_1 / R, g_0, g_x / contact.a]) / (mu * contact.Q)
     return np.array([qv / contact.Q, *forces]), len(t)
 
@@ -189,7 +189,7 @@ def repeat(how, rule, contact, R, c, mu, v_r, t, weight, n):
     for i in range(n):
         slip = (c[0], c[1] * (1.0 + 1e-12 * i), c[2], c[3])
         points, shares = how(rule, contact, R, slip, v_r, t, weight)
-        total += friction_sums(contact, R, slip, mu, v_r, points, shares)[4]
+        total += strip_sums(contact, R, slip, mu, v_r, points, shares)[4]
     return total
 
 

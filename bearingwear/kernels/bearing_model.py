@@ -16,6 +16,7 @@ from bearingwear.kernels.quasistatic import (
     COS_I,
     COS_O,
     HERTZ_A,
+    HERTZ_B,
     SIN_I,
     SIN_O,
     Suspension,
@@ -32,7 +33,7 @@ class BearingModel(NamedTuple):
     D: np.ndarray  # (n,) worn ball diameters [m]
     mass: np.ndarray  # (n,) [kg]
     inertia: np.ndarray  # (n,) [kg m2]
-    hertz: np.ndarray  # (n, 2, intervals, 8) see quasistatic.hertz_at
+    hertz: np.ndarray  # (n, 2, intervals, 12) see quasistatic.hertz_at
     axial_is_held: bool  # fixed position of the race; else constant force
     F_x: float  # preload [N]
     F_y: float  # load fixed in space [N]
@@ -53,6 +54,9 @@ class Buffers(NamedTuple):
     t: np.ndarray  # (points,) of the contact at hand, if they depend on it
     weight: np.ndarray  # (points,)
     h: np.ndarray  # (points,)
+    width: np.ndarray  # (points,)
+    across: np.ndarray  # (points across,), likewise
+    share: np.ndarray  # (points across,)
     L: np.ndarray  # (4, 4) derivative of the slip coefficients by (w, Omega)
     gradient: np.ndarray  # (4,) of the friction potential by the slip coefficients
     hessian: np.ndarray  # (4, 4)
@@ -71,6 +75,9 @@ def buffers(n, rule):
         t=np.empty(points),
         weight=np.empty(points),
         h=np.empty(points),
+        width=np.zeros(points),
+        across=np.empty(rule.across.size),
+        share=np.empty(rule.across.size),
         L=np.empty((4, 4)),
         gradient=np.empty(4),
         hessian=np.empty((4, 4)),
@@ -92,6 +99,7 @@ def load_at(bearing, time, F):
 def race_contact_of(bearing, balls, j, k):
     """Contact of ball j with race k (0 inner, 1 outer)."""
     Q, d = balls.Q[j, k], balls.direction[j]
-    a = semi_axis(balls.factors[j, k, HERTZ_A], Q)
+    factors = balls.factors[j, k]
+    a, b = semi_axis(factors[HERTZ_A], Q), semi_axis(factors[HERTZ_B], Q)
     sine, cosine = (d[SIN_I], d[COS_I]) if k == 0 else (d[SIN_O], d[COS_O])
-    return loaded_contact(bearing.g, bearing.op, k, Q, a, sine, cosine)
+    return loaded_contact(bearing.g, bearing.op, k, Q, a, b, sine, cosine)

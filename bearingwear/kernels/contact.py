@@ -1,14 +1,15 @@
 """Slip, traction and heat of one ball/race contact (theory.md section 3).
 
-A point at x along the major axis lies h(x) from the ball's centre. There the slip (race minus ball)
-is linear in four numbers c of the contact, which are linear in the ball's motion
-u = (w_x, w_y, w_z, Omega):
+A point at x along the major axis and y across it lies h(x) from the ball's centre along the normal.
+There the slip (race minus ball) is linear in four numbers c of the contact, which are linear in the
+ball's motion u = (w_x, w_y, w_z, Omega):
 
-    v1 = c_1 h,    v2 = c_0 + c_h h + c_x x,    c = L u + const
+    v1 = c_1 h - c_x y,    v2 = c_0 + c_h h + c_x x,    c = L u + const
 
-and the traction is minus the gradient of the convex sum Phi of the points' friction potentials. The
-loops below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries them
-to the ball. The law itself stands in friction.py, the shape of the contact in profile.py.
+and the traction is minus the gradient of the convex sum Phi of the points' friction potentials.
+The loops below therefore only sum the gradient and the second derivatives of Phi by c; `L` carries
+them to the ball. The line model has y = 0 and loops of its own. The law itself stands in
+friction.py, the shape of the contact in profile.py.
 """
 
 import math
@@ -17,36 +18,48 @@ from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.friction import force_per_slip, force_slope
 from bearingwear.kernels.hertz import INNER, OUTER
 from bearingwear.kernels.params import Contact
-from bearingwear.kernels.profile import height, profile, semi_axis
+from bearingwear.kernels.profile import height, pressure, profile, semi_axis
 
 # Hertz takes the bodies for paraboloids; at this size of ellipse the ball's own edge is near.
 LARGEST_AXIS = 0.7  # a / R
 
 
 @jit
-def loaded_contact(g, op, k, Q, a, sine, cosine):
+def loaded_contact(g, op, k, Q, a, b, sine, cosine):
     """Contact of a ball with race k (0 inner, 1 outer).
 
     Parameters
     ----------
-    Q, a : float
-        Load [N] and semi-major axis [m].
+    Q, a, b : float
+        Load [N] and semi-axes [m].
     sine, cosine : float
         Of the contact angle.
     """
-    if k == 0:
-        return Contact(sigma=INNER, Q=Q, a=a, sin_a=sine, cos_a=cosine, r_g=g.r_i, omega=op.omega_i)
-    return Contact(sigma=OUTER, Q=Q, a=a, sin_a=sine, cos_a=cosine, r_g=g.r_o, omega=op.omega_o)
+    return Contact(
+        sigma=INNER if k == 0 else OUTER,
+        Q=Q,
+        a=a,
+        b=b,
+        sin_a=sine,
+        cos_a=cosine,
+        r_g=g.r_i if k == 0 else g.r_o,
+        omega=op.omega_i if k == 0 else op.omega_o,
+    )
+
+
+@jit
+def hertz_contact(g, op, k, Q, alpha, hertz):
+    """`loaded_contact` at a contact angle [rad], from the Hertz factors there."""
+    a, b = semi_axis(hertz.c_a, Q), semi_axis(hertz.c_b, Q)
+    return loaded_contact(g, op, k, Q, a, b, math.sin(alpha), math.cos(alpha))
 
 
 @jit
 def race_contacts(g, op, state):
     """The two loaded contacts (inner, outer) of a ball in equilibrium."""
-    a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
-    a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
     return (
-        loaded_contact(g, op, 0, state.Q_i, a_i, math.sin(state.alpha_i), math.cos(state.alpha_i)),
-        loaded_contact(g, op, 1, state.Q_o, a_o, math.sin(state.alpha_o), math.cos(state.alpha_o)),
+        hertz_contact(g, op, 0, state.Q_i, state.alpha_i, state.hertz_i),
+        hertz_contact(g, op, 1, state.Q_o, state.alpha_o, state.hertz_o),
     )
 
 
@@ -73,7 +86,7 @@ def slip_coefficients(contact, u, r):
 
 @inlined
 def point_slip(c, h, x):
-    """Slip (v1, v2) of the point x at the height h."""
+    """Slip (v1, v2) at x in the middle of its strip, at the height h."""
     c_1, c_0, c_h, c_x = c
     return c_1 * h, c_0 + c_h * h + c_x * x
 
@@ -96,18 +109,19 @@ def surface_height(contact, R, t, h):
         h[k] = height(p, contact.a * t[k])
 
 
-@jit(fastmath=REORDER_SUMS)
-def traction(contact, c, mu, v_r, t, weight, h, gradient):
-    """Gradient of Phi by c: generalised friction of one contact.
+@jit
+def half_width(contact, t, width):
+    """Half-width of the ellipse at the points t [m], into `width` (n,)."""
+    for k in range(t.size):
+        width[k] = contact.b * math.sqrt(pressure(t[k]))
 
-    Parameters
-    ----------
-    c : tuple of 4 floats
-        `slip_coefficients`.
+
+@jit(fastmath=REORDER_SUMS)
+def strip_traction(contact, c, mu, v_r, t, weight, h, gradient):
+    """`traction` in the line model.
+
     t, weight, h : ndarray (n,)
         Positions x/a, shares of the load, heights.
-    gradient : ndarray (4,)
-        Filled: sums of h F1, F2, h F2, x F2, F the force of the race on the ball [N m; F2 in N].
     """
     a, v_r2 = contact.a, v_r * v_r
     g_1 = g_0 = g_h = g_x = 0.0
@@ -128,8 +142,8 @@ def traction(contact, c, mu, v_r, t, weight, h, gradient):
 
 
 @jit(fastmath=REORDER_SUMS)
-def friction_sums(contact, R, c, mu, v_r, t, weight):
-    """Gradient of Phi by c, and QV, in one pass that needs no buffer for the heights.
+def strip_sums(contact, R, c, mu, v_r, t, weight):
+    """Gradient of Phi by c, and QV, in the line model: in one pass that needs no buffer.
 
     Returns
     -------
@@ -156,8 +170,8 @@ def friction_sums(contact, R, c, mu, v_r, t, weight):
 
 
 @jit(fastmath=REORDER_SUMS)
-def traction_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
-    """Gradient (4,) and second derivatives (4, 4) of Phi by c, as `traction`."""
+def strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
+    """Gradient (4,) and second derivatives (4, 4) of Phi by c in the line model."""
     a, v_r2 = contact.a, v_r * v_r
     g_1 = g_0 = g_h = g_x = 0.0
     p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
@@ -201,6 +215,145 @@ def traction_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
     hessian[3, 3] = scale * p_xx
 
 
+@jit(fastmath=REORDER_SUMS)
+def ellipse_sums(contact, c, mu, v_r, t, weight, h, width, across, share):
+    """Gradient of Phi by c, and QV, over the whole ellipse.
+
+    Parameters
+    ----------
+    t, weight, h, width : ndarray (n,)
+        Positions x/a, shares of the load, heights, half-widths.
+    across, share : ndarray (m,)
+        Places across a strip over its half-width, shares of its load.
+
+    Returns
+    -------
+    g_1, g_0, g_h, g_x, qv
+        As in `traction`; qv in W.
+    """
+    a, v_r2 = contact.a, v_r * v_r
+    c_1, c_0, c_h, c_x = c
+    g_1 = g_0 = g_h = g_x = qv = 0.0
+    for k in range(t.size):
+        hk, x, y_k, w = h[k], a * t[k], width[k], weight[k]
+        v2 = c_0 + c_h * hk + c_x * x
+        gyroscopic, spin, v2_2 = c_1 * hk, c_x * y_k, v2 * v2
+        f = f1 = f1y = v = 0.0
+        for j in range(across.size):
+            v1 = gyroscopic - spin * across[j]
+            v_2 = v1 * v1 + v2_2
+            p = force_per_slip(share[j], v_2, v_r2)
+            p1 = p * v1
+            f += p
+            f1 += p1
+            f1y += p1 * across[j]
+            v += share[j] * math.sqrt(v_2)
+        f2 = w * f * v2
+        g_1 += w * f1 * hk
+        g_0 += f2
+        g_h += f2 * hk
+        g_x += f2 * x - w * f1y * y_k
+        qv += w * v
+    s = mu * contact.Q
+    return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
+
+
+@jit(fastmath=REORDER_SUMS)
+def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian):
+    """Gradient (4,) and second derivatives (4, 4) of Phi by c over the whole ellipse."""
+    a, v_r2 = contact.a, v_r * v_r
+    c_1, c_0, c_h, c_x = c
+    g_1 = g_0 = g_h = g_x = 0.0
+    p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
+    s_0 = s_h = s_x = s_1 = 0.0
+    for k in range(t.size):
+        hk, x, y_k, w = h[k], a * t[k], width[k], weight[k]
+        v2 = c_0 + c_h * hk + c_x * x
+        gyroscopic, spin = c_1 * hk, c_x * y_k
+        f = f1 = f1y = 0.0
+        q_11 = q_11y = q_11yy = q_12 = q_12y = q_22 = 0.0
+        for j in range(across.size):
+            y = across[j]
+            v1 = gyroscopic - spin * y
+            p, p_11, p_12, p_22 = force_slope(share[j], v1, v2, v_r2)
+            p1 = p * v1
+            f += p
+            f1 += p1
+            f1y += p1 * y
+            q_11 += p_11
+            p_11 *= y
+            q_11y += p_11
+            q_11yy += p_11 * y
+            q_12 += p_12
+            q_12y += p_12 * y
+            q_22 += p_22
+        f2 = w * f * v2
+        g_1 += w * f1 * hk
+        g_0 += f2
+        g_h += f2 * hk
+        g_x += f2 * x - w * f1y * y_k
+        q_11, q_12, q_22 = w * q_11, w * q_12, w * q_22
+        w *= y_k
+        q_11y, q_12y, q_11yy = w * q_11y, w * q_12y, w * y_k * q_11yy
+        p_00 += q_22
+        p_0h += q_22 * hk
+        p_hh += q_22 * hk * hk
+        by_x = q_22 * x - q_12y
+        p_0x += by_x
+        p_hx += by_x * hk
+        p_xx += by_x * x - q_12y * x + q_11yy
+        s_0 += q_12 * hk
+        s_h += q_12 * hk * hk
+        s_x += (q_12 * x - q_11y) * hk
+        s_1 += q_11 * hk * hk
+    scale = mu * contact.Q
+    gradient[0] = scale * g_1
+    gradient[1] = scale * g_0
+    gradient[2] = scale * g_h
+    gradient[3] = scale * g_x
+    hessian[0, 0] = scale * s_1
+    hessian[0, 1] = hessian[1, 0] = scale * s_0
+    hessian[0, 2] = hessian[2, 0] = scale * s_h
+    hessian[0, 3] = hessian[3, 0] = scale * s_x
+    hessian[1, 1] = scale * p_00
+    hessian[1, 2] = hessian[2, 1] = scale * p_0h
+    hessian[1, 3] = hessian[3, 1] = scale * p_0x
+    hessian[2, 2] = scale * p_hh
+    hessian[2, 3] = hessian[3, 2] = scale * p_hx
+    hessian[3, 3] = scale * p_xx
+
+
+@jit
+def traction(contact, c, mu, v_r, t, weight, h, width, across, share, gradient):
+    """Gradient of Phi by c: generalised friction of one contact.
+
+    Parameters
+    ----------
+    c : tuple of 4 floats
+        `slip_coefficients`.
+    t, weight, h, width, across, share : ndarray
+        As in `ellipse_sums`.
+    gradient : ndarray (4,)
+        Filled: sums of h F1, F2, h F2, x F2 - y F1, F the force of the race on the ball [N m; F2
+        in N].
+    """
+    if across.size == 1:
+        strip_traction(contact, c, mu, v_r, t, weight, h, gradient)
+    else:
+        gradient[0], gradient[1], gradient[2], gradient[3], _ = ellipse_sums(
+            contact, c, mu, v_r, t, weight, h, width, across, share
+        )
+
+
+@jit
+def traction_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian):
+    """Gradient (4,) and second derivatives (4, 4) of Phi by c, as `traction`."""
+    if across.size == 1:
+        strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian)
+    else:
+        ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian)
+
+
 @jit
 def slip_map(contact, r, L):
     """Fill L = dc/du (4, 4), rows (c_1, c_0, c_h, c_x), columns (w_x, w_y, w_z, Omega)."""
@@ -215,7 +368,7 @@ def slip_map(contact, r, L):
 
 @jit
 def slip_velocity(contact, c, t, h, v1, v2):
-    """Slip velocity at the points t, along the major axis (v1) and the rolling direction (v2)."""
+    """Slip at the points t in the middle of the strips: along the major axis (v1), rolling (v2)."""
     c_1, c_0, c_h, c_x = c
     by_t = (c_1, c_0, c_h, c_x * contact.a)
     for k in range(t.size):
@@ -223,7 +376,7 @@ def slip_velocity(contact, c, t, h, v1, v2):
 
 
 @jit
-def dissipation(contact, c, mu, v_r, r, t, weight, h):
+def dissipation(contact, c, mu, v_r, r, t, weight, h, width, across, share):
     """What the slip costs, and the power through the contact.
 
     Returns
@@ -233,20 +386,24 @@ def dissipation(contact, c, mu, v_r, r, t, weight, h):
     heat : float
         Integral of dF.v [W].
     gyro_share : float
-        Integral of |v1| dQ over that of |v| dQ [1].
+        Integral of |c_1 h| dQ over that of |v| dQ: spin slides along the major axis too, but is
+        not gyroscopic [1].
     torque : float
-        Torque of the race on the ball about the bearing axis, with each strip's own lever [N m].
+        Torque of the race on the ball about the bearing axis, with each point's own lever [N m].
     """
     qv = heat = gyro = torque = 0.0
-    for k in range(t.size):
-        x = contact.a * t[k]
-        v1, v2 = point_slip(c, h[k], x)
-        v = math.sqrt(v1 * v1 + v2 * v2)
-        dQ = weight[k] * contact.Q
-        F = force_per_slip(mu * dQ, v * v, v_r * v_r)
-        qv += v * dQ
-        gyro += abs(v1) * dQ
-        heat += F * v * v
-        # Distance of the point from the bearing axis; a force along +y turns about -X.
-        torque -= F * v2 * (r + contact.sigma * h[k] * contact.cos_a - x * contact.sin_a)
+    for j in range(across.size):
+        for k in range(t.size):
+            x, y = contact.a * t[k], across[j] * width[k]
+            v1, v2 = point_slip(c, h[k], x)
+            v1 -= c[3] * y
+            v = math.sqrt(v1 * v1 + v2 * v2)
+            dQ = share[j] * weight[k] * contact.Q
+            F = force_per_slip(mu * dQ, v * v, v_r * v_r)
+            qv += v * dQ
+            gyro += abs(c[0] * h[k]) * dQ
+            heat += F * v * v
+            # Distance of the point from the bearing axis; a force along +y turns about -X.
+            torque -= F * v2 * (r + contact.sigma * h[k] * contact.cos_a - x * contact.sin_a)
+            torque -= F * v1 * y * contact.sin_a
     return qv, heat, (gyro / qv if qv > 0.0 else 0.0), torque

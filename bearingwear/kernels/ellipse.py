@@ -1,8 +1,12 @@
 """Rules for the integrals over a contact ellipse (theory.md section 3).
 
-A rule is either fixed points, the same for every contact, or *split*: its points gather, from both
-sides, at the pure-rolling points v2 = 0 of the contact at hand, where friction turns round within
-so little of the ellipse that fixed points miss it.
+A rule has points along the major axis, in the middle of as many strips, and points across each
+strip. One point across is the line model: slip as in the strip's middle.
+
+A rule is either fixed points, the same for every contact, or *split*: its points along the major
+axis gather, from both sides, at the pure-rolling points v2 = 0 of the contact at hand, where
+friction turns round within so little of the ellipse that fixed points miss it, and those across
+about where v1 = 0.
 """
 
 import math
@@ -10,19 +14,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.compile import REORDER_SUMS, jit
 from bearingwear.kernels.profile import PEAK, base, pressure, profile
 
+EDGE = 0.5  # points across gather no nearer to the edge of the ellipse than this share
 SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each
 FAR = 1.5  # a pure-rolling point at |x/a| above this is left alone
 
 
+MIDDLE, WHOLE = np.zeros(1), np.ones(1)  # across: the line model
+
+
 class Rule(NamedTuple):
-    """Points x/a and load shares, or what they are made from."""
+    """Points x/a and load shares, or what they are made from; and those across."""
 
     split: bool
     t: np.ndarray  # (n,) points x/a; split: distances from a pure-rolling point, over 0 to 1
     weight: np.ndarray  # (n,) shares of the load; split: of the length
+    across: np.ndarray = MIDDLE  # (m,) places across a strip over its half-width; split: moved
+    share: np.ndarray = WHOLE  # (m,) shares of the strip's load
 
 
 @jit
@@ -120,3 +130,33 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
     if high < 1.0:
         n = cluster_points(rule, high, 1.0, n, t, weight)
     return t[:n], weight[:n]
+
+
+@jit(fastmath=REORDER_SUMS)
+def place_across(rule, contact, R, c, across, share):
+    """Places across the strips of a contact with the slip c, and their shares of a strip's load.
+
+    A split rule moves its own by a Moebius map, which keeps both edges and carries the middle,
+    about which they lie, to where slip along the major axis turns round, c_1 h = c_x y.
+
+    Parameters
+    ----------
+    across, share : ndarray (rule.across.size,)
+        Filled.
+    """
+    e = 0.0
+    if rule.split and across.size > 1:
+        e = c[0] * R / (c[3] * contact.b)
+        if not abs(e) < EDGE:  # NaN too
+            e = math.copysign(EDGE, e)
+    total = 0.0
+    for j in range(across.size):
+        y = rule.across[j]
+        by = 1.0 / (1.0 + e * y)
+        part = rule.share[j] * by * by * by
+        across[j] = (y + e) * by
+        share[j] = part
+        total += part
+    scale = 1.0 / total
+    for j in range(across.size):
+        share[j] *= scale

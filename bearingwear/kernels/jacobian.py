@@ -8,8 +8,14 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.cage import inverse_inertia
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import slip_coefficients, slip_map, surface_height, traction_slope
-from bearingwear.kernels.ellipse import quadrature_points
+from bearingwear.kernels.contact import (
+    half_width,
+    slip_coefficients,
+    slip_map,
+    surface_height,
+    traction_slope,
+)
+from bearingwear.kernels.ellipse import place_across, quadrature_points
 from bearingwear.kernels.quasistatic import RACES_11, RACES_12, RACES_22
 from bearingwear.kernels.state import (
     BALL,
@@ -76,7 +82,13 @@ def ball_blocks(y, bearing, buf):
             c = slip_coefficients(contact, (y[i + W_X], w_y, w_z, Omega), r)
             t, weight = quadrature_points(bearing.rule, contact, R, c, m.v_r, buf.t, buf.weight)
             surface_height(contact, R, t, buf.h)
-            traction_slope(contact, c, m.mu, m.v_r, t, weight, buf.h, buf.gradient, H)
+            across, share = buf.across, buf.share
+            if across.size > 1:
+                place_across(bearing.rule, contact, R, c, across, share)
+                half_width(contact, t, buf.width)
+            traction_slope(
+                contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, across, share, buf.gradient, H
+            )
             slip_map(contact, r, L)
             F_y += buf.gradient[1]
             add_power_slopes(contact, c, r, buf.gradient, H, L, S)

@@ -90,6 +90,7 @@ class Contact(NamedTuple):
     sigma: float  # +1 outer race, -1 inner race
     Q: float  # load [N]
     a: float  # semi-major axis [m]
+    b: float  # semi-minor axis [m]
     sin_a: float  # sine and cosine of the contact angle
     cos_a: float
     r_g: float  # groove radius [m]

@@ -29,7 +29,7 @@ from bearingwear.kernels.status import NOT_CONVERGED, OK
 
 MOST_ITERATIONS = 40
 # Columns of Suspension.factors.
-HERTZ_K, HERTZ_A, LOG_KAPPA = range(3)
+HERTZ_K, HERTZ_A, HERTZ_B, LOG_KAPPA = range(4)
 # Columns of Suspension.direction.
 SIN_I, COS_I, SIN_O, COS_O = range(4)
 # Columns of Suspension.cage_linear and land_linear: a force of two components, the place at which
@@ -54,7 +54,7 @@ class Suspension(NamedTuple):
     land_linear: np.ndarray  # (8,) and of its land on the inner race (Y, Z)
     Q: np.ndarray  # (n, 2) contact loads, inner and outer [N]
     direction: np.ndarray  # (n, 4) sine and cosine of the contact angles
-    factors: np.ndarray  # (n, 2, 3) Hertz K, c_a, ln kappa; NaN: no start is known
+    factors: np.ndarray  # (n, 2, 4) Hertz K, c_a, c_b, ln kappa; NaN: no start is known
     A: np.ndarray  # (n, 2) groove-centre distances [m]
     condensed: np.ndarray  # (n, 9)
     matrix: np.ndarray  # (3, 3) condensed stiffness of the free translations [N/m]
@@ -75,7 +75,7 @@ def suspension(n):
         land_linear=np.zeros(8),
         Q=np.zeros((n, 2)),
         direction=np.zeros((n, 4)),
-        factors=np.full((n, 2, 3), np.nan),
+        factors=np.full((n, 2, 4), np.nan),
         A=np.zeros((n, 2)),
         condensed=np.zeros((n, 9)),
         matrix=np.zeros((3, 3)),
@@ -113,18 +113,19 @@ def nested_solution(y, bearing, balls):
             hertz, factors = (state.hertz_i, state.hertz_o)[k], balls.factors[j, k]
             factors[HERTZ_K] = hertz.K
             factors[HERTZ_A] = hertz.c_a
+            factors[HERTZ_B] = hertz.c_b
             factors[LOG_KAPPA] = hertz.log_kappa
     return status
 
 
 @jit
 def hertz_at(table, cosine, f):
-    """Hertz K and c_a at a contact angle from a cubic spline in its cosine, into f.
+    """Hertz K, c_a and c_b at a contact angle from a cubic spline in its cosine, into f.
 
     Parameters
     ----------
-    table : ndarray (intervals, 8)
-        Coefficients of K and of c_a on equal intervals of [0, 1], highest power first.
+    table : ndarray (intervals, 12)
+        Coefficients of K, c_a and c_b on equal intervals of [0, 1], highest power first.
     """
     scaled = min(max(cosine, 0.0), 1.0) * table.shape[0]
     i = min(int(scaled), table.shape[0] - 1)
@@ -132,6 +133,7 @@ def hertz_at(table, cosine, f):
     c = table[i]
     f[HERTZ_K] = ((c[0] * x + c[1]) * x + c[2]) * x + c[3]
     f[HERTZ_A] = ((c[4] * x + c[5]) * x + c[6]) * x + c[7]
+    f[HERTZ_B] = ((c[8] * x + c[9]) * x + c[10]) * x + c[11]
 
 
 @jit

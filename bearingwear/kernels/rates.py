@@ -16,9 +16,16 @@ from bearingwear.kernels.cage_law import (
     POCKET_TORQUE,
 )
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import LARGEST_AXIS, friction_sums, slip_coefficients
+from bearingwear.kernels.contact import (
+    LARGEST_AXIS,
+    ellipse_sums,
+    half_width,
+    slip_coefficients,
+    strip_sums,
+    surface_height,
+)
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
-from bearingwear.kernels.ellipse import quadrature_points
+from bearingwear.kernels.ellipse import place_across, quadrature_points
 from bearingwear.kernels.quasistatic import COS_I, SIN_I
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
@@ -55,11 +62,16 @@ def with_friction(bearing, buf, contact, c, R, r, f):
         Slip coefficients.
     """
     m, rule = bearing.op, bearing.rule
-    if rule.split:
-        t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
-        g_1, g_0, g_h, g_x, qv = friction_sums(contact, R, c, m.mu, m.v_r, t, weight)
-    else:  # `quadrature_points` counts references to the arrays: 2 % of a run
-        g_1, g_0, g_h, g_x, qv = friction_sums(contact, R, c, m.mu, m.v_r, rule.t, rule.weight)
+    t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
+    if rule.across.size == 1:
+        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, m.mu, m.v_r, t, weight)
+    else:
+        surface_height(contact, R, t, buf.h)
+        place_across(rule, contact, R, c, buf.across, buf.share)
+        half_width(contact, t, buf.width)
+        g_1, g_0, g_h, g_x, qv = ellipse_sums(
+            contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
+        )
     sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
     forces = BallForces(
         M_x=f.M_x - (sigma * cosine * g_h - sine * g_x),

@@ -14,6 +14,7 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
+    half_width,
     race_contacts,
     slip_coefficients,
     slip_map,
@@ -21,7 +22,7 @@ from bearingwear.kernels.contact import (
     traction,
     traction_slope,
 )
-from bearingwear.kernels.ellipse import Rule, most_points, quadrature_points
+from bearingwear.kernels.ellipse import Rule, most_points, place_across, quadrature_points
 from bearingwear.kernels.equilibrium import thrust_equilibrium
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.kinematics import ORBIT
@@ -66,6 +67,9 @@ class BalanceProblem(NamedTuple):
     t: np.ndarray  # (n,) points of the contact at hand, if they depend on it
     weight: np.ndarray  # (n,)
     h: np.ndarray  # (2, n), row 0 inner, 1 outer
+    width: np.ndarray  # (n,) see contact.half_width
+    across: np.ndarray  # (m,) points across, likewise
+    share: np.ndarray  # (m,)
     gradient: np.ndarray  # (4,)
     hessian: np.ndarray  # (4, 4)
     L: np.ndarray  # (4, 4)
@@ -102,6 +106,9 @@ def balance_problem(bearing, rule):
         t=np.empty(n),
         weight=np.empty(n),
         h=np.empty((2, n)),
+        width=np.zeros(n),
+        across=np.empty(rule.across.size),
+        share=np.empty(rule.across.size),
         gradient=np.empty(4),
         hessian=np.empty((4, 4)),
         L=np.empty((4, 4)),
@@ -210,12 +217,18 @@ def friction_balance(p, v_r, state, u, out, slope):
         c = slip_coefficients(contact, u, r)
         t, weight = quadrature_points(rule, contact, R, c, v_r, p.t, p.weight)
         surface_height(contact, R, t, h)
+        across, share = p.across, p.share
+        if across.size > 1:
+            place_across(rule, contact, R, c, across, share)
+            half_width(contact, t, p.width)
         slip_map(contact, r, L)
         if slope:
-            traction_slope(contact, c, op.mu, v_r, t, weight, h, p.gradient, p.hessian)
+            traction_slope(
+                contact, c, op.mu, v_r, t, weight, h, p.width, across, share, p.gradient, p.hessian
+            )
             subtract_projected(L, p.hessian, J)
         else:
-            traction(contact, c, op.mu, v_r, t, weight, h, p.gradient)
+            traction(contact, c, op.mu, v_r, t, weight, h, p.width, across, share, p.gradient)
         subtract_gradient(L, p.gradient, out)
     inertia = ball_inertia(ball_mass(g.rho, D), D)
     out[1] += inertia * u[3] * u[2]

@@ -8,13 +8,14 @@ import numpy as np
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
     dissipation,
+    half_width,
     loaded_contact,
     race_contacts,
     slip_coefficients,
     slip_velocity,
     surface_height,
 )
-from bearingwear.kernels.ellipse import most_points, quadrature_points
+from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
 from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
@@ -28,13 +29,24 @@ class Workspace(NamedTuple):
     t: np.ndarray  # (n,) points of the contact at hand, if they depend on it
     weight: np.ndarray  # (n,)
     h: np.ndarray  # (2, n), row 0 inner, 1 outer
+    width: np.ndarray  # (n,) see contact.half_width
+    across: np.ndarray  # (m,) points across, likewise
+    share: np.ndarray  # (m,)
 
 
 @jit
 def workspace(rule):
     """Buffers for a rule."""
     n = most_points(rule)
-    return Workspace(t=np.empty(n), weight=np.empty(n), h=np.empty((2, n)))
+    m = rule.across.size
+    return Workspace(
+        t=np.empty(n),
+        weight=np.empty(n),
+        h=np.empty((2, n)),
+        width=np.zeros(n),
+        across=np.empty(m),
+        share=np.empty(m),
+    )
 
 
 @jit
@@ -70,8 +82,10 @@ def contact_summary(g, D, op, state, u, r, rule, work, out):
         t, weight = quadrature_points(rule, contact, R, c, op.v_r, work.t, work.weight)
         h = work.h[k]
         surface_height(contact, R, t, h)
+        place_across(rule, contact, R, c, work.across, work.share)
+        half_width(contact, t, work.width)
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = dissipation(
-            contact, c, op.mu, op.v_r, r, t, weight, h
+            contact, c, op.mu, op.v_r, r, t, weight, h, work.width, work.across, work.share
         )
         # Angular velocity of the ball against the race, along the normal and in the contact plane.
         w_rel = u[0] - contact.omega
@@ -95,6 +109,6 @@ def slip_profile(g, D, op, u, r, k, row, t, h, v1, v2):
         Filled: height of the contact [m], slip along the major axis and along rolling [m/s].
     """
     sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
-    contact = loaded_contact(g, op, k, row[LOAD], row[MAJOR], sine, cosine)
+    contact = loaded_contact(g, op, k, row[LOAD], row[MAJOR], row[MINOR], sine, cosine)
     surface_height(contact, 0.5 * D, t, h)
     slip_velocity(contact, slip_coefficients(contact, u, r), t, h, v1, v2)

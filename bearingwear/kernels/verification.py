@@ -13,7 +13,7 @@ import numpy as np
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import race_contacts, slip_coefficients
-from bearingwear.kernels.ellipse import most_points, quadrature_points
+from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 
 
@@ -80,14 +80,15 @@ def friction_check(g, D, op, state, u, rule):
     heat = power = power_in = qv = 0.0
     contacts = race_contacts(g, op, state)
     t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
+    across, share = np.empty((2, rule.across.size))
     for side in (-1.0, 1.0):
         if side < 0.0:
             Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
-            c_a = state.hertz_i.c_a
+            c_a, c_b = state.hertz_i.c_a, state.hertz_i.c_b
         else:
             Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
-            c_a = state.hertz_o.c_a
-        a = c_a * Q ** (1.0 / 3.0)
+            c_a, c_b = state.hertz_o.c_a, state.hertz_o.c_b
+        a, b = c_a * Q ** (1.0 / 3.0), c_b * Q ** (1.0 / 3.0)
         n_x, n_z = side * math.sin(alpha), side * math.cos(alpha)
         e_x, e_z = math.cos(alpha), -math.sin(alpha)
         R_d = 2.0 * r_g * R / (r_g + R)
@@ -95,27 +96,30 @@ def friction_check(g, D, op, state, u, rule):
         c = slip_coefficients(contact, u, r)
         t, weight = quadrature_points(rule, contact, R, c, op.v_r, t_buffer, weight_buffer)
         race_power = 0.0
-        for k in range(t.size):
-            x = a * t[k]
+        place_across(rule, contact, R, c, across, share)
+        for k in range(t.size * across.size):
+            i, j = k // across.size, k % across.size
+            x = a * t[i]
+            y = b * math.sqrt(1.0 - (x / a) ** 2) * across[j]
             h = math.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
             p_x, p_z = h * n_x + x * e_x, h * n_z + x * e_z
             # Ball surface: velocity of the centre, plus w x p. Race surface: omega_race x position.
-            ball_x = u[1] * p_z
+            ball_x = u[1] * p_z - u[2] * y
             ball_y = -u[3] * r + u[2] * p_x - u[0] * p_z
-            ball_z = -u[1] * p_x
-            race_y = -omega * (r + p_z)
-            v_1 = -(ball_x * e_x + ball_z * e_z)
+            ball_z = u[0] * y - u[1] * p_x
+            race_y, race_z = -omega * (r + p_z), omega * y
+            v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
             v_2 = race_y - ball_y
             v = math.hypot(v_1, v_2)
-            F = op.mu * Q * weight[k] / math.hypot(v, op.v_r)
+            F = op.mu * Q * weight[i] * share[j] / math.hypot(v, op.v_r)
             F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
-            m_x -= p_z * F_y
+            m_x += y * F_z - p_z * F_y
             m_y += p_z * F_x - p_x * F_z
-            m_z += p_x * F_y
+            m_z += p_x * F_y - y * F_x
             f_y += F_y
             heat += F * v * v
-            qv += v * Q * weight[k]
-            race_power += F_y * race_y
+            qv += v * Q * weight[i] * share[j]
+            race_power += F_y * race_y + F_z * race_z
         power += race_power
         power_in += abs(race_power)
     inertia = ball_inertia(ball_mass(g.rho, D), D)

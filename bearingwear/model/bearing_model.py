@@ -85,10 +85,10 @@ def cage_of(scene: Scene) -> CageModel:
     )
 
 
-def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
-    """Hertz factors K [N/m^1.5] and c_a [m/N^(1/3)] of a contact at a contact angle."""
+def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
+    """Hertz factors K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact at a contact angle."""
     hertz = race_contact(g, race, D, cos_alpha, math.nan)
-    return hertz.K, hertz.c_a
+    return hertz.K, hertz.c_a, hertz.c_b
 
 
 def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
@@ -104,21 +104,21 @@ def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndar
 
     Returns
     -------
-    ndarray (n, 2, HERTZ_INTERVALS, 8)
+    ndarray (n, 2, HERTZ_INTERVALS, 12)
         See quasistatic.hertz_at.
     """
     cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
     powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)
-    table = np.empty((len(D), 2, HERTZ_INTERVALS, 8))
+    table = np.empty((len(D), 2, HERTZ_INTERVALS, 12))
     splines: dict[float, np.ndarray] = {}
     for j, diameter in enumerate(D):
         if diameter not in splines:
             factors = np.array(
                 [[factors_of(g, race, diameter, c) for c in cosine] for race in (INNER, OUTER)]
             )
-            c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, K or c_a)
+            c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, factor)
             c = c * powers[:, None, None, None]
-            splines[diameter] = np.moveaxis(c, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(2, -1, 8)
+            splines[diameter] = np.moveaxis(c, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(2, -1, 12)
         table[j] = splines[diameter]
     return table
 

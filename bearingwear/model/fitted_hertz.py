@@ -33,12 +33,12 @@ def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, flo
     return flexibility**-1.5, kappa * c_b, c_b
 
 
-def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
-    """K [N/m^1.5] and c_a [m/N^(1/3)] of a contact, as `bearing_model.exact_factors`."""
+def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
+    """K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact, as `bearing_model.exact_factors`."""
     r_g = g.r_o if race > 0.0 else g.r_i
     A = 0.5 * (2.0 / D - 1.0 / r_g)
     B = 0.5 * (2.0 / D - race * 2.0 * cos_alpha / (g.dm + race * D * cos_alpha))
-    return fitted_contact(A, B, g.E_star)[:2]
+    return fitted_contact(A, B, g.E_star)
 
 
 def fitted_preload(g: Geometry, A1: float) -> float:

@@ -15,10 +15,17 @@ from bearingwear.model.mounted import RPM as RPM
 from bearingwear.model.mounted import UM as UM
 from bearingwear.model.mounted import contact_modulus as contact_modulus
 from bearingwear.model.mounted import mounted_geometry
-from bearingwear.model.quadrature import equal_strips, gathered, gauss_halves
+from bearingwear.model.quadrature import (
+    chebyshev,
+    chebyshev_halves,
+    equal_strips,
+    gathered,
+    gauss_halves,
+)
 from bearingwear.scene.scene import Scene
 
 SEARCH_POINTS = 16  # along the ellipse, at a v_r that these resolve
+SEARCH_ACROSS = 4
 FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
 
 
@@ -59,24 +66,37 @@ def ball_diameters(scene: Scene) -> np.ndarray:
 
 
 @functools.cache
-def ellipse_rule(name: str, points: int) -> Rule:
-    """A rule with so many points (split: at the most); shared, so never to be written to."""
+def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
+    """A rule with so many strips (split: at the most) and points across each of them.
+
+    Shared, so never to be written to.
+    """
     if name == "split":
-        return Rule(True, *gathered(-(-points // SEGMENTS)))
-    return Rule(False, *{"gauss": gauss_halves, "strips": equal_strips}[name](points))
+        return Rule(True, *gathered(-(-points // SEGMENTS)), *chebyshev_halves(across))
+    along = {"gauss": gauss_halves, "strips": equal_strips}[name](points)
+    return Rule(False, *along, *chebyshev(across))
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:
-    """The rule of a scene for the contact ellipse, with so many times its points."""
-    name, points = scene.model.quadrature, scene.model.strips
-    return ellipse_rule(name, refined * (max(points, FEWEST_SPLIT) if name == "split" else points))
+    """The rule of a scene for the contact ellipse, with so many times its points.
+
+    Over the ellipse at most twice as many along, and across: four times the points.
+    """
+    model = scene.model
+    name = model.quadrature
+    strips = max(model.strips, FEWEST_SPLIT) if name == "split" else model.strips
+    if model.slip_is_over == "line":
+        return ellipse_rule(name, refined * strips)
+    refined = min(refined, 2)
+    return ellipse_rule(name, refined * strips, refined * model.points_across)
 
 
 def search_rule(scene: Scene) -> Rule:
     """The rule by which other steady states are sought: a coarse one, which slip does not move."""
     rule = quadrature(scene)
     is_coarse = not rule.split and rule.t.size <= SEARCH_POINTS
-    return rule if is_coarse else ellipse_rule("gauss", SEARCH_POINTS)
+    across = min(rule.across.size, SEARCH_ACROSS)
+    return rule if is_coarse else ellipse_rule("gauss", SEARCH_POINTS, across)
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:

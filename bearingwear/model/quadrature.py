@@ -51,3 +51,45 @@ def gathered(m):
     x, w = gauss_legendre(m)
     z = 0.5 * (x + 1.0)
     return SLOPE * z + (1.0 - SLOPE) * z**3, 0.5 * w * (SLOPE + 3.0 * (1.0 - SLOPE) * z**2)
+
+
+def chebyshev(n):
+    """Places across a strip over its half-width, and shares of its load, at n points.
+
+    Gauss-Chebyshev points of the second kind: exact for polynomials of the degree 2 n - 1 under the
+    semi-ellipse that Hertz' pressure is across the contact. One point is the line model.
+
+    Returns
+    -------
+    across, share : ndarray (n,)
+    """
+    angle = np.pi * np.arange(1, n + 1) / (n + 1)
+    across = np.cos(angle)
+    across[n // 2 : n - n // 2] = 0.0  # the middle of an odd number, but for rounding
+    return across, 2.0 / (n + 1) * np.sin(angle) ** 2
+
+
+def chebyshev_halves(n):
+    """The same by Gauss points on each half of the strip, for a bend in its middle.
+
+    n points in all (one more if n is odd, but for 1), exact under the semi-ellipse on either half.
+    They are the eigenvalues of the Jacobi matrix of the polynomials orthogonal there (Golub and
+    Welsch 1969), found by Stieltjes' procedure.
+    """
+    if n == 1:
+        return chebyshev(1)
+    m = (n + 1) // 2
+    angle, weight = gauss_legendre(max(100, 2 * m))
+    angle = 0.25 * np.pi * (angle + 1.0)
+    y, weight = np.cos(angle), weight * np.sin(angle) ** 2
+    mean, norm = np.zeros(m), np.empty(m)
+    before, now = np.zeros(y.size), np.ones(y.size)
+    for k in range(m):
+        norm[k] = (weight * now * now).sum()
+        mean[k] = (weight * y * now * now).sum() / norm[k]
+        ratio = norm[k] / norm[k - 1] if k else 0.0
+        before, now = now, (y - mean[k]) * now - ratio * before
+    side = np.sqrt(norm[1:] / norm[:-1])
+    half, vectors = np.linalg.eigh(np.diag(mean) + np.diag(side, 1) + np.diag(side, -1))
+    share = 0.5 * vectors[0] ** 2
+    return np.concatenate([-half[::-1], half]), np.concatenate([share[::-1], share])

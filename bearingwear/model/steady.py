@@ -78,7 +78,9 @@ class ThrustProblem:
         if self.rule.split and case.status in UNSETTLED:
             # With a tiny v_r the sums jump where points gather anew: no state may fit them.
             n = most_points(self.rule)
-            rules = (parameters.ellipse_rule("gauss", k * n) for k in (1, 4))
+            m = self.rule.across.size
+            sizes = [(n, m), (4 * n, m) if m == 1 else (2 * n, 2 * m)]
+            rules = (parameters.ellipse_rule("gauss", *size) for size in sizes)
             held = self._solve(D, start, *rules)
             if held.status not in UNSETTLED:
                 return held._replace(held=True)
@@ -123,7 +125,7 @@ class ThrustProblem:
         """
         if self.time_scales(D, case).real.max() < 0.0:
             return True
-        many = parameters.ellipse_rule("split", STABILITY_POINTS)
+        many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
         again = replace(self, rule=many, fine_rule=many).solve(D, start=case.u)
         same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
         return bool(

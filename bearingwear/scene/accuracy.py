@@ -15,6 +15,8 @@ ACCURACY = "model.accuracy"
 """The key that decides the default of others."""
 
 FIDELITIES = ("auto", "race_control", "steady", "dynamic")
+CONTACTS = ("auto", "paper", "hertz")
+SLIP_OVER = ("line", "ellipse")
 
 
 class AccuracyPreset(NamedTuple):
@@ -23,6 +25,7 @@ class AccuracyPreset(NamedTuple):
     error: float  # of total QV, relative: what it is meant for
     quadrature: str
     strips: int
+    over_ellipse: tuple[int, int]  # strips and points across where slip is taken over the ellipse
     steady_starts: int
     slip_regularisation_m_s: float
     dynamic_tolerance: float
@@ -30,24 +33,27 @@ class AccuracyPreset(NamedTuple):
     settled_drift: float
     tolerance: float
 
-    @property
-    def keys(self) -> dict[str, float | int | str]:
-        """The settings by their paths in a scene."""
+    def keys(self, slip_over: str) -> dict[str, float | int | str]:
+        """The settings by their paths in a scene that takes slip over the `line` or `ellipse`."""
         values = self._asdict()
         del values["error"]
+        strips, values["points_across"] = values.pop("over_ellipse")
+        if slip_over == "ellipse":
+            values |= {"quadrature": "split", "strips": strips}
         regularisation = {REGULARISATION: values.pop("slip_regularisation_m_s")}
         return regularisation | {f"model.{name}": value for name, value in values.items()}
 
 
 REGULARISATION = "friction.slip_regularisation_m_s"
 
-# The reference is brute force: its points know nothing of where the slip turns round, and other
-# steady states are sought from many more starts.
+# On a line the reference is brute force: its points know nothing of where the slip turns round.
+# Over the ellipse that takes 1e5 points. Other steady states are sought from many more starts.
 PRESETS = (
     AccuracyPreset(
         error=5e-2,
         quadrature="split",
         strips=24,
+        over_ellipse=(20, 4),
         steady_starts=2,
         slip_regularisation_m_s=3e-4,
         dynamic_tolerance=1e-1,
@@ -59,6 +65,7 @@ PRESETS = (
         error=2e-2,
         quadrature="split",
         strips=32,
+        over_ellipse=(20, 4),
         steady_starts=4,
         slip_regularisation_m_s=2e-4,
         dynamic_tolerance=3e-2,
@@ -70,6 +77,7 @@ PRESETS = (
         error=5e-3,
         quadrature="split",
         strips=50,
+        over_ellipse=(20, 8),
         steady_starts=4,
         slip_regularisation_m_s=1e-4,
         dynamic_tolerance=1e-2,
@@ -81,6 +89,7 @@ PRESETS = (
         error=1e-3,
         quadrature="split",
         strips=80,
+        over_ellipse=(24, 8),
         steady_starts=8,
         slip_regularisation_m_s=3e-5,
         dynamic_tolerance=1e-3,
@@ -92,6 +101,7 @@ PRESETS = (
         error=1e-4,
         quadrature="gauss",
         strips=1000,
+        over_ellipse=(48, 24),
         steady_starts=64,
         slip_regularisation_m_s=1e-5,
         dynamic_tolerance=1e-5,
@@ -102,6 +112,11 @@ PRESETS = (
 )
 NAMED_PRESETS = {"draft": PRESETS[0], "standard": PRESETS[2], "reference": PRESETS[-1]}
 STANDARD = NAMED_PRESETS["standard"]
+
+
+def slip_is_over(contact: str, slip_over: str | None) -> str:
+    """Where a contact model takes slip, unless it is said: `line` or `ellipse`."""
+    return slip_over or SLIP_OVER[contact != "paper"]
 
 
 def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
@@ -120,6 +135,18 @@ class Model:
     """
 
     fidelity: Annotated[str, Key("The model to solve", choices=FIDELITIES)] = "auto"
+    contact: Annotated[
+        str,
+        Key(
+            "The model of the contacts: that of the paper takes slip on the centre line of the "
+            "ellipse, hertz (auto) over all of it",
+            choices=CONTACTS,
+        ),
+    ] = "auto"
+    slip_over: Annotated[
+        str | None,
+        Key("Where slip is taken, overrides what model.contact says", choices=SLIP_OVER),
+    ] = None
     cage_results: Annotated[
         bool, Key("Ask for cage motion and wear, which need a cage and dynamics")
     ] = False
@@ -141,7 +168,16 @@ class Model:
             "[2, 2000]",
             default_by=ACCURACY,
         ),
-    ] = STANDARD.strips
+    ] = STANDARD.over_ellipse[0]
+    points_across: Annotated[
+        int,
+        Key(
+            "Points across each strip, where slip is taken over the ellipse",
+            "1",
+            "[1, 200]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.over_ellipse[1]
     quadrature: Annotated[
         str,
         Key(
@@ -150,7 +186,7 @@ class Model:
             choices=("gauss", "split", "strips"),
             default_by=ACCURACY,
         ),
-    ] = STANDARD.quadrature
+    ] = "split"
     steady_starts: Annotated[
         int,
         Key(
@@ -237,6 +273,11 @@ class Model:
     tolerance: Annotated[
         float, Key("Relative error tolerance of the life", "1", "[1e-12, 0.1]", default_by=ACCURACY)
     ] = STANDARD.tolerance
+
+    @property
+    def slip_is_over(self) -> str:
+        """`line` or `ellipse`: as the scene asks for, or as its contact model has it."""
+        return slip_is_over(self.contact, self.slip_over)
 
     @property
     def averaged_turns(self) -> float:

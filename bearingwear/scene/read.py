@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-from bearingwear.scene.accuracy import Model, accuracy_preset
+from bearingwear.scene.accuracy import Model, accuracy_preset, slip_is_over
 from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
 from bearingwear.scene.checking import DEEPEST, built, checked_data, fits, record
 from bearingwear.scene.errors import SceneError, shown
@@ -188,7 +188,7 @@ def _check_spread(data: Mapping[str, Any]) -> None:
 def _undecided(scene: Scene) -> dict[str, Any]:
     """Data of a scene without what its accuracy has decided, so that another one may."""
     plain = scene.to_dict()
-    for path, value in accuracy_preset(scene.model.accuracy).keys.items():
+    for path, value in accuracy_preset(scene.model.accuracy).keys(scene.model.slip_is_over).items():
         block, _, name = path.partition(".")
         if plain[block][name] == value:
             del plain[block][name]
@@ -198,7 +198,8 @@ def _undecided(scene: Scene) -> dict[str, Any]:
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
     """Fill in what the accuracy asked for decides, where the scene does not."""
     model = plain.get("model") or {}
-    keys = accuracy_preset(model.get("accuracy", Model.accuracy)).keys
+    over = slip_is_over(model.get("contact", Model.contact), model.get("slip_over"))
+    keys = accuracy_preset(model.get("accuracy", Model.accuracy)).keys(over)
     for path, value in keys.items():
         block, _, name = path.partition(".")
         plain[block] = {name: value} | (plain.get(block) or {})

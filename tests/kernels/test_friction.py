@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.contact import friction_sums, point_slip, traction, traction_slope
+from bearingwear.kernels.contact import point_slip, strip_slope, strip_sums, strip_traction
 from bearingwear.kernels.friction import force_per_slip, force_slope, potential
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, profile
@@ -17,6 +17,7 @@ CONTACT = Contact(
     sigma=-1.0,
     Q=2.0,
     a=6e-5,
+    b=2e-5,
     sin_a=0.35,
     cos_a=math.sqrt(1.0 - 0.35**2),
     r_g=1.08e-3,
@@ -39,11 +40,11 @@ def sums(c):
     x = CONTACT.a * t
     h = np.array([height(p, position) for position in x])
     gradient, hessian = np.empty(4), np.empty((4, 4))
-    traction_slope(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian)
+    strip_slope(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian)
     alone = np.empty(4)
-    traction(CONTACT, c, MU, V_R, t, weight, h, alone)
+    strip_traction(CONTACT, c, MU, V_R, t, weight, h, alone)
     assert_allclose(alone, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
-    *in_one_pass, _ = friction_sums(CONTACT, R, c, MU, V_R, t, weight)
+    *in_one_pass, _ = strip_sums(CONTACT, R, c, MU, V_R, t, weight)
     assert_allclose(in_one_pass, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
     phi = 0.0
     for k in range(t.size):

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from published_bearings import B218
 from scipy.special import ellipe, ellipkm1
 
-from bearingwear.kernels.contact import surface_height, traction
+from bearingwear.kernels.contact import strip_traction, surface_height
 from bearingwear.kernels.hertz import elliptic_integrals, point_contact, race_contact
 from bearingwear.kernels.params import Contact
 from bearingwear.model.quadrature import equal_strips, gauss_halves
@@ -86,11 +86,11 @@ def test_torque_of_a_spinning_contact(rule, n, tolerance):
     The tolerance of the strips is their error n^-2; that of the Gauss points the regularisation.
     """
     Q, a, mu, spin, R = 2.0, 8e-5, 0.1, 1e3, 1e-3
-    contact = Contact(1.0, Q, a, 0.3, 0.95, 0.6 * 2 * R, 0.0)
+    contact = Contact(1.0, Q, a, a / 3, 0.3, 0.95, 0.6 * 2 * R, 0.0)
     t, weight = rule(n)
     h, gradient = np.empty(t.size), np.empty(4)
     surface_height(contact, R, t, h)
-    traction(contact, (0.0, 0.0, 0.0, spin), mu, 1e-9, t, weight, h, gradient)
+    strip_traction(contact, (0.0, 0.0, 0.0, spin), mu, 1e-9, t, weight, h, gradient)
     assert_allclose(gradient[3], 3 / 8 * mu * Q * a, rtol=tolerance)
 
 

@@ -12,7 +12,12 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.block_system import add_cage_powers, factorise, solve_factorised
 from bearingwear.kernels.cage import INNER_LAND
-from bearingwear.kernels.contact import friction_sums, slip_coefficients
+from bearingwear.kernels.contact import (
+    ellipse_sums,
+    half_width,
+    slip_coefficients,
+    surface_height,
+)
 from bearingwear.kernels.jacobian import ball_blocks
 from bearingwear.kernels.quasistatic import RACES_11
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, MOMENTUM, OMEGA, PSI, ROTATION, VELOCITY
@@ -39,7 +44,12 @@ def held_rates(system, j, u):
     for k in range(2):
         contact = race_contact_of(bearing, balls, j, k)
         c = slip_coefficients(contact, tuple(u.tolist()), r)
-        *g, _ = friction_sums(contact, R, c, m.mu, m.v_r, rule.t, rule.weight)
+        h, width = np.empty((2, rule.t.size))
+        surface_height(contact, R, rule.t, h)
+        half_width(contact, rule.t, width)
+        *g, _ = ellipse_sums(
+            contact, c, m.mu, m.v_r, rule.t, rule.weight, h, width, rule.across, rule.share
+        )
         normal = contact.sigma * np.array([contact.sin_a, 0.0, contact.cos_a])
         along = np.array([contact.cos_a, 0.0, -contact.sin_a])
         arm = g[2] * normal + g[3] * along  # sum of point times force along y
@@ -54,10 +64,11 @@ def held_rates(system, j, u):
     return np.array([*rates, orbit, shaft, heat, 2.0 * bearing.mass[j] * r**2 * u[3] * orbit])
 
 
+@pytest.mark.parametrize("contact", ["paper", "hertz"])
 @pytest.mark.parametrize("j", [0, 3])
-def test_ball_blocks(scene, j):
+def test_ball_blocks(scene, j, contact):
     """Blocks and slopes of the powers against central differences."""
-    s = scene("gyro_s1", SMOOTH | {"cage": None})
+    s = scene("gyro_s1", SMOOTH | {"cage": None, "model.contact": contact})
     system = DynamicSystem.of(s, start_of(s).u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0])
     system.update()
     u = system.balls[j, :4].copy()

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from bearingwear.kernels.contact import friction_sums, slip_velocity, surface_height, traction
+from bearingwear.kernels.contact import slip_velocity, strip_sums, strip_traction, surface_height
 from bearingwear.kernels.ellipse import FAR, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.summary import QV
@@ -17,7 +17,7 @@ from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.steady import ThrustProblem
 
 R = 1e-3
-CONTACT = Contact(-1.0, 2.0, 6e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0)
+CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0)
 
 
 def slip_with_roots(first, second, c_1):
@@ -33,7 +33,7 @@ def sums(rule, c, v_r, mu=0.1):
     """Mean slip and the four generalised forces, over mu Q and the lengths R, 1, R, a."""
     t, weight = np.empty((2, most_points(rule)))
     t, weight = quadrature_points(rule, CONTACT, R, c, v_r, t, weight)
-    g_1, g_0, g_h, g_x, qv = friction_sums(CONTACT, R, c, mu, v_r, t, weight)
+    g_1, g_0, g_h, g_x, qv = strip_sums(CONTACT, R, c, mu, v_r, t, weight)
     forces = np.array([g_1 / R, g_0, g_h / R, g_x / CONTACT.a]) / (mu * CONTACT.Q)
     return np.array([qv / CONTACT.Q, *forces])
 
@@ -140,7 +140,7 @@ def test_torque_of_a_spinning_contact():
     t, weight = quadrature_points(rule, CONTACT, R, c, 1e-9, *np.empty((2, most_points(rule))))
     h, gradient = np.empty(t.size), np.empty(4)
     surface_height(CONTACT, R, t, h)
-    traction(CONTACT, c, mu, 1e-9, t, weight, h, gradient)
+    strip_traction(CONTACT, c, mu, 1e-9, t, weight, h, gradient)
     assert_allclose(gradient[3], 3 / 8 * mu * CONTACT.Q * CONTACT.a, rtol=1e-12)
 
 

@@ -38,14 +38,17 @@ from bearingwear.model import parameters
 from bearingwear.model.steady import ThrustProblem
 
 
-@pytest.fixture(params=["constant_force", "fixed_position"])
+@pytest.fixture(
+    params=[(m, c) for m in ("constant_force", "fixed_position") for c in ("paper", "hertz")]
+)
 def solved(request, scene):
     """A solved balance (problem, seat, motion) with fixed quadrature points and drag."""
     problem = ThrustProblem.of(
         scene(
             "gyro_s1",
             {
-                "operation.preload_method": request.param,
+                "operation.preload_method": request.param[0],
+                "model.contact": request.param[1],
                 "model.quadrature": "gauss",
                 "lubricant.drag_density_kg_m3": 300.0,
             },

@@ -31,7 +31,7 @@ _SPECIAL = {"fidelity": TRADE_FIDELITIES, "start": STARTS, "hertz": HERTZ}
 """Settings of a point that are no keys of a scene, and what they take."""
 
 PRESET_KEYS: dict[str, Mapping[str, Any]] = {
-    name: preset.keys for name, preset in NAMED_PRESETS.items()
+    name: preset.keys("line") for name, preset in NAMED_PRESETS.items()
 }
 """What `preset` stands for: the settings of `model.accuracy`."""
 

@@ -139,7 +139,7 @@ def test_presets_are_those_of_the_scenes(plan):
     settings = [point.settings for point in plan.points("preset_steady")]
     for name, given in zip(("draft", "standard", "reference"), settings, strict=True):
         keys = dict(text.split("=") for text in given)
-        assert set(keys) == set(NAMED_PRESETS[name].keys)
+        assert set(keys) == set(NAMED_PRESETS[name].keys("line"))
         assert int(keys["model.strips"]) == NAMED_PRESETS[name].strips
         assert float(keys["model.dynamic_tolerance"]) == NAMED_PRESETS[name].dynamic_tolerance
 

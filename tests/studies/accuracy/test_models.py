@@ -72,7 +72,7 @@ def test_the_fit_moves_the_answer_a_little(scene):
     [
         ("gyro_s1", {}),
         ("gyro_s1", {"operation.preload_method": "fixed_position", "friction.ball_race": 0.05}),
-        ("turbopump", {}),
+        ("turbopump", {"model.contact": "paper"}),
     ],
 )
 def test_traction_in_the_normal_balance(scene, name, changes):

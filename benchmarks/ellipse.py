@@ -1,0 +1,122 @@
+"""Slip over the whole ellipse: error over points, and cost against the model of the paper.
+
+    python benchmarks/ellipse.py [errors] [cost]
+
+Errors are those of QV of steady states against 100 x 32 points, at v_r = 1e-4 m/s: gyro_s1 at two
+frictions, new and worn by 0.5 um, by both preload methods; turbopump and bearing218. Costs are
+thread CPU times, warm, of both models in turn; each is the median of many.
+"""
+
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from bearingwear.kernels.summary import QV
+from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.parameters import ellipse_rule
+from bearingwear.model.steady import ThrustProblem, solve_steady
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.scene import Scene
+
+SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
+ALONG = [("split", n) for n in (20, 24, 32, 48, 64)] + [("gauss", n) for n in (20, 100)]
+ACROSS = (1, 4, 8, 12, 24)
+
+
+def scene_of(name: str, *settings: str) -> Scene:
+    return load_scene(SCENES / f"{name}.yaml", settings)
+
+
+def states() -> Iterator[tuple[ThrustProblem, float]]:
+    """Problems and ball diameters."""
+    common = ["model.contact=hertz", "friction.slip_regularisation_m_s=1.0e-4"]
+    for method in ("constant_force", "fixed_position"):
+        for mu in (0.02, 0.08):
+            settings = [f"operation.preload_method={method}", f"friction.ball_race={mu}"]
+            problem = ThrustProblem.of(scene_of("gyro_s1", *common, *settings))
+            yield problem, problem.g.D0
+            yield problem, problem.g.D0 - 0.5e-6
+    for name in ("turbopump", "bearing218"):
+        problem = ThrustProblem.of(scene_of(name, *common))
+        yield problem, problem.g.D0
+
+
+def qv(problem: ThrustProblem, D: float, *rule: str | int) -> np.ndarray:
+    """QV of both contacts [W] by a rule."""
+    points = ellipse_rule(*rule)
+    case = replace(problem, rule=points, fine_rule=points).solve(D)
+    assert case.status == 0
+    return case.contacts[:, QV]
+
+
+def errors() -> None:
+    every = list(states())
+    right = [qv(*state, "split", 100, 32) for state in every]
+    print("| along | across | total QV, median | worst | a contact's QV, worst |")
+    print("| --- | ---: | ---: | ---: | ---: |")
+    for name, n in ALONG:
+        for m in ACROSS:
+            found = [qv(*state, name, n, m) for state in every]
+            pairs = list(zip(found, right, strict=True))
+            total = [abs(q.sum() / r.sum() - 1.0) for q, r in pairs]
+            one = max(np.abs(q / r - 1.0).max() for q, r in pairs)
+            print(
+                f"| {name} {n} | {m} | {np.median(total):.1e} | {max(total):.1e} | {one:.1e} |",
+                flush=True,
+            )
+
+
+def times(both: list[Callable[[], object]], repeats: int) -> list[float]:
+    """Median thread CPU times [s] of calls that take turns."""
+    for call in both:
+        call()
+    taken: list[list[float]] = [[] for _ in both]
+    for _ in range(repeats):
+        for call, kept in zip(both, taken, strict=True):
+            started = time.thread_time()
+            call()
+            kept.append(time.thread_time() - started)
+    return [statistics.median(kept) for kept in taken]
+
+
+def turn(scene: Scene, state: np.ndarray) -> Callable[[], None]:
+    """One shaft turn from a motion beside the steady state."""
+    problem = ThrustProblem.of(scene)
+
+    def run() -> None:
+        system = DynamicSystem.of(scene, state + np.array([0.0, 50.0, 0.0, 0.0]))
+        system.advance(2.0 * np.pi / problem.op.omega_i, scene.model.dynamic_tolerance)
+
+    return run
+
+
+def row(what: str, name: str, paper: float, hertz: float) -> None:
+    print(f"| {what} | {name} | {1e3 * paper:.3g} | {1e3 * hertz:.3g} | {hertz / paper:.2f} |")
+
+
+def cost() -> None:
+    print("| what | scene | paper, ms | hertz, ms | ratio |\n| --- | --- | ---: | ---: | ---: |")
+    for name in ("gyro_s1", "turbopump", "bearing218"):
+        both = [scene_of(name, f"model.contact={c}") for c in ("paper", "hertz")]
+        problems = [ThrustProblem.of(scene) for scene in both]
+        taken = times([lambda p=p: p.solve(p.g.D0) for p in problems], 200)
+        row("steady state", name, *taken)
+        taken = times([lambda s=s: solve_steady(s) for s in both], 40)
+        row("the same with search and error estimates", name, *taken)
+        if name == "bearing218":
+            continue
+        for what, cage in (("a turn in time", False), ("a turn in time with the cage", True)):
+            scenes = both if cage else [scene.without_cage for scene in both]
+            states = [p.solve(p.g.D0).u for p in problems]
+            calls = [turn(s, u) for s, u in zip(scenes, states, strict=True)]
+            row(what, name, *times(calls, 9))
+
+
+if __name__ == "__main__":
+    for part in sys.argv[1:] or ["errors", "cost"]:
+        {"errors": errors, "cost": cost}[part]()

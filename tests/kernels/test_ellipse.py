@@ -1,0 +1,220 @@
+"""Slip over the whole ellipse: points across the strips, sums, slopes and closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+from scipy.special import ellipe
+
+from bearingwear.kernels.contact import (
+    dissipation,
+    ellipse_slope,
+    ellipse_sums,
+    half_width,
+    slip_velocity,
+    strip_slope,
+    strip_sums,
+    strip_traction,
+    surface_height,
+    traction,
+)
+from bearingwear.kernels.ellipse import EDGE, most_points, place_across, quadrature_points
+from bearingwear.kernels.friction import potential
+from bearingwear.kernels.params import Contact
+from bearingwear.model.parameters import ellipse_rule
+from bearingwear.model.quadrature import chebyshev, chebyshev_halves, gauss_halves
+
+R, MU, V_R = 1e-3, 0.07, 2e-3
+CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0)
+# Slip coefficients of sticking, of rolling, of spin with gyroscopic slip, of gross slip; steps.
+SLIPS = [(2.0, 1e-4, 0.3, 20.0), (9.0, -6.001, 6000.0, 10.0), (20.0, 0.02, 5.0, 4e3)]
+SLIPS += [(3e3, 0.2, -5.0, 40.0)]
+STEPS = (2e-4, 2e-7, 2e-4, 4e-3)
+SCALE = np.array([R, 1.0, R, CONTACT.a])  # levers of the generalised forces
+
+
+def placed(rule, c, contact=CONTACT, v_r=V_R):
+    """Points of a rule as the sums take them: t, weight, h, width, across, share."""
+    n, m = most_points(rule), rule.across.size
+    t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, n)))
+    across, share = np.empty((2, m))
+    place_across(rule, contact, R, c, across, share)
+    h, width = np.empty(t.size), np.zeros(t.size)
+    surface_height(contact, R, t, h)
+    half_width(contact, t, width)
+    return t, weight, h, width, across, share
+
+
+def sums(c, points):
+    """Potential, gradient, Hessian and QV of CONTACT over held points."""
+    gradient, hessian = np.empty(4), np.empty((4, 4))
+    ellipse_slope(CONTACT, c, MU, V_R, *points, gradient, hessian)
+    *alone, qv = ellipse_sums(CONTACT, c, MU, V_R, *points)
+    assert_allclose(alone, gradient, rtol=1e-12, atol=1e-14 * np.abs(gradient / SCALE).max())
+    t, weight, h, width, across, share = points
+    y = np.outer(width, across)
+    v_2 = (c[0] * h[:, None] - c[3] * y) ** 2
+    v_2 += (c[1] + c[2] * h + c[3] * CONTACT.a * t)[:, None] ** 2
+    load = MU * CONTACT.Q * np.outer(weight, share)
+    phi = sum(potential(p, v, V_R * V_R) for p, v in zip(load.flat, v_2.flat, strict=True))
+    assert_allclose(qv, (load * np.sqrt(v_2)).sum() / MU, rtol=1e-12)
+    return phi, gradient, hessian
+
+
+def differences(c, points, result):
+    """Central differences of one result of `sums` by the four slip coefficients."""
+    out = []
+    for i, step in enumerate(STEPS):
+        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
+        low, high = (sums(m, points)[result] for m in moved)
+        out.append((high - low) / (2.0 * step))
+    return np.array(out)
+
+
+@pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
+@pytest.mark.parametrize("c", SLIPS)
+def test_derivatives(c, rule):
+    """Gradient and Hessian against differences (as test_friction.py has it), points held."""
+    points = placed(rule, c)
+    _, gradient, hessian = sums(c, points)
+    size = np.abs(gradient / SCALE).max()
+    assert_allclose(differences(c, points, 0) / SCALE, gradient / SCALE, atol=1e-5 * size)
+    scale = SCALE[:, None] * SCALE
+    found, hessian = differences(c, points, 1) / scale, hessian / scale
+    assert np.abs(found - hessian).max() <= 1e-6 * np.abs(hessian).max()
+    assert_allclose(hessian, hessian.T, rtol=0, atol=0)
+    assert np.linalg.eigvalsh(hessian).min() > 0.0  # convex
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_one_point_across_is_the_line(c):
+    t, weight = gauss_halves(30)
+    h, width, middle = np.empty(t.size), np.zeros(t.size), (np.zeros(1), np.ones(1))
+    surface_height(CONTACT, R, t, h)
+    *found, qv = ellipse_sums(CONTACT, c, MU, V_R, t, weight, h, width, *middle)
+    *line, line_qv = strip_sums(CONTACT, R, c, MU, V_R, t, weight)
+    gradient, hessian = np.empty((2, 4)), np.empty((2, 4, 4))
+    traction(CONTACT, c, MU, V_R, t, weight, h, width, *middle, gradient[0])
+    assert_allclose(found, line, rtol=1e-12)
+    assert_allclose(gradient[0], line, rtol=1e-12)
+    assert_allclose(qv, line_qv, rtol=1e-13)
+    ellipse_slope(CONTACT, c, MU, V_R, t, weight, h, width, *middle, gradient[0], hessian[0])
+    strip_slope(CONTACT, c, MU, V_R, t, weight, h, gradient[1], hessian[1])
+    assert_allclose(hessian[0], hessian[1], rtol=1e-11, atol=1e-13 * np.abs(hessian[1]).max())
+
+
+@pytest.mark.parametrize("rule", [ellipse_rule("gauss", 16, 5), ellipse_rule("split", 24, 8)])
+@pytest.mark.parametrize("c", SLIPS)
+def test_mirrored_across(c, rule):
+    """With gyroscopic slip the other way round its force turns round, and nothing else changes."""
+    mirrored = (-c[0], *c[1:])
+    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, *placed(rule, c))
+    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, *placed(rule, mirrored))
+    assert_allclose([-others[0], *others[1:], other_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
+
+
+@pytest.mark.parametrize("make", [chebyshev, chebyshev_halves])
+@pytest.mark.parametrize("n", [1, 2, 4, 7, 12])
+def test_points_across_integrate_a_semi_ellipse(make, n):
+    """Weights, symmetry, and the means of y^2 and of |y|, which only the halves have exactly."""
+    across, share = make(n)
+    assert_allclose(share.sum(), 1.0, rtol=1e-13)
+    assert_allclose(across, -across[::-1], atol=1e-16)
+    assert np.abs(across).max() < 1.0
+    if n > 3:
+        assert_allclose((share * across**2).sum(), 0.25, rtol=1e-12)
+    if n > 1 and make is chebyshev_halves:
+        assert_allclose((share * np.abs(across)).sum(), 4.0 / (3.0 * np.pi), rtol=1e-12)
+
+
+def test_points_across_follow_where_the_slip_turns_round():
+    """Their middle is moved there, at the most to EDGE; a contact without slip is no obstacle."""
+    rule = ellipse_rule("split", 24, 8)
+    for c, middle in (
+        ((0.0, 0.0, 0.0, 1e3), 0.0),
+        ((5.0, 0.0, 0.0, 1e3), 5.0 * R / (1e3 * CONTACT.b)),
+        ((-500.0, 0.0, 0.0, 1e3), -EDGE),
+        ((500.0, 0.0, 0.0, 0.0), EDGE),
+        ((0.0, 0.0, 0.0, 0.0), None),
+    ):
+        *_, across, share = placed(rule, c)
+        assert_allclose(share.sum(), 1.0, rtol=1e-13)
+        assert np.abs(across).max() < 1.0
+        if middle is not None:
+            e = np.clip(middle, -EDGE, EDGE)
+            back = (across - e) / (1.0 - e * across)
+            assert_allclose(back, rule.across, atol=2e-2 if 0.0 < abs(e) < EDGE else 1e-12)
+
+
+@pytest.mark.parametrize("kappa", [1.0, 1.5, 3.07, 6.0, 20.0])
+def test_spin_torque_of_an_ellipse(kappa):
+    """(3/8) mu Q a E(m), Poritsky, Hewlett and Coleman (1947); the line model has E = 1."""
+    contact = CONTACT._replace(b=CONTACT.a / kappa)
+    c, v_r = (0.0, 0.0, 0.0, 1e3), 1e-9
+    rule = ellipse_rule("split", 200, 64)
+    *_, g_x, qv = ellipse_sums(contact, c, MU, v_r, *placed(rule, c, contact, v_r))
+    unit = 3 / 8 * contact.Q * contact.a
+    assert_allclose(g_x / (MU * unit), ellipe(1.0 - kappa**-2), rtol=1e-6)
+    assert_allclose(qv / (unit * 1e3), ellipe(1.0 - kappa**-2), rtol=1e-6)
+    t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
+    assert_allclose(strip_sums(contact, R, c, MU, v_r, t, weight)[3] / (MU * unit), 1.0, rtol=1e-9)
+
+
+def test_default_points_on_a_spinning_ellipse():
+    """20 strips and 8 points across: 1e-3 of the torque at kappa 3.07; fixed ones, 8: 2.5e-4."""
+    contact, c = CONTACT._replace(b=CONTACT.a / 3.07), (0.0, 0.0, 0.0, 1e3)
+    exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - 3.07**-2)
+    split = ellipse_sums(contact, c, MU, 1e-9, *placed(ellipse_rule("split", 20, 8), c, contact))
+    assert_allclose(split[3], exact, rtol=1e-3)
+    fixed = ellipse_sums(contact, c, MU, 1e-9, *placed(ellipse_rule("gauss", 200, 8), c, contact))
+    assert_allclose(abs(fixed[3] / exact - 1.0), 2.5e-4, rtol=0.1)
+
+
+def test_heathcote_slip():
+    """No spin, no gyroscopic slip: Johnson, Contact Mechanics, 8.5 (line slip, close conformity).
+
+    Without a net force there is no slip at 0.34730 a, and the moment is 0.08057 mu Q a^2/R.
+    """
+    contact = CONTACT._replace(r_g=R * (1.0 + 1e-9), a=0.02 * R)
+    rule, v_r, c_h = ellipse_rule("split", 200), 1e-12, 1.0
+    gradient = np.empty(4)
+
+    def along(c_0):
+        c = (0.0, c_0, c_h, 0.0)
+        t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
+        h = np.empty(t.size)
+        surface_height(contact, R, t, h)
+        strip_traction(contact, c, MU, v_r, t, weight, h, gradient)
+        return gradient[1]
+
+    ends = np.empty(2)
+    surface_height(contact, R, np.array([0.0, 1.0]), ends)
+    c_0 = brentq(along, -c_h * ends[0], -c_h * ends[1], xtol=1e-18, rtol=1e-15)
+    zero = brentq(lambda t: slip_at(contact, (0.0, c_0, c_h, 0.0), t), 0.0, 1.0)
+    assert_allclose(zero, 0.34730, rtol=1e-3)
+    moment = gradient[2] - ends[0] * gradient[1]
+    assert_allclose(abs(moment), 0.08057 * MU * contact.Q * contact.a**2 / R, rtol=1e-3)
+
+
+def slip_at(contact, c, t):
+    h, v1, v2 = np.empty((3, 1))
+    at = np.array([t])
+    surface_height(contact, R, at, h)
+    slip_velocity(contact, c, at, h, v1, v2)
+    return v2[0]
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_share_of_gyroscopic_slip_counts_no_spin(c):
+    """|c_1 h| over |v|; and heat and torque are those of the generalised friction."""
+    points, r = placed(ellipse_rule("split", 24, 8), c), 3.5e-3
+    qv, heat, share, torque = dissipation(CONTACT, c, MU, V_R, r, *points)
+    *g, total = ellipse_sums(CONTACT, c, MU, V_R, *points)
+    assert_allclose(qv, total, rtol=1e-12)
+    assert_allclose(heat, np.dot(c, g), rtol=1e-10)
+    lever = r * g[1] + CONTACT.sigma * CONTACT.cos_a * g[2] - CONTACT.sin_a * g[3]
+    assert_allclose(torque, -lever, rtol=1e-9)
+    _, weight, h, *_ = points
+    assert_allclose(share * qv, CONTACT.Q * (weight * np.abs(c[0] * h)).sum(), rtol=1e-10)
