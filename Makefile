@@ -6,7 +6,7 @@ BIN := .venv/bin
 ALL_CORES := -n auto --dist loadgroup
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test quick test-slurm test-faults fuzz always accuracy-docs bench venv clean
+.PHONY: study test quick test-long test-slurm test-faults fuzz always accuracy-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -21,6 +21,9 @@ test: $(STAMP) # on all cores
 quick: $(STAMP) # half a minute: what solves little and starts no other programs
 	$(BIN)/python -m pytest $(ALL_CORES) tests/kernels tests/scene tests/plotting tests/test_names.py \
 		tests/test_provenance.py --ignore tests/kernels/test_kernel_cache.py
+
+test-long: $(STAMP) # whole studies run again and again, not part of `make test`
+	$(BIN)/python -m pytest $(ALL_CORES) -m long
 
 test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'

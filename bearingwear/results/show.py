@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import textwrap
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -30,7 +29,7 @@ from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.show_life import life_blocks
 from bearingwear.results.units import digits, display
 from bearingwear.results.variables import DIAGNOSTICS, EXTREMES, RACES, of_all_balls
-from bearingwear.results.warnings import warning_lines
+from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 
 if TYPE_CHECKING:
     from bearingwear.model.result import Result
@@ -134,19 +133,19 @@ def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     status = STATUS_NAMES[int(values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
     why = (json.loads(getattr(file, "modelled", "[]")) or [""])[0].partition(": ")[2]
-    warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
+    attributes = {"warnings": getattr(file, "warnings", "[]")}
     lines = [
         *(operation_lines(scene) if scene else ()),
         f"model {fidelity}{f' ({why})' if why else ''}, status {status}: "
         f"{status_sentence(status, scene)}",
-        *(part for text in warnings for part in textwrap.wrap(text, 110, subsequent_indent="  ")),
+        *wrapped_warnings(attributes),
     ]
     facts = {
         "scene": scene.get("name"),
         "fidelity": fidelity,
         "why": why,
         "status": status,
-        "warnings": [text.removeprefix("warning: ") for text in warnings],
+        "warnings": [text.removeprefix(WARNING) for text in warning_lines(attributes)],
     }
     return tuple(lines), facts
 

@@ -191,6 +191,7 @@ def run_script(folder, end):
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
 
+@pytest.mark.long
 def test_where_processes_start_anew(tmp_path):
     guard = "if __name__ == '__main__':\n    multiprocessing.set_start_method('spawn')\n    main()"
     done = run_script(tmp_path, guard)

@@ -3,12 +3,15 @@
 The copies take the compiled kernels of the project itself, which are found by their contents.
 """
 
+import atexit
+import functools
 import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -46,6 +49,20 @@ CONFIG = {
 }
 
 
+@functools.cache
+def planner() -> subprocess.Popen:
+    """The process that runs Snakemake for the tests of this one."""
+    process = subprocess.Popen(
+        [sys.executable, str(Path(__file__).with_name("planner.py"))],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
+    )
+    atexit.register(process.kill)
+    return process
+
+
 @dataclass(frozen=True)
 class Project:
     """A copy of the project."""
@@ -62,6 +79,8 @@ class Project:
 
     def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
         """Run Snakemake in the copy, by another program if a prefix is given."""
+        if not prefix:
+            return self._planned([f"-j{jobs}", "--nocolor", *arguments])
         done = subprocess.run(
             [*prefix, *self.command(*arguments, jobs=jobs)],
             cwd=self.root,
@@ -71,6 +90,16 @@ class Project:
             timeout=900,
         )
         return Run(done.returncode, done.stdout + done.stderr)
+
+    def _planned(self, arguments: Sequence[str]) -> "Run":
+        """Run Snakemake by the process that has it imported."""
+        server = planner()
+        with tempfile.NamedTemporaryFile() as said:
+            asked = {"arguments": [*arguments], "folder": str(self.root), "output": said.name}
+            server.stdin.write(json.dumps(asked | {"environment": self.environment}) + "\n")
+            server.stdin.flush()
+            status = int(server.stdout.readline())
+            return Run(status, Path(said.name).read_text(encoding="utf-8", errors="replace"))
 
     def start(self, *arguments: str) -> subprocess.Popen:
         """Run Snakemake in the copy, in a group of processes of its own, and do not wait."""

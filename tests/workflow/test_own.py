@@ -50,6 +50,7 @@ def contents(folder):
     }
 
 
+@pytest.mark.long
 def test_from_a_scene_to_its_page(study, tmp_path):
     folder = tmp_path / "folder"
     status, told = study("-j2", "--stiffness", "3")

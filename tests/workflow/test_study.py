@@ -93,6 +93,7 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved):
     assert again.status == 0 and "Nothing to be done" in again.text
 
 
+@pytest.mark.long
 def test_the_same_bytes_twice(first_run, solved):
     before = first_run[0].results()
     run = solved.run("--forceall")
@@ -139,6 +140,7 @@ def test_one_point_again(solved):
     assert other.stat().st_ino == untouched.st_ino
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("points", "jobs"), [(1, {"grid_solve": 4, "grid_solve_2": 4}), (4, {"grid_solve_chunk": 2})]
 )
@@ -387,6 +389,7 @@ def test_a_case_that_cannot_be_solved(solved):
     assert all(line in again.text for line in failed)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not is_solved_in_time("gyro_s1"), reason="no dynamic model in this version")
 def test_cases_solved_in_time(new_project):
     project = new_project()
@@ -412,6 +415,7 @@ def test_cases_solved_in_time(new_project):
     assert planned.jobs["grid_solve_dynamic"] == 1 and "grid_solve" not in planned.jobs
 
 
+@pytest.mark.long
 def test_a_killed_run_goes_on(first_run, new_project):
     project, target = new_project(), "results/gyro_s1/study.nc"
     process = project.start(target)

@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display, in_ascii
-from bearingwear.results.warnings import WARNING, warning_lines
+from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.words import (
     LIMIT_WORDS,
@@ -49,10 +49,10 @@ def recommendation_sheet(file: Any) -> Sheet:
             for method, why in none.items()
         ),
     )
-    warnings = warning_lines({"warnings": getattr(file, "warnings", "[]")})
-    heading += tuple(warnings)
+    attributes = {"warnings": getattr(file, "warnings", "[]")}
+    heading += tuple(wrapped_warnings(attributes))
     facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
-    facts["warnings"] = [line.removeprefix(WARNING) for line in warnings]
+    facts["warnings"] = [line.removeprefix(WARNING) for line in warning_lines(attributes)]
     return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)),))
 
 

@@ -1,0 +1,45 @@
+"""Snakemake, imported once for many runs: each is a fork of this process.
+
+Reads lines of JSON, {"arguments", "folder", "environment", "output"}, and answers each with the
+exit status. A run sees what `python -m snakemake` would in that folder: nothing of the package
+under test is imported here.
+"""
+
+import json
+import os
+import sys
+
+from snakemake.cli import main
+
+
+def run(arguments, folder, environment, output):
+    """Run Snakemake in this process, which ends with it."""
+    status = 1
+    try:
+        os.chdir(folder)
+        os.environ.clear()
+        os.environ.update(environment)
+        sys.path[0] = folder
+        sys.argv = ["snakemake", *arguments]
+        told = os.open(output, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(told, 1)
+        os.dup2(told, 2)
+        main(arguments)
+        status = 0
+    except SystemExit as stop:
+        status = stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+        if isinstance(stop.code, str):
+            print(stop.code, file=sys.stderr)
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+
+
+for line in sys.stdin:
+    asked = json.loads(line)
+    child = os.fork()
+    if child == 0:
+        run(**asked)
+    _, ended = os.waitpid(child, 0)
+    print(os.waitstatus_to_exitcode(ended), flush=True)
