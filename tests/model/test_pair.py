@@ -364,3 +364,42 @@ def test_cost_of_an_unlike_pair(scene):
 def test_status_of_every_solve_is_known():
     assert code.STATUS_NAMES[code.LIFTED_OFF] == "lifted_off"
     assert set(code.STATUS_NAMES) == set(code.STATUS_SENTENCES)
+
+
+# temperatures from a network
+
+NETWORK = {
+    "thermal": {
+        "conductance_W_K": {
+            "inner_ring_shaft": 0.01, "outer_ring_housing": 0.02, "ball_race": 0.005,
+        },
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_symmetric_pair_with_a_network(solved, fidelity):
+    one, two = (solved(kind | NETWORK, fidelity) for kind in (POSITION, RIGID))
+    for k in range(2):
+        other = of_bearing(two, k)
+        for name, value in one.items():
+            assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
+    cold = solved(RIGID, fidelity)
+    assert two["lift_off_force"] > 1.02 * cold["lift_off_force"]
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_each_bearing_has_its_own_network(solved, fidelity):
+    """The more loaded side is warmer; heat flows and the rotor balance."""
+    v = solved(RIGID | NETWORK | {"arrangement.external_axial_N": 4.0}, fidelity)
+    assert v["part_temperature"][0, 0] > v["part_temperature"][1, 0] + 0.1
+    assert_allclose(np.subtract(*v["residual_preload"]), 4.0, atol=1e-7)
+    assert (v["heat_flow_residual"] < 1e-5).all()
+    given = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C", "shaft_C", "housing_C"),
+                     v["part_temperature"].T, strict=True))  # fmt: skip
+    first = {f"temperature.{name}": float(t[0]) for name, t in given.items()}
+    second = {f"temperature.{name}": float(t[1]) for name, t in given.items()}
+    same = solved(RIGID | first | {"arrangement.external_axial_N": 4.0,
+                                   "arrangement.second": second}, fidelity)  # fmt: skip
+    for name in ("residual_preload", "total_qv", "rotor_axial_shift", "system_axial_stiffness"):
+        assert_allclose(same[name], v[name], rtol=1e-6, err_msg=name)
