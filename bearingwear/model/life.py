@@ -17,7 +17,7 @@ from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
-from bearingwear.model.fidelity import choice_for_life
+from bearingwear.model.fidelity import NotAvailable, choice_for_life
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.heat import SteadyHeat, heat_of_case, race_control_heat, warmth_of
 from bearingwear.model.interrupt import Interrupt
@@ -44,6 +44,12 @@ def steady_states(
 
     `problem`, if given, takes the place of the scene's own (other settings of accuracy).
     """
+    if scene.pair is not None:
+        if not scene.pair.is_symmetric:
+            raise NotAvailable(
+                f"{scene.name}: given two bearings that differ; allowed one, or alike"
+            )
+        scene = scene.sides[0]
     like, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)
     solved: dict[float, tuple[np.ndarray, Warmed | None]] = {}
 

@@ -2,7 +2,7 @@
 
 A rigid pair keeps the distance of its bearings, a spring pair the spring's force. Each side is a
 single bearing, solved by the same model as ever at the place or under the force that is its own
-(theory.md section 17).
+(theory.md section 19).
 """
 
 import math
@@ -27,7 +27,9 @@ from bearingwear.model.steady import ThrustProblem, solve_steady
 from bearingwear.model.thermal import HeatFlow, Warmed, warmed
 from bearingwear.scene.scene import Scene
 
-BALANCED = 1e-12  # force left on the rotor, over the larger preload, at which its place is found
+ROTOR_BALANCED = (
+    1e-12  # force left on the rotor, over the larger preload, at which its place is found
+)
 _MOST_STEPS = 30
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
 _WIDEST = 60  # doublings of the range in which the rotor is looked for
@@ -261,7 +263,10 @@ class Pair:
                 slope = secant if 0.5 * slope < secant < 2.0 * slope else slope
             before, step = (x, left), -left / slope
             scale = max(states[0].force, states[1].force, abs(F_ext))
-            if abs(left) <= BALANCED * scale or abs(step) <= _ROUNDED * one.mechanics(0.0).g.BD:
+            if (
+                abs(left) <= ROTOR_BALANCED * scale
+                or abs(step) <= _ROUNDED * one.mechanics(0.0).g.BD
+            ):
                 self.near = x
                 return PairState(
                     _worse(states), states, x, states[0].stiffness + states[1].stiffness
@@ -307,7 +312,7 @@ class Pair:
             left = shift + states[1].place - two.mounted - e
             k_1, k_2 = states[0].stiffness, states[1].stiffness
             step = left / (1.0 + k_s / k_1 + k_s / k_2)
-            if k_s * abs(step) <= BALANCED * max(F_1, F_2):
+            if k_s * abs(step) <= ROTOR_BALANCED * max(F_1, F_2):
                 self.near = e if k_s else math.nan
                 return PairState(_worse(states), states, shift, k_1 + k_s * k_2 / (k_s + k_2))
             e += step

@@ -18,9 +18,6 @@ from bearingwear.scene.warmth import Temperature
 Solved = tuple[tuple[dict, dict], ...]
 """Values and attributes of each bearing."""
 
-OF_BOTH = ("status",)
-"""Values of a case that both sides have in common."""
-
 
 def solve_pair(
     scene: Scene, tier: str, alike: tuple[dict, dict] | None = None
@@ -135,7 +132,7 @@ def _status(state: PairState, each: Sequence[Mapping[str, Any]], residual: float
 
 def stacked_sides(each: Sequence[Mapping[str, Any]]) -> dict:
     """Values of both bearings along a first dimension; NaN and -1 where one has fewer of them."""
-    names = dict.fromkeys(name for side in each for name in side if name not in OF_BOTH)
+    names = dict.fromkeys(name for side in each for name in side if name != "status")
     made = {}
     for name in names:
         found = [np.asarray(side[name]) if name in side else None for side in each]

@@ -1,4 +1,4 @@
-"""Wear life of two bearings: each integrates its own loss of ball diameter (theory.md section 17).
+"""Wear life of two bearings: each integrates its own loss of ball diameter (theory.md section 19).
 
 The state depends on both losses, so the life is an initial-value problem over their sum s,
 
@@ -27,17 +27,21 @@ from bearingwear.model.life import (
     race_control_states,
     steady_states,
 )
-from bearingwear.model.life_integrator import FIRST_STEP, REASONLESS, WearState
+from bearingwear.model.life_integrator import (
+    FIRST_STEP,
+    REASONLESS,
+    ROOT,
+    SHORTEST_STEP,
+    WearState,
+)
 from bearingwear.model.pair import Pair, SteadySide
 from bearingwear.model.pair_case import stacked_sides
 from bearingwear.model.sides import SHARED
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, EndOfLife, Scene
 
-NONE = len(CRITERIA) - 1
-SHORTEST_STEP = 1e-6  # of the first step
-ROOT = 1e-9  # of the step in which the criterion is met
-LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated
+NO_CRITERION = len(CRITERIA) - 1
+LOOSER_LIFE = 30.0  # tolerance of the run that shows how well the life is integrated
 _MOST_STEPS = 2000
 
 Both = tuple[WearState, WearState]
@@ -57,7 +61,7 @@ class PairHistory:
 
     states: list[Both]
     times: list[float] = field(default_factory=lambda: [0.0])  # [s]
-    criterion: int = NONE
+    criterion: int = NO_CRITERION
     status: int = code.CRITERION_NOT_REACHED
     solves: int = 0
 
@@ -236,7 +240,7 @@ def _quarters(a: float, b: float) -> np.ndarray:
 
 def _ended(criterion: int) -> tuple[int, int]:
     """Index and status of what has been met: a criterion, or the largest loss."""
-    return criterion, code.CRITERION_NOT_REACHED if criterion == NONE else code.OK
+    return criterion, code.CRITERION_NOT_REACHED if criterion == NO_CRITERION else code.OK
 
 
 def pair_life(scene: Scene, tier: str) -> tuple[dict, dict]:
@@ -264,7 +268,7 @@ def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:
         return values, {"solves": solves}
     factor, _ = parameters.wear_factors(scene)
     lives = np.array([run.times[-1] if run.status == history.status else np.nan for run in runs])
-    loose = PairLife(Pair.of(scene, tier), own, min(LOOSER * tolerance, 1e-2)).integrate()
+    loose = PairLife(Pair.of(scene, tier), own, min(LOOSER_LIFE * tolerance, 1e-2)).integrate()
     solves += loose.solves
     bound = np.full(len(COUNTS), np.nan)
     bound[own] = abs(loose.times[-1] - lives[own])

@@ -11,7 +11,7 @@ import numpy as np
 
 from bearingwear import __version__
 from bearingwear.provenance import source_hash
-from bearingwear.results.pair_variables import BEARING, BEARINGS, is_pair, of_pair
+from bearingwear.results.pair_variables import BEARINGS, OF_BEARING, is_pair, of_pair
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import (
     BALL_AXES,
@@ -118,7 +118,7 @@ def _sizes(table: Mapping[str, Variable], values: Mapping[str, Any], scene: Any)
         "axis": len(BALL_AXES),
         "counts": len(COUNTS),
         "strip": strips,
-        BEARING: len(BEARINGS),
+        OF_BEARING: len(BEARINGS),
     }
     for name, variable in table.items():
         if name in values:

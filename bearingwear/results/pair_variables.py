@@ -12,11 +12,11 @@ from bearingwear.scene.arrangement import METHODS
 
 BEARINGS = ("first", "second")
 MODES = ("axial", "radial", "conical")
-BEARING = "bearing"
+OF_BEARING = "bearing"
 """Dimension of what each bearing of a pair has as its own; it stands first."""
 
 PAIR_COORDINATES = table(
-    Variable(BEARING, (BEARING,), "", "bearing of the pair", "i1", flags=BEARINGS),
+    Variable(OF_BEARING, (OF_BEARING,), "", "bearing of the pair", "i1", flags=BEARINGS),
     Variable("mode", ("mode",), "", "motion of the rotor", "i1", flags=MODES),
 )
 
@@ -47,6 +47,6 @@ def is_pair(scene: Mapping[str, Any]) -> bool:
 def of_pair(known: Mapping[str, Variable]) -> dict[str, Variable]:
     """A table as a file of a pair has it: what is not shared has a value for each bearing."""
     return {
-        name: v if name in SHARED else replace(v, dims=(BEARING, *v.dims))
+        name: v if name in SHARED else replace(v, dims=(OF_BEARING, *v.dims))
         for name, v in known.items()
     }

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.results.pair_variables import BEARING, MODES
+from bearingwear.results.pair_variables import MODES, OF_BEARING
 from bearingwear.results.rows import mean_rows, row_of, values
 from bearingwear.results.sheet import Block, Row
 
@@ -24,7 +24,9 @@ class OfBearing:
 
     def __getitem__(self, name: str) -> Any:
         variable = self._file[name]
-        return _OfBearing(variable, self._k) if variable.dimensions[:1] == (BEARING,) else variable
+        return (
+            _OfBearing(variable, self._k) if variable.dimensions[:1] == (OF_BEARING,) else variable
+        )
 
 
 class _OfBearing:
@@ -45,9 +47,9 @@ def bearings_of(file: Any) -> list[tuple[str, Any]]:
 
     Two that are alike are shown once.
     """
-    if BEARING not in file.dimensions or file["status"].dimensions:
+    if OF_BEARING not in file.dimensions or file["status"].dimensions:
         return [("", file)]
-    views = [OfBearing(file, k) for k in range(file.dimensions[BEARING].size)]
+    views = [OfBearing(file, k) for k in range(file.dimensions[OF_BEARING].size)]
     alike = all(
         np.array_equal(each[0], each[1], equal_nan=True)
         for name in file.variables
@@ -60,7 +62,7 @@ def bearings_of(file: Any) -> list[tuple[str, Any]]:
 
 def _each(file: Any, name: str) -> np.ndarray | None:
     variable = file[name]
-    if variable.dimensions[:1] != (BEARING,) or variable.dimensions == (BEARING,) == (name,):
+    if variable.dimensions[:1] != (OF_BEARING,) or variable.dimensions == (OF_BEARING,) == (name,):
         return None
     return values(file, name)
 

@@ -177,6 +177,47 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
         raise SceneError(key, error.problem, error.involved) from None
 
 
+def one_bearing(scene: Scene, source: object) -> Scene:
+    """The scene, if it is of a single bearing.
+
+    Raises
+    ------
+    SceneError
+        One line.
+    """
+    if scene.arrangement is not None and scene.arrangement.is_pair:
+        raise SceneError(
+            "arrangement.kind",
+            f"given {scene.arrangement.kind}; allowed single, for a study of states of wear (for a "
+            "pair: bearingwear solve, life, recommend)",
+            source=str(source),
+        )
+    return scene
+
+
+def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
+    """The scene with its preload held by a method, as the pair that is made by it if it is one.
+
+    Parameters
+    ----------
+    scene : Scene
+    method : str
+        Preload method.
+    preload_N : float, optional
+        Another preload [N].
+    **operation : float
+        Other values of `operation`.
+    """
+    a = scene.arrangement
+    if a is not None and a.is_pair:
+        kind = next(kind for kind, made_by in METHODS.items() if made_by == method)
+        spring = a.spring_stiffness_N_um if kind == "spring_pair" else 0.0
+        a = replace(a, kind=kind, spring_stiffness_N_um=spring)
+    preload = scene.operation.preload_N if preload_N is None else preload_N
+    changed = replace(scene.operation, preload_method=method, preload_N=preload, **operation)  # type: ignore[arg-type]
+    return replace(scene, arrangement=a, operation=changed)
+
+
 def check_arrangement(scene: Scene) -> None:
     """Whether the arrangement fits the scene, and its second bearing is one.
 
