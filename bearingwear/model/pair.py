@@ -32,6 +32,7 @@ ROTOR_BALANCED = (
 )
 _MOST_STEPS = 30
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
+NEAR_START = 1e-4  # of the range: how well the start is found
 _WIDEST = 60  # doublings of the range in which the rotor is looked for
 GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
 USABLE = (code.OK, code.UNVERIFIED)
@@ -81,8 +82,8 @@ class SteadySide:
 
     def __init__(self, scene: Scene):
         self.scene, self.problem = scene, ThrustProblem.of(scene)
-        self.mounted = parameters.static_place(scene)
-        self.loss = self.problem.g.D0 - float(parameters.ball_diameters(scene)[0])
+        self.mounted = self.problem.preload.delta_a
+        self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
         self._u: np.ndarray | None = None
         self._warmed: Warmed | None = None
 
@@ -137,8 +138,8 @@ class RaceControlSide:
 
     def __init__(self, scene: Scene):
         self.scene, self.problem = scene, RaceControlProblem.of(scene)
-        self.mounted = parameters.static_place(scene)
-        self.loss = self.problem.g.D0 - float(self.problem.D[0])
+        self.mounted = self.problem.delta_a
+        self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
         self._warmed: Warmed | None = None
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
@@ -288,7 +289,7 @@ class Pair:
         reach = max(abs(mounted[0]), abs(mounted[1]), 1e-6 * one.g.BD)
         for _ in range(_WIDEST):
             if left(-reach) <= 0.0 <= left(reach):
-                return float(brentq(left, -reach, reach, xtol=1e-15 * one.g.BD + 1e-18))
+                return float(brentq(left, -reach, reach, xtol=NEAR_START * reach))
             reach *= 2.0
         return 0.0
 

@@ -135,17 +135,25 @@ def stacked_sides(each: Sequence[Mapping[str, Any]]) -> dict:
     names = dict.fromkeys(name for side in each for name in side if name != "status")
     made = {}
     for name in names:
-        found = [np.asarray(side[name]) if name in side else None for side in each]
-        known = [one for one in found if one is not None]
-        shape = np.max([one.shape for one in known], axis=0).astype(int)
-        whole = all(one.dtype.kind in "iub" for one in known)
-        filled = np.full((len(each), *shape), -1 if whole else np.nan)
-        for k, one in enumerate(found):
-            if one is not None:
-                place: tuple[Any, ...] = (k, *(slice(n) for n in one.shape))
-                filled[place] = one
-        made[name] = filled
+        found = [side.get(name) for side in each]
+        if all(one is not None for one in found) and len({np.shape(one) for one in found}) == 1:
+            made[name] = np.array(found)
+        else:
+            made[name] = _filled(found)
     return made
+
+
+def _filled(found: Sequence[Any]) -> np.ndarray:
+    """Arrays of unlike shapes along a first dimension."""
+    known = [np.asarray(one) for one in found if one is not None]
+    shape = np.max([one.shape for one in known], axis=0).astype(int)
+    whole = all(one.dtype.kind in "iub" for one in known)
+    filled = np.full((len(found), *shape), -1 if whole else np.nan)
+    for k, one in enumerate(found):
+        if one is not None:
+            place: tuple[Any, ...] = (k, *(slice(n) for n in np.shape(one)))
+            filled[place] = one
+    return filled
 
 
 def _attributes(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -45,8 +45,8 @@ def page_of_variables() -> str:
         ("Of a bearing that does not run as it was mounted", "Of a case or a life.", grown),
         (
             "Of two bearings",
-            "Of a case with a pair (`arrangement`), once for both. All else but the status, the life "
-            "and its error, time, and what is of the system has `bearing` as its first dimension.",
+            "Of a case with a pair (`arrangement`), once for both. All else but the status, the "
+            "life, its error and time has `bearing` as its first dimension.",
             SYSTEM.values(),
         ),
         ("Coordinates", COORDINATES_SAID, coordinates),

@@ -357,8 +357,8 @@ def test_cost_of_an_unlike_pair(scene):
         return time.process_time() - start
 
     took(one), took(two)
-    pairs = [(took(one), took(two)) for _ in range(15)]
-    assert np.median([b for _, b in pairs]) < 2.5 * np.median([a for a, _ in pairs])
+    least_one, least_two = np.min([(took(one), took(two)) for _ in range(25)], axis=0)
+    assert least_two < 2.5 * least_one
 
 
 def test_status_of_every_solve_is_known():
