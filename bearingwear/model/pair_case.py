@@ -136,10 +136,9 @@ def stacked_sides(each: Sequence[Mapping[str, Any]]) -> dict:
     made = {}
     for name in names:
         found = [side.get(name) for side in each]
-        if all(one is not None for one in found) and len({np.shape(one) for one in found}) == 1:
-            made[name] = np.array(found)
-        else:
-            made[name] = _filled(found)
+        known = [np.shape(one) for one in found if one is not None]
+        alike = len(known) == len(found) and len(set(known)) == 1
+        made[name] = np.array(found) if alike else _filled(found)
     return made
 
 
