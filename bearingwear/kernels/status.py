@@ -17,6 +17,7 @@ TOO_STIFF = 13
 CAGE_JAMMED = 14
 WARM_SEIZURE = 15
 NO_HEAT_BALANCE = 16
+LIFTED_OFF = 17
 
 STATUS_NAMES = (
     "ok",
@@ -36,6 +37,7 @@ STATUS_NAMES = (
     "cage_jammed",
     "warm_seizure",
     "no_heat_balance",
+    "lifted_off",
 )
 
 STATUS_SENTENCES = {
@@ -65,4 +67,6 @@ STATUS_SENTENCES = {
     "the bearing seizes",
     "no_heat_balance": "no temperatures were found at which the friction heat is carried away and "
     "no part grows by more than 1 %",
+    "lifted_off": "the rotor has come off one bearing of the pair: wear or the external force has "
+    "taken its preload",
 }

@@ -16,6 +16,7 @@ from bearingwear.model.criterion import IN_WORDS, criterion_met
 from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence, evidence_of
 from bearingwear.model.fidelity import Choice, unwatched
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
+from bearingwear.model.sides import of_bearing
 from bearingwear.scene.scene import Scene
 
 STEEL_YIELD = 4.2
@@ -348,12 +349,30 @@ def warnings_of(
     list of dict
         id, sentence, advice, and `excess`: how many times the value is the limit, None for a fact.
     """
+    if scene.pair is not None:
+        return _of_both(scene, chosen, values or {})
     every = list(evidence_of(scene, chosen, values or {}))
     return [
         _said(caution, *max(findings, key=lambda finding: finding[0] or 0.0))
         for caution in CAUTIONS
         if (findings := list(_beyond(caution, every)))
     ]
+
+
+def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Warnings of both bearings of a pair, each once, and which of them it is of."""
+    said: dict[str, list[dict[str, Any]]] = {}
+    for k, side in enumerate(scene.sides):
+        for found in warnings_of(side, chosen, of_bearing(values, k) if values else None):
+            said.setdefault(found["id"], []).append(found | {"bearing": k + 1})
+    worst = []
+    for both in said.values():
+        found = max(both, key=lambda one: one["excess"] or 0.0)
+        number, sentence = found.pop("bearing"), found["sentence"]
+        if [one["sentence"] for one in both] != [sentence] * len(scene.sides):
+            sentence = f"bearing {number}: {sentence}"
+        worst.append(found | {"sentence": sentence})
+    return worst
 
 
 def _beyond(caution: Caution, every: Iterable[Evidence]) -> Iterator[Finding]:

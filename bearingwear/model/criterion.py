@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.model.sides import SHARED
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import Scene
 
@@ -42,14 +43,23 @@ class Criterion:
         return f"{self.words} {self.number(value)}"
 
 
+def _step(life: Mapping[str, Any], name: str, k: int, scene: Scene) -> np.ndarray:
+    """Values of a history at a step, of both bearings where there are two."""
+    history = np.asarray(life[f"history_{name}"])
+    of_each = scene.pair is not None and f"history_{name}" not in SHARED
+    return history[:, k] if of_each else history[k]
+
+
 def _at(name: str, factor: float = 1.0) -> Callable[[Mapping[str, Any], int, Scene], float]:
-    return lambda life, k, _: factor * float(np.max(np.abs(life[f"history_{name}"][k])))
+    return lambda life, k, scene: factor * float(np.max(np.abs(_step(life, name, k, scene))))
 
 
 IN_WORDS = {
     "preload_fraction": Criterion(
         "residual preload",
-        lambda life, k, s: float(life["history_residual_preload"][k]) / s.operation.preload_N,
+        lambda life, k, s: (
+            float(_step(life, "residual_preload", k, s).min()) / s.operation.preload_N
+        ),
         "more preload, lower speed, or a spring",
         falls=True,
     ),
@@ -78,6 +88,24 @@ IN_WORDS = {
         _at("guide_clearance", 1e3),
         "start with less clearance, or raise the limit",
         " mm",
+    ),
+    "rotor_shift_um": Criterion(
+        "shift of the rotor",
+        _at("rotor_axial_shift", 1e6),
+        "two bearings that wear alike, or raise the limit",
+        " um",
+    ),
+    "system_axial_stiffness_N_um": Criterion(
+        "axial stiffness of the arrangement",
+        _at("system_axial_stiffness", 1e-6),
+        "more preload, or a rigid pair",
+        " N/um",
+        falls=True,
+    ),
+    "friction_used_by_gyroscopic_moment": Criterion(
+        "friction used by the gyroscopic moment",
+        _at("friction_used_by_gyroscopic_moment"),
+        "lower speed, more preload or ceramic balls",
     ),
 }
 

@@ -44,6 +44,8 @@ class Choice:
 
 def asymmetries(scene: Scene) -> list[str]:
     """What in a scene keeps its balls from all doing the same thing."""
+    if scene.pair is not None:
+        return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation
     found = []
     if any(operation.radial_load_N):
@@ -79,6 +81,16 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     needs_cage = scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
         raise _refusal(scene, wanted, "cage motion and wear need the dynamic model", "dynamic")
+    if scene.pair is not None and (wanted == "dynamic" or needs_cage):
+        asked = (
+            "model.fidelity: given 'dynamic'"
+            if wanted == "dynamic"
+            else ("model.cage_results: given true")
+        )
+        raise NotAvailable(
+            f"{scene.name}: {asked} with a {scene.pair.kind}; allowed, in time, one bearing "
+            "(arrangement.kind single)"
+        )
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
         raise _refusal(scene, wanted, problem, "dynamic, race_control")
@@ -93,6 +105,9 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
         return _chosen(scene, "dynamic", "cage motion and wear are asked for")
     if found and stands_still(scene):
         return _chosen(scene, "race_control", f"{found}, and both races at rest: nothing moves")
+    if found and scene.pair is not None:
+        why = f"{found}: no steady state exists, and a pair has no model in time"
+        return _chosen(scene, "race_control", why)
     if found:
         return _chosen(scene, "dynamic", f"{found}: no steady state exists")
     return _chosen(scene, "steady", "thrust alone")
@@ -147,6 +162,7 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
     cage_told = [] if chosen.cage else _no_cage(scene)
     reasons = (
         f"{tier}: {why}",
+        *_pair(scene),
         *told[tier](chosen.reduced(scene)),
         *growth_told(scene),
         *cage_told,
@@ -269,6 +285,24 @@ def _forces(scene: Scene) -> list[str]:
         "gyroscopic moment: solved",
         f"lubricant drag: {drag}",
     ]
+
+
+def _pair(scene: Scene) -> list[str]:
+    a = scene.pair
+    if a is None:
+        return []
+    if a.is_symmetric:
+        told = "two bearings alike and no external force: solved as one"
+    else:
+        told = "each bearing at its own place, the rotor in balance between them"
+    held = "their distance is kept" if a.kind == "rigid_pair" else "a spring loads the second"
+    both = [f"{a.kind.replace('_', ' ')}: {told}; {held}"]
+    if asymmetries(scene):
+        both.append("radial load and tilt: each bearing has its own, as the scene gives them")
+    if a.rotor_mass_kg is not None and a.span_mm is not None:
+        rod = "" if a.rotor_transverse_inertia_kg_mm2 else ", transverse inertia of a slender rod"
+        both.append(f"natural frequencies: of a rigid rotor that does not turn{rod} (assumed)")
+    return both
 
 
 def _no_cage(scene: Scene) -> list[str]:

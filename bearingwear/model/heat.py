@@ -12,7 +12,7 @@ from bearingwear.kernels.summary import HEAT
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.growth import part_temperatures
-from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.start import thrust_alone
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import (
@@ -47,7 +47,7 @@ class SteadyHeat:
     """Heat of the steady state of a scene at any temperatures, each solve from the last one."""
 
     loss: float  # of ball diameter [m]
-    like: ThrustProblem | None = None  # whose settings of accuracy are taken, not the scene's
+    like: ThrustProblem | None = None  # whose accuracy and preload are taken, not the scene's
     u: np.ndarray | None = None  # motion of a solve nearby
     problem: ThrustProblem = field(init=False)  # of the last solve
     case: ThrustCase = field(init=False)
@@ -55,7 +55,7 @@ class SteadyHeat:
     def __call__(self, scene: Scene) -> tuple[int, HeatFlow]:
         problem, like = ThrustProblem.of(scene), self.like
         if like is not None:
-            problem = replace(problem, op=like.op, rule=like.rule, fine_rule=like.fine_rule)
+            problem = replace(like, g=problem.g)
         status = problem.undetermined()
         if status != code.OK:
             return status, NOTHING
@@ -67,9 +67,11 @@ class SteadyHeat:
         return code.OK, heat_of_case(problem, D, case)
 
 
-def race_control_heat(scene: Scene) -> tuple[int, HeatFlow]:
-    """Estimated heat of the race-control solution."""
-    values, _ = solve_race_control(scene)
+def race_control_heat(
+    scene: Scene, problem: RaceControlProblem | None = None
+) -> tuple[int, HeatFlow]:
+    """Estimated heat of the race-control solution; `problem` as `solve_race_control` takes it."""
+    values, _ = solve_race_control(scene, problem)
     status = int(values["status"])
     return status, heat_of_values(scene, values) if status == code.OK else NOTHING
 

@@ -4,18 +4,20 @@ Contact state, slip and preload are solved anew at every loss that the integral 
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
+from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
-from bearingwear.model.fidelity import choice_for_life
+from bearingwear.model.fidelity import NotAvailable, choice_for_life
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.heat import SteadyHeat, heat_of_case, race_control_heat, warmth_of
 from bearingwear.model.interrupt import Interrupt
@@ -30,7 +32,8 @@ from bearingwear.model.result import Result
 from bearingwear.model.solve import provenance
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import Warmed, warmed
-from bearingwear.model.values import wear_values
+from bearingwear.model.values import friction_used, wear_values
+from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
 
@@ -41,7 +44,13 @@ def steady_states(
 
     `problem`, if given, takes the place of the scene's own (other settings of accuracy).
     """
-    like = problem or ThrustProblem.of(scene)
+    if scene.pair is not None:
+        if not scene.pair.is_symmetric:
+            raise NotAvailable(
+                f"{scene.name}: given two bearings that differ; allowed one, or alike"
+            )
+        scene = scene.sides[0]
+    like, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)
     solved: dict[float, tuple[np.ndarray, Warmed | None]] = {}
 
     def state(loss: float) -> WearState:
@@ -59,35 +68,56 @@ def steady_states(
                 return WearState(loss, found.status)
             problem, case = solver.problem, solver.case
             warmth = warmth_of(scene, found)
-        if case.status != code.OK:
-            return WearState(loss, case.status)
-        solved[loss] = case.u, found
-        g, D, c = problem.g, problem.g.D0 - loss, case.contacts
-        made = heat_of_case(problem, D, case)
-        wear = wear_values(
-            scene, np.array([D]), c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
-        )
-        return WearState(
-            loss=loss,
-            status=case.status,
-            rate=wear["ball_diameter_loss_rate"],
-            preload=float(g.n_balls * c[0, LOAD] * np.sin(c[0, ANGLE])),
-            load=c[:, LOAD],
-            angle=c[:, ANGLE],
-            major=c[:, MAJOR],
-            qv=c[:, QV],
-            total_qv=float(g.n_balls * c[:, QV].sum()),
-            share=c[:, SHARE],
-            skid=case.skid,
-            pressure=float(c[:, PRESSURE].max()),
-            stiffness=float(g.n_balls * case.S_xx),
-            friction_power=made.total,
-            ball_rate=float(wear["ball_wear_rate"][0]),
-            race_rate=wear["race_wear_rate"],
-            **warmth,
-        )
+        if case.status == code.OK:
+            solved[loss] = case.u, found
+        made = steady_wear_state(scene, problem, loss, case)
+        return in_half_of_pair(scene, mounted, replace(made, **warmth))
 
     return state
+
+
+def steady_wear_state(
+    scene: Scene, problem: ThrustProblem, loss: float, case: ThrustCase
+) -> WearState:
+    """What a life wants of a steady state at a loss of ball diameter [m]."""
+    if case.status != code.OK:
+        return WearState(loss, case.status)
+    g, c = problem.g, case.contacts
+    D = np.array([g.D0 - loss])
+    wear = wear_values(scene, D, c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK])
+    gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
+    return WearState(
+        loss=loss,
+        status=case.status,
+        rate=wear["ball_diameter_loss_rate"],
+        preload=float(g.n_balls * c[0, LOAD] * np.sin(c[0, ANGLE])),
+        load=c[:, LOAD],
+        angle=c[:, ANGLE],
+        major=c[:, MAJOR],
+        qv=c[:, QV],
+        total_qv=float(g.n_balls * c[:, QV].sum()),
+        share=c[:, SHARE],
+        skid=case.skid,
+        pressure=float(c[:, PRESSURE].max()),
+        stiffness=float(g.n_balls * case.S_xx),
+        friction_power=heat_of_case(problem, D[0], case).total,
+        ball_rate=float(wear["ball_wear_rate"][0]),
+        race_rate=wear["race_wear_rate"],
+        place=case.delta_a,
+        friction_used=float(friction_used(problem.op, D, gyroscopic, c[None, :, LOAD])[0]),
+    )
+
+
+def in_half_of_pair(scene: Scene, mounted: float, state: WearState) -> WearState:
+    """A state with what it is in a symmetric pair, of which a single bearing is the half.
+
+    At a fixed position both bearings hold the rotor, and it stays where it is. A spring's stiffness
+    is not there, and the rotor goes where the bearing lets it from the axial displacement `mounted`
+    [m].
+    """
+    if scene.operation.preload_method == "fixed_position":
+        return replace(state, system_stiffness=2.0 * state.stiffness, shift=0.0)
+    return replace(state, system_stiffness=state.stiffness, shift=state.place - mounted)
 
 
 def race_control_states(scene: Scene) -> Callable[[float], WearState]:
@@ -97,6 +127,7 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
     op = parameters.operating_point(scene)
     slip_speed = abs(op.omega_i - op.omega_o)
     known: dict[float, Warmed] = {}
+    mounted = parameters.static_place(scene)
 
     def state(loss: float) -> WearState:
         worn = tuple(fresh + (loss - first) / parameters.UM)
@@ -110,51 +141,58 @@ def race_control_states(scene: Scene) -> Callable[[float], WearState]:
             known[loss] = found
             now, warmth = found.scene, warmth_of(scene, found)
         values, _ = solve_race_control(now)
-        if values["status"] != code.OK:
-            return WearState(loss, values["status"])
-        return WearState(
-            loss=loss,
-            status=values["status"],
-            rate=values["ball_diameter_loss_rate"],
-            preload=float(values["residual_preload"]),
-            load=values["contact_load"].mean(axis=0),
-            angle=values["contact_angle"].mean(axis=0),
-            major=values["semi_major_axis"].mean(axis=0),
-            qv=values["qv"].mean(axis=0),
-            total_qv=float(values["total_qv"]),
-            share=np.full(2, np.nan),  # race control knows neither
-            skid=np.nan,
-            pressure=float(values["maximum_pressure"].max()),
-            stiffness=float(values["axial_stiffness"]),
-            friction_power=float(values["shaft_torque"]) * slip_speed,
-            ball_rate=float(values["ball_wear_rate"].mean()),
-            race_rate=values["race_wear_rate"],
-            **warmth,
-        )
+        made = race_control_wear_state(loss, values, slip_speed)
+        return in_half_of_pair(scene, mounted, replace(made, **warmth))
 
     return state
 
 
+def race_control_wear_state(loss: float, values: Mapping[str, Any], slip_speed: float) -> WearState:
+    """What a life wants of a race-control solution; speeds in rad/s."""
+    if values["status"] != code.OK:
+        return WearState(loss, values["status"])
+    return WearState(
+        loss=loss,
+        status=values["status"],
+        rate=values["ball_diameter_loss_rate"],
+        preload=float(values["residual_preload"]),
+        load=values["contact_load"].mean(axis=0),
+        angle=values["contact_angle"].mean(axis=0),
+        major=values["semi_major_axis"].mean(axis=0),
+        qv=values["qv"].mean(axis=0),
+        total_qv=float(values["total_qv"]),
+        share=np.full(2, np.nan),  # race control knows neither
+        skid=np.nan,
+        pressure=float(values["maximum_pressure"].max()),
+        stiffness=float(values["axial_stiffness"]),
+        friction_power=float(values["shaft_torque"]) * slip_speed,
+        ball_rate=float(values["ball_wear_rate"].mean()),
+        race_rate=values["race_wear_rate"],
+        place=float(values["axial_displacement"]),
+        friction_used=float(values["friction_used_by_gyroscopic_moment"].max()),
+    )
+
+
 def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
-    """How far each criterion is from being met (4,), in the order of `CRITERIA`.
+    """How far each criterion of `CRITERIA` is from being met; those of the cage are not looked at.
 
     Positive before, zero or below where it is met; infinite where it does not apply.
     """
-    infinite = np.inf
-    return np.array(
-        [
-            infinite
-            if end.preload_fraction is None
-            else state.preload / preload_N - end.preload_fraction,
-            infinite
-            if end.gyroscopic_slip_share is None
-            else end.gyroscopic_slip_share - state.share.max(),
-            infinite if end.skid_ratio is None else end.skid_ratio - abs(state.skid),
-            infinite
-            if end.ball_diameter_loss_um is None
-            else 1.0 - state.loss / (end.ball_diameter_loss_um * parameters.UM),
-        ]
-    )
+    MN_M = 1e6
+    looked_at: dict[str, Callable[[float], float]] = {
+        "preload_fraction": lambda limit: state.preload / preload_N - limit,
+        "gyroscopic_slip_share": lambda limit: limit - state.share.max(),
+        "skid_ratio": lambda limit: limit - abs(state.skid),
+        "ball_diameter_loss_um": lambda limit: 1.0 - state.loss / (limit * parameters.UM),
+        "rotor_shift_um": lambda limit: 1.0 - abs(state.shift) / (limit * parameters.UM),
+        "system_axial_stiffness_N_um": lambda limit: state.system_stiffness / (limit * MN_M) - 1.0,
+        "friction_used_by_gyroscopic_moment": lambda limit: limit - state.friction_used,
+    }
+    found = np.full(len(CRITERIA) - 1, np.inf)
+    for name, limit in end.criteria.items():
+        if name in looked_at:
+            found[CRITERIA.index(name)] = looked_at[name](limit)
+    return found
 
 
 def life(
@@ -206,15 +244,19 @@ def life(
         values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
     else:
         with Interrupt():
-            if chosen.tier == "steady":
+            if scene.pair is not None:
+                from bearingwear.model.pair_life import pair_life
+
+                values, attrs = pair_life(scene, chosen.tier)
+            elif chosen.tier == "steady":
                 history = life_history(scene, steady_states(scene))
                 values = life_values(scene, history) | error_estimate(scene, history)
+                attrs = {"solves": history.solves}
             else:
                 history = life_history(scene, race_control_states(scene))
-                values = life_values(scene, history)
-        attrs = {"solves": history.solves}
+                values, attrs = life_values(scene, history), {"solves": history.solves}
     elapsed = time.perf_counter() - started
-    if scene.thermal is None:
+    if scene.thermal is None and scene.pair is None:  # or each bearing has its own
         values |= growth_values(scene)
     attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
     return Result(values, attrs, elapsed)
@@ -278,6 +320,10 @@ def history_values(states: list[WearState]) -> dict:
         "ball_diameter_loss_rate": "rate",
         "ball_wear_rate": "ball_rate",
         "race_wear_rate": "race_rate",
+        "axial_displacement": "place",
+        "friction_used_by_gyroscopic_moment": "friction_used",
+        "system_axial_stiffness": "system_stiffness",
+        "rotor_axial_shift": "shift",
     }
     values: dict[str, Any] = {
         f"history_{name}": np.array([getattr(s, attribute) for s in states])

@@ -54,6 +54,10 @@ class WearState:
     race_rate: np.ndarray = pair()  # wear of the whole races [m3/s]
     temperature: np.ndarray = field(default_factory=lambda: np.full(5, np.nan))  # of parts [degC]
     heat_flow_residual: float = np.nan  # where a network finds the temperatures [1]
+    place: float = np.nan  # axial displacement [m]
+    friction_used: float = np.nan  # by the gyroscopic moment [1]
+    system_stiffness: float = np.nan  # axial, of the arrangement [N/m]
+    shift: float = np.nan  # of the rotor from where it was mounted [m]
 
 
 @dataclass

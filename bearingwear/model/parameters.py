@@ -22,7 +22,7 @@ from bearingwear.model.quadrature import (
     gathered,
     gauss_halves,
 )
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.scene import Arrangement, Scene
 
 SEARCH_POINTS = 16  # along the ellipse, at a v_r that these resolve
 SEARCH_ACROSS = 4
@@ -44,7 +44,10 @@ def geometry(scene: Scene) -> Geometry:
         return g
     axial = 0.0
     if growth.heat.shaft or growth.heat.housing:
-        axial = axial_change(growth.heat, g.BD * math.sin(g.alpha0) + static_place(scene))
+        a = scene.arrangement or Arrangement()
+        span = MM * (a.span_mm or 0.0)
+        A1 = g.BD * math.sin(g.alpha0) + static_place(scene)
+        axial = axial_change(growth.heat, A1, span, a.orientation)
     return grown(g, growth, axial)
 
 

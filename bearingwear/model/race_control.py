@@ -326,14 +326,19 @@ def controlled_error_estimates(
     return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
 
 
-def solve_race_control(scene: Scene) -> tuple[dict, dict]:
-    """Values and attributes of the race-control solution."""
-    problem = RaceControlProblem.of(scene)
+def solve_race_control(
+    scene: Scene, problem: RaceControlProblem | None = None
+) -> tuple[dict, dict]:
+    """Values and attributes of the race-control solution.
+
+    `problem`, if given, takes the place of the scene's own, as one bearing of a pair is pressed.
+    """
+    problem = problem or RaceControlProblem.of(scene)
     g, op, D = problem.g, problem.op, problem.D
     values: dict = {
         "status": code.OK,
         "ball_diameter_loss": g.D0 - D,
-        "initial_axial_displacement": problem.delta_a,
+        "initial_axial_displacement": parameters.static_place(scene),
     }
     if problem.constant_force and not problem.F.any():
         return values | {"status": code.PRELOAD_GONE}, {"residual": "not solved"}

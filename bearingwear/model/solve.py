@@ -61,6 +61,11 @@ def solved(
     scene: Scene, tier: str, restart: Mapping[str, Any] | None, progress: Progress | None
 ) -> tuple[dict, dict]:
     """Values and attributes of a scene solved with the model of that tier."""
+    if scene.pair is not None:
+        from bearingwear.model.pair_case import solve_pair
+
+        alike = solved(scene.sides[0], tier, None, None) if scene.pair.is_symmetric else None
+        return solve_pair(scene, tier, alike)
     if scene.thermal is None:
         values, attrs = solved_as_given(scene, tier, restart, progress)
         return values | growth_values(scene), attrs

@@ -159,18 +159,29 @@ def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
     return all(np.abs(u - case.u).max() > near for case in found)
 
 
-def solve_steady(scene: Scene) -> tuple[dict, dict]:
-    """Values and attributes of the friction-balanced steady state."""
-    problem = ThrustProblem.of(scene)
+def solve_steady(
+    scene: Scene, problem: ThrustProblem | None = None, start: np.ndarray | None = None
+) -> tuple[dict, dict]:
+    """Values and attributes of the friction-balanced steady state.
+
+    Parameters
+    ----------
+    scene : Scene
+    problem : ThrustProblem, optional
+        In place of the scene's own, as one bearing of a pair is pressed.
+    start : ndarray (4,), optional
+        Motion nearby.
+    """
+    problem = problem or ThrustProblem.of(scene)
     D = float(parameters.ball_diameters(scene)[0])
     values: dict = {
         "status": problem.undetermined(),
         "ball_diameter_loss": np.array([problem.g.D0 - D]),
-        "initial_axial_displacement": problem.preload.delta_a,
+        "initial_axial_displacement": parameters.static_place(scene),
     }
     if values["status"] != code.OK:
         return values, {"residual": "not solved"}
-    case = problem.solve(D)
+    case = problem.solve(D, start)
     values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):

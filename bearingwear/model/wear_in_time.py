@@ -15,7 +15,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
 from bearingwear.model.heat import warmed_for, warmth_of
-from bearingwear.model.life import margins
+from bearingwear.model.life import in_half_of_pair, margins
 from bearingwear.model.life_integrator import CRITERIA, WearState
 from bearingwear.model.transient import solve_dynamic
 from bearingwear.model.worn_parts import WornParts
@@ -140,7 +140,7 @@ class WearInTime:
                 race_rate=nan,
             )
         power = float(v["friction_heat"].sum()) + float(v["drag_power"])
-        return WearState(
+        state = WearState(
             loss,
             node.status,
             v["ball_diameter_loss_rate"],
@@ -158,7 +158,10 @@ class WearInTime:
             ball_rate=float(v["ball_wear_rate"].mean()),
             race_rate=v["race_wear_rate"],
             **node.warmth,
+            place=float(v["axial_displacement"]),
+            friction_used=float(v["friction_used_by_gyroscopic_moment"].max()),
         )
+        return in_half_of_pair(self.scene, parameters.static_place(self.scene), state)
 
     def end_rate(self, node: Node, criterion: int) -> float:
         """Rate of what the criterion looks at: a clearance, else the mean loss [m/s]."""
@@ -179,7 +182,9 @@ class WearInTime:
             math.inf if limit is None else 1.0 - clearance / (limit * parameters.MM)
             for limit, clearance in zip(self.limits, self.parts.clearances(node.worn), strict=True)
         ]
-        return np.append(margins(self.state(node), self.end, operation.preload_N), of_cage)
+        found = margins(self.state(node), self.end, operation.preload_N)
+        found[[CRITERIA.index(name) for name in OF_CAGE]] = of_cage
+        return found
 
     def first_crossing(self, a: Node, b: Node) -> tuple[float, int, float] | None:
         """Time, criterion and margin lost per second where the first is met between two nodes."""

@@ -8,6 +8,7 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure, save
 from bearingwear.results.kinds import Registry, function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.pair_variables import OF_BEARING
 
 
 def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figure:
@@ -27,11 +28,24 @@ def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figur
         A kind that cannot be drawn.
     """
     kind = kind_of(dataset)
+    if OF_BEARING in dataset.dims and not dataset["status"].dims:
+        dataset = _one_of_both(dataset, name)
     if kind not in figures:
         known = ", ".join(figures) or "none"
         raise CaseFileError(f"{name}: given a file of the kind {kind}; allowed {known}")
     figure: Figure = function(figures[kind])(dataset)
     return figure
+
+
+def _one_of_both(dataset: xr.Dataset, name: str | Path) -> xr.Dataset:
+    """What each of two bearings has, if they are alike."""
+    first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
+    if not first.equals(second):
+        raise CaseFileError(
+            f"{name}: given a file of two bearings that differ; allowed one of them, in Python: "
+            "plot(case.sel(bearing='first'))"
+        )
+    return first
 
 
 def plot(path: str | Path, outputs: Iterable[str | Path], figures: Registry) -> None:

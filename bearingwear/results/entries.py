@@ -11,6 +11,7 @@ import numpy as np
 
 from bearingwear import __version__
 from bearingwear.provenance import source_hash
+from bearingwear.results.pair_variables import BEARINGS, OF_BEARING, is_pair, of_pair
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import (
     BALL_AXES,
@@ -80,6 +81,8 @@ def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     table = LIFE if is_life else CASE
     require_known(values, {*table, STRIP_POSITION.name, *TIME})
     scene = json.loads(result.attrs.get("scene", "{}"))
+    if is_pair(scene):
+        table = of_pair(table)
     sizes = _sizes(table, values, scene)
     solved = {
         name: _entry(variable, values.get(name), sizes)
@@ -115,6 +118,7 @@ def _sizes(table: Mapping[str, Variable], values: Mapping[str, Any], scene: Any)
         "axis": len(BALL_AXES),
         "counts": len(COUNTS),
         "strip": strips,
+        OF_BEARING: len(BEARINGS),
     }
     for name, variable in table.items():
         if name in values:

@@ -70,6 +70,20 @@ def mean_rows(
     )
 
 
+def _pair_words(a: Mapping[str, Any]) -> list[str]:
+    """What holds the rotor of two bearings, and what is not alike."""
+    if a.get("kind", "single") == "single":
+        return []
+    words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
+    if a["external_axial_N"]:
+        words.append(f"external axial force {a['external_axial_N']:g} N")
+    if a["spring_stiffness_N_um"]:
+        words.append(f"spring of {a['spring_stiffness_N_um']:g} N/um")
+    if a["second"]:
+        words.append("second bearing: " + ", ".join(f"{k} {v}" for k, v in a["second"].items()))
+    return words
+
+
 def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
     """Two lines that say which bearing runs how."""
     bearing, operation = scene["bearing"], scene["operation"]
@@ -90,6 +104,7 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
     parts = (
         *speeds,
         f"{method} preload {operation['preload_N']:g} N",
+        *_pair_words(scene.get("arrangement") or {}),
         *loads,
         f"friction {scene['friction']['ball_race']:g}",
         f"ball diameter loss {worn} um",

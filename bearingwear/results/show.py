@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from bearingwear.model.result import status_sentence
 from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.netcdf import in_memory, opened
+from bearingwear.results.pair_view import bearings_of, system_blocks
 from bearingwear.results.rows import (
     COUNTED,
     mean,
@@ -160,6 +162,14 @@ def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
 
 
 def _case(file: Any) -> list[Block]:
+    """Blocks of a case, of each bearing where there are two."""
+    blocks = system_blocks(file)
+    for title, one in bearings_of(file):
+        blocks += [replace(block, title=f"{title}{block.title}") for block in _case_of(one)]
+    return blocks
+
+
+def _case_of(file: Any) -> list[Block]:
     scene = json.loads(getattr(file, "scene", "{}"))
     limits = _limits(scene)
     balls = file.dimensions["ball"].size

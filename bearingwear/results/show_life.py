@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.results.pair_view import bearings_of
 from bearingwear.results.rows import COUNTED, VARIABLES, mean, mean_rows, meaning, row_of, values
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.units import display, key_in_words
@@ -32,14 +34,41 @@ CRITERION_ROWS = {
     "ball_diameter_loss_um": ("loss of ball diameter", "history_ball_diameter_loss", "um"),
     "pocket_clearance_mm": ("pocket clearance", "history_pocket_clearance", "mm"),
     "guide_clearance_mm": ("guide clearance", "history_guide_clearance", "mm"),
+    "rotor_shift_um": ("shift of the rotor", "history_rotor_axial_shift", "um"),
+    "system_axial_stiffness_N_um": (
+        "stiffness of the arrangement",
+        "history_system_axial_stiffness",
+        "N/um",
+    ),
+    "friction_used_by_gyroscopic_moment": (
+        "friction used by gyro",
+        "history_friction_used_by_gyroscopic_moment",
+        "%",
+    ),
 }
 """Of each criterion that may end a life: its name, its history, the unit in which it is shown."""
 
-_UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3}
+_UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3, "N/um": 1e-6}
 """From a history of the file to the unit of `CRITERION_ROWS`."""
 
 
+OF_BOTH = ("wear counted", "life")
+"""Blocks that are shown once for two bearings."""
+
+
 def life_blocks(file: Any) -> list[Block]:
+    """Blocks of a life, of each bearing where there are two."""
+    blocks: list[Block] = []
+    for k, (title, one) in enumerate(bearings_of(file)):
+        for block in _life_blocks(one):
+            if block.title not in OF_BOTH:
+                blocks.append(replace(block, title=f"{title}{block.title}"))
+            elif k == 0:
+                blocks.append(block)
+    return blocks
+
+
+def _life_blocks(file: Any) -> list[Block]:
     scene = json.loads(getattr(file, "scene", "{}"))
     counted = COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
     # a life in time follows one way of counting
@@ -87,6 +116,8 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
         factor = _UNITS_OF_LIMITS[unit]
         if criterion == "preload_fraction":
             found = found / scene["operation"]["preload_N"]
+        elif criterion == "rotor_shift_um":
+            found = np.abs(found)
         ends = tuple(factor * float(x) for x in found[[0, -1]])
         note = "ends the life" if criterion == ended else ""
         bound = factor * limit if unit == "%" else limit

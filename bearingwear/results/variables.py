@@ -18,6 +18,7 @@ from typing import Any
 
 from bearingwear.results.growth_variables import BEARING_PARTS, GROWN
 from bearingwear.results.life_variables import LIFE
+from bearingwear.results.pair_variables import PAIR_COORDINATES, SYSTEM
 from bearingwear.results.variable import DEGREE, ESTIMATE, STATUS, Variable, table
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
 
@@ -47,29 +48,34 @@ def _history(
     return Variable(f"history_{name}", dims, units, long_name, "f4", scale, comment=comment)
 
 
-COORDINATES = table(
-    Variable("ball", _BALL, "1", "number of the ball", "i4"),
-    Variable("race", _RACE, "", "race", "i1", flags=RACES),
-    Variable("axis", ("axis",), "", "axis of the ball's azimuth frame", "i1", flags=BALL_AXES),
-    Variable("strip", ("strip",), "1", "number of the strip on the contact ellipse", "i4"),
-    Variable("counts", ("counts",), "", "what wear counts as loss", "i1", flags=COUNTS),
-    Variable("steady_state", ("steady_state",), "1", "number of the steady state", "i4"),
-    Variable("step", ("step",), "1", "number of the step along the life", "i4"),
-    # CF's standard_name "time" is for dates: it asks for units with a date to count from
-    Variable("time", ("time",), "s", "simulated time"),
-    Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
-    Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
-    Variable("part", ("part",), "", "part of the bearing or beside it", "i1", flags=BEARING_PARTS),
-    Variable("state", ("state",), "1", "number in the state of motion", "i4"),
-    Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),
-    Variable(
-        "dof_column",
-        ("dof_column",),
-        "",
-        "displacement or tilt of the inner race",
-        "i1",
-        flags=DOFS,
-    ),
+COORDINATES = (
+    table(
+        Variable("ball", _BALL, "1", "number of the ball", "i4"),
+        Variable("race", _RACE, "", "race", "i1", flags=RACES),
+        Variable("axis", ("axis",), "", "axis of the ball's azimuth frame", "i1", flags=BALL_AXES),
+        Variable("strip", ("strip",), "1", "number of the strip on the contact ellipse", "i4"),
+        Variable("counts", ("counts",), "", "what wear counts as loss", "i1", flags=COUNTS),
+        Variable("steady_state", ("steady_state",), "1", "number of the steady state", "i4"),
+        Variable("step", ("step",), "1", "number of the step along the life", "i4"),
+        # CF's standard_name "time" is for dates: it asks for units with a date to count from
+        Variable("time", ("time",), "s", "simulated time"),
+        Variable("direction", ("direction",), "", "direction in space", "i1", flags=DIRECTIONS),
+        Variable("edge", ("edge",), "", "edge of the guiding land", "i1", flags=EDGES),
+        Variable(
+            "part", ("part",), "", "part of the bearing or beside it", "i1", flags=BEARING_PARTS
+        ),
+        Variable("state", ("state",), "1", "number in the state of motion", "i4"),
+        Variable("dof", ("dof",), "", "force or moment on the inner race", "i1", flags=DOFS),
+        Variable(
+            "dof_column",
+            ("dof_column",),
+            "",
+            "displacement or tilt of the inner race",
+            "i1",
+            flags=DOFS,
+        ),
+    )
+    | PAIR_COORDINATES
 )
 
 STUDY_COORDINATES = table(
@@ -300,7 +306,7 @@ DYNAMIC = table(
     _history("cage_land_wear_rate", TIME, "m3 s-1", "wear rate of the cage at its guiding land"),
 )
 
-CASE = STATE | DYNAMIC | GROWN
+CASE = STATE | DYNAMIC | GROWN | SYSTEM
 # fmt: on
 
 DIAGNOSTICS = frozenset(

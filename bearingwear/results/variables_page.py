@@ -11,6 +11,7 @@ from pathlib import Path
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.results.growth_variables import GROWN
+from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, STATE, STRIP_POSITION
 
@@ -42,6 +43,12 @@ def page_of_variables() -> str:
         ("Of a dynamic case", "Histories hold values at instants of `time`.", DYNAMIC.values()),
         ("Of a life", "Histories hold values at each `step` of the wear.", of_a_life),
         ("Of a bearing that does not run as it was mounted", "Of a case or a life.", grown),
+        (
+            "Of two bearings",
+            "Of a case with a pair (`arrangement`), once for both. All else but the status, the "
+            "life, its error and time has `bearing` as its first dimension.",
+            SYSTEM.values(),
+        ),
         ("Coordinates", COORDINATES_SAID, coordinates),
     )
     parts = [INTRODUCTION]

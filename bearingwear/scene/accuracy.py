@@ -6,10 +6,15 @@ measured by the study of accuracy (docs/accuracy.md); a single key in a scene ov
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
+from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import Key
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
 
 ACCURACY = "model.accuracy"
 """The key that decides the default of others."""
@@ -283,3 +288,33 @@ class Model:
     def averaged_turns(self) -> float:
         """Shaft turns over which a transient is averaged; its second half if not given."""
         return self.evaluated_turns or 0.5 * self.simulated_turns
+
+
+MOST_HISTORY_POINTS = 1_000_000
+"""Most points of a history that is accepted: histories are held in memory."""
+
+
+def check_model(scene: Scene) -> None:
+    """Refuse settings that contradict each other.
+
+    Raises
+    ------
+    SceneError
+    """
+    if scene.model.cage_results and scene.cage is None:
+        raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))
+    turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns
+    if averaged is not None and averaged > turns:
+        raise SceneError(
+            "model.evaluated_turns",
+            f"given {averaged:g} with {turns:g} simulated turns; allowed a number <= {turns:g}",
+            ("model.simulated_turns",),
+        )
+    points = scene.model.history_points_per_turn
+    if points * turns > MOST_HISTORY_POINTS:
+        raise SceneError(
+            "model.history_points_per_turn",
+            f"given {points} with {turns:g} simulated turns; allowed a whole number <= "
+            f"{math.floor(MOST_HISTORY_POINTS / turns)}",
+            ("model.simulated_turns",),
+        )

@@ -282,6 +282,34 @@ class EndOfLife:
         ),
     ] = None
 
+    rotor_shift_um: Annotated[
+        float | None,
+        Key(
+            "Axial shift of the rotor, either way, from where it stood as mounted, at which life "
+            "ends",
+            "um",
+            "(0, 50000]",
+        ),
+    ] = None
+    system_axial_stiffness_N_um: Annotated[
+        float | None,
+        Key(
+            "Axial stiffness of the arrangement (a single bearing is half of a symmetric pair), "
+            "at or below which life ends",
+            "N/um",
+            "(0, 1e6]",
+        ),
+    ] = None
+    friction_used_by_gyroscopic_moment: Annotated[
+        float | None,
+        Key(
+            "Share M_g/(mu (Q_i + Q_o) R) of the friction that gyroscopic moments take up, at or "
+            "above which life ends",
+            "1",
+            "(0, 10]",
+        ),
+    ] = None
+
     @property
     def criteria(self) -> dict[str, float]:
         """The criteria that apply."""

@@ -14,7 +14,8 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from types import MappingProxyType
 from typing import Annotated, Any
 
-from bearingwear.scene.accuracy import FIDELITIES, Model
+from bearingwear.scene.accuracy import FIDELITIES, Model, check_model
+from bearingwear.scene.arrangement import Arrangement, check_arrangement, sides_of
 from bearingwear.scene.blocks import (
     COUNTS,
     PRELOAD_METHODS,
@@ -46,6 +47,7 @@ __all__ = [
     "PRELOAD_METHODS",
     "UNCERTAIN",
     "WORN",
+    "Arrangement",
     "Bearing",
     "Cage",
     "Distribution",
@@ -64,9 +66,6 @@ __all__ = [
 
 LARGEST_LOSS = 0.1
 """Largest loss of ball diameter that is accepted, as a fraction of the ball diameter."""
-
-MOST_HISTORY_POINTS = 1_000_000
-"""Most points of a history that is accepted: histories are held in memory."""
 
 NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
 
@@ -106,6 +105,9 @@ class Scene:
         Key("The cage, none if left out (its presence alone does not call for a dynamic model)"),
     ] = None
     operation: Annotated[Operation, Key("Speeds, preload and loads")]
+    arrangement: Annotated[
+        Arrangement | None, Key("How many bearings hold the rotor, a single one if left out")
+    ] = None
     temperature: Annotated[
         Temperature | None, Key("How warm the parts are, as mounted if left out")
     ] = None
@@ -146,7 +148,8 @@ class Scene:
             _check_cage(self, self.cage)
         check_uncertainty(self)
         check_warmth(self)
-        _check_model(self)
+        check_model(self)
+        check_arrangement(self)
 
     def __hash__(self) -> int:
         values = (getattr(self, f.name) for f in fields(self))
@@ -165,6 +168,16 @@ class Scene:
         return getattr(block[self.bearing.race_material] if name in WORN else block, name)
 
     @property
+    def pair(self) -> Arrangement | None:
+        """The arrangement of two bearings; None of a single one."""
+        return self.arrangement if self.arrangement and self.arrangement.is_pair else None
+
+    @functools.cached_property
+    def sides(self) -> tuple[Scene, ...]:
+        """Each bearing of the arrangement as a single one."""
+        return sides_of(self)
+
+    @functools.cached_property
     def without_cage(self) -> Scene:
         """The scene without its cage, and without the limits of its wear."""
         end = self.wear.end_of_life
@@ -375,24 +388,4 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
             "cage.width_mm",
             f"given {width:g}, which the pockets cut through; allowed a number > {most / wall:.4g}",
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
-        )
-
-
-def _check_model(scene: Scene) -> None:
-    if scene.model.cage_results and scene.cage is None:
-        raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))
-    turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns
-    if averaged is not None and averaged > turns:
-        raise SceneError(
-            "model.evaluated_turns",
-            f"given {averaged:g} with {turns:g} simulated turns; allowed a number <= {turns:g}",
-            ("model.simulated_turns",),
-        )
-    points = scene.model.history_points_per_turn
-    if points * turns > MOST_HISTORY_POINTS:
-        raise SceneError(
-            "model.history_points_per_turn",
-            f"given {points} with {turns:g} simulated turns; allowed a whole number <= "
-            f"{math.floor(MOST_HISTORY_POINTS / turns)}",
-            ("model.simulated_turns",),
         )

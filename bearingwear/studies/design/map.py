@@ -15,12 +15,12 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.life import life_history, steady_states
-from bearingwear.model.life_integrator import WearState
+from bearingwear.model.courses import WearCourses
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
+from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
@@ -97,15 +97,8 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
         `solves` and `failed_solves` alone. `life` and `time_to_slip_limit` are (2,) [s], by both
         ways of counting wear; the latter is infinite where the share stays below its limit.
     """
-    known: dict[float, WearState] = {}
-    solve = steady_states(scene)
-
-    def state(loss: float) -> WearState:
-        if loss not in known:
-            known[loss] = solve(loss)
-        return known[loss]
-
-    course = life_history(scene, state)
+    follow = WearCourses(scene)
+    course = follow(scene)
     found: dict[str, Any] = {"status": course.status, "end_criterion": course.criterion}
     if course.status == OK:
         new, worn = course.states[0], course.states[-1]
@@ -124,21 +117,18 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
         if slip_limit is not None:
             found["time_to_slip_limit"] = np.full(2, np.inf)
             if found[SLIP_SHARE] >= slip_limit:
-                # the same march, ended by the share: it meets the states solved already
+                # the same way, ended by the share
                 share = EndOfLife(gyroscopic_slip_share=slip_limit)
                 until = replace(scene, wear=replace(scene.wear, end_of_life=share))
-                found["time_to_slip_limit"] = life_history(until, state).times[-1]
-    found["solves"] = len(known)
-    found["failed_solves"] = sum(s.status != OK for s in known.values())
+                found["time_to_slip_limit"] = follow(until).times[-1]
+    found["solves"], found["failed_solves"] = follow.solves, follow.failed
     return found
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:
     """The scene at a point of the map."""
-    operation = replace(
-        scene.operation, preload_method=method, shaft_speed_rpm=speed_rpm, preload_N=preload_N
-    )
-    return replace(scene, operation=operation, friction=replace(scene.friction, ball_race=mu))
+    made = held_by(scene, method, preload_N, shaft_speed_rpm=speed_rpm)
+    return replace(made, friction=replace(scene.friction, ball_race=mu))
 
 
 def map_part(

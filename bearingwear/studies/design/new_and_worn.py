@@ -7,7 +7,7 @@ from collections.abc import Callable
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.life import steady_states
+from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
 from bearingwear.plotting.drawing import methods
 from bearingwear.results.sheet import Block, Row, Sheet
@@ -67,5 +67,5 @@ def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:
     """The bearing at the recommended preload when new, and at the end of its life."""
     speed, preload = scene.operation.shaft_speed_rpm, float(one["preload"])
     at_preload = scene_at(scene, method, scene.friction.ball_race, speed, preload)
-    solve = steady_states(at_preload)
-    return [solve(loss) for loss in (0.0, float(one["loss_at_end"]))]
+    states = WearCourses(at_preload)(at_preload).states
+    return [states[0], states[-1]]

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bearingwear.provenance import text_hash
+from bearingwear.scene.arrangement import one_bearing
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
 from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
@@ -118,11 +119,11 @@ class Plan:
         """
         for scene, grid in self.grids.items():
             path = _scene_file(scene)
-            for_life(load_scene(path), path)
+            one_bearing(for_life(load_scene(path), path), path)
             _check_cases(scene, {case: case.changes for case in grid.every_value()})
         for scene, grid in self.dynamic.items():
             cases = grid.every_value()
-            load_scene(_scene_file(scene))
+            one_bearing(load_scene(_scene_file(scene)), _scene_file(scene))
             _check_cases(scene, {case: self.dynamic_changes(scene, case) for case in cases})
         for scene in self.uncertain_lives.scenes:
             if not load_scene(_scene_file(scene)).uncertainty:

@@ -17,11 +17,12 @@ from SALib.sample import sobol as sobol_sample
 from scipy import stats
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
-from bearingwear.model.life import life_history, steady_states
+from bearingwear.model.courses import WearCourses
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError, data_array, load
 from bearingwear.results.quantiles import PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
+from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, key_of_scene
 from bearingwear.scene.uncertain import uncertain_key
@@ -138,7 +139,7 @@ def _life(scene: Scene, values: Mapping[str, float]) -> tuple[np.ndarray, int, i
     other = perturbed(scene, values)
     if other is None:
         return np.full(2, np.nan), BEYOND_GROOVE, len(CRITERIA) - 1
-    course = life_history(other, steady_states(other))
+    course = WearCourses(other)(other)
     life = course.times[-1] if course.status == OK else np.full(2, np.nan)
     return life, course.status, course.criterion
 
@@ -154,8 +155,7 @@ def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
             if getattr(old, part) is not None
         }
         distributions["preload_N"] = replace(old, **parts)
-    operation = replace(scene.operation, preload_method=method, preload_N=preload_N)
-    return replace(scene, operation=operation, uncertainty=distributions)
+    return replace(held_by(scene, method, preload_N), uncertainty=distributions)
 
 
 def preload_at(scene: Scene, method: str, choice: str, recommendation: xr.Dataset | None) -> float:

@@ -1,0 +1,79 @@
+"""Lives by the steady model for who wants many: of a bearing, or of a pair as its worse half."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.model.life import life_history, steady_states
+from bearingwear.model.life_integrator import LifeHistory, WearState
+from bearingwear.model.pair import Pair
+from bearingwear.model.pair_life import PairHistory, PairLife
+from bearingwear.scene.scene import COUNTS, Scene
+
+
+class WearCourses:
+    """Lives of a scene that differ in their end alone: states that are known are not solved anew.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a steady state.
+    """
+
+    def __init__(self, scene: Scene):
+        self._known: dict[float, WearState] = {}
+        self._unlike = scene.pair is not None and not scene.pair.is_symmetric
+        self._solve = None if self._unlike else steady_states(scene)
+        self.solves, self.failed = 0, 0
+
+    def __call__(self, scene: Scene) -> LifeHistory:
+        """The life of the scene, which may have another end."""
+        if self._unlike:
+            return self._of_pair(scene)
+        history = life_history(scene, self._state)
+        self.solves = len(self._known)
+        self.failed = sum(state.status != code.OK for state in self._known.values())
+        return history
+
+    def _state(self, loss: float) -> WearState:
+        assert self._solve is not None
+        if loss not in self._known:
+            self._known[loss] = self._solve(loss)
+        return self._known[loss]
+
+    def _of_pair(self, scene: Scene) -> LifeHistory:
+        runs = [
+            PairLife(Pair.of(scene, "steady"), counts, scene.model.tolerance).integrate()
+            for counts in range(len(COUNTS))
+        ]
+        self.solves += sum(run.solves for run in runs)
+        own = runs[COUNTS.index(scene.wear.counts)]
+        ends = [run.times[-1] if run.status == own.status else np.nan for run in runs]
+        return LifeHistory(
+            states=worse_halves(own),
+            times=[np.zeros(2)] * (len(own.times) - 1) + [np.array(ends)],
+            error=np.full(2, np.nan),
+            criterion=own.criterion,
+            status=own.status,
+            solves=self.solves,
+        )
+
+
+def worse_halves(history: PairHistory) -> list[WearState]:
+    """For each state of a pair, what limits look at, of the bearing that is worse in it."""
+    return [
+        replace(
+            first,
+            loss=max(first.loss, second.loss),
+            preload=min(first.preload, second.preload),
+            share=np.maximum(first.share, second.share),
+            skid=max(first.skid, second.skid, key=abs),
+            pressure=max(first.pressure, second.pressure),
+            stiffness=min(first.stiffness, second.stiffness),
+            friction_power=max(first.friction_power, second.friction_power),
+            friction_used=max(first.friction_used, second.friction_used),
+            total_qv=max(first.total_qv, second.total_qv),
+        )
+        for first, second in history.states
+    ]

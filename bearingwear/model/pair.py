@@ -1,0 +1,343 @@
+"""Two bearings on one rotor: where it stands between them, and what each of them bears.
+
+A rigid pair keeps the distance of its bearings, a spring pair the spring's force. Each side is a
+single bearing, solved by the same model as ever at the place or under the force that is its own
+(theory.md section 19).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
+from bearingwear.kernels.summary import ANGLE, LOAD
+from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.model import parameters
+from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
+from bearingwear.model.heat import SteadyHeat, race_control_heat, warmth_of
+from bearingwear.model.life import race_control_wear_state, steady_wear_state
+from bearingwear.model.life_integrator import WearState
+from bearingwear.model.race_control import RaceControlProblem, solve_race_control
+from bearingwear.model.steady import ThrustProblem, solve_steady
+from bearingwear.model.thermal import HeatFlow, Warmed, warmed
+from bearingwear.scene.scene import Scene
+
+ROTOR_BALANCED = (
+    1e-12  # force left on the rotor, over the larger preload, at which its place is found
+)
+_MOST_STEPS = 30
+_ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
+NEAR_START = 1e-4  # of the range: how well the start is found
+_WIDEST = 60  # doublings of the range in which the rotor is looked for
+GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
+USABLE = (code.OK, code.UNVERIFIED)
+N_UM = 1e6  # in N/m
+
+
+@dataclass(frozen=True)
+class SideState:
+    """One bearing at a place or under a force."""
+
+    status: int
+    force: float = math.nan  # axial, of its inner race on the balls [N]
+    stiffness: float = math.nan  # axial [N/m]
+    place: float = math.nan  # axial displacement [m]
+    problem: Any = None  # that was solved
+    answer: Any = None
+    warmed: Warmed | None = None  # where a network finds the temperatures
+
+
+class Side(Protocol):
+    """One bearing of a pair, by any model; losses are those of ball diameter [m]."""
+
+    scene: Scene
+    mounted: float
+    """Axial displacement when mounted: at rest, unworn, under the preload [m]."""
+    loss: float
+    """Of ball diameter at the start [m]."""
+
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        """The bearing without friction, its balls orbiting as they roll or at `Omega` [rad/s]."""
+
+    def at_place(self, loss: float, delta_a: float) -> SideState:
+        """At an axial displacement [m]."""
+
+    def under(self, loss: float, F_x: float) -> SideState:
+        """Under an axial force [N]."""
+
+    def values(self, state: SideState) -> tuple[dict, dict]:
+        """Values and attributes of a case."""
+
+    def wear_state(self, loss: float, state: SideState) -> WearState:
+        """What a life wants to know."""
+
+
+class SteadySide:
+    """One bearing by the steady model; each solve starts from the last one."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.problem = scene, ThrustProblem.of(scene)
+        self.mounted = self.problem.preload.delta_a
+        self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
+        self._u: np.ndarray | None = None
+        self._warmed: Warmed | None = None
+
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        if Omega is None:
+            Omega = float(self.problem.kinematic_start(OUTER_CONTROL)[3])
+        return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
+
+    def at_place(self, loss: float, delta_a: float) -> SideState:
+        return self._solved(loss, constant_force=False, delta_a=delta_a)
+
+    def under(self, loss: float, F_x: float) -> SideState:
+        return self._solved(loss, constant_force=True, F_x=F_x)
+
+    def _solved(self, loss: float, **held: Any) -> SideState:
+        problem = replace(self.problem, preload=self.problem.preload._replace(**held))
+        if problem.undetermined() != code.OK:
+            return SideState(problem.undetermined())
+        if self.scene.thermal is None:
+            case: ThrustCase = problem.solve(problem.g.D0 - loss, self._u)
+        else:
+            heat = SteadyHeat(loss, problem, self._u)
+            found = warmed(self.scene, heat, self._warmed)
+            if found.status != code.OK:
+                return SideState(found.status)
+            self._warmed, self.problem = found, replace(self.problem, g=heat.problem.g)
+            problem, case = heat.problem, heat.case
+        if case.status not in USABLE:
+            return SideState(case.status)
+        self._u = case.u
+        n, inner = problem.g.n_balls, case.contacts[0]
+        return SideState(
+            status=case.status,
+            force=float(n * inner[LOAD] * math.sin(inner[ANGLE])),
+            stiffness=float(n * case.S_xx),
+            place=case.delta_a,
+            problem=problem,
+            answer=case,
+            warmed=self._warmed,
+        )
+
+    def values(self, state: SideState) -> tuple[dict, dict]:
+        return solve_steady(warm_scene(self.scene, state), state.problem, state.answer.u)
+
+    def wear_state(self, loss: float, state: SideState) -> WearState:
+        made = steady_wear_state(self.scene, state.problem, loss, state.answer)
+        return replace(made, **warmth_of_side(self.scene, state))
+
+
+class RaceControlSide:
+    """One bearing by race control, also under radial load, which each bearing has as its own."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.problem = scene, RaceControlProblem.of(scene)
+        self.mounted = self.problem.delta_a
+        self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
+        self._warmed: Warmed | None = None
+
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        g, op = self.problem.g, self.problem.op
+        if Omega is None:
+            kinematics = race_control(
+                OUTER_CONTROL, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0
+            )
+            Omega = float(kinematics.Omega)
+        return Mechanics(g, float(self.problem.D.mean()) - (loss - self.loss), Omega)
+
+    def at_place(self, loss: float, delta_a: float) -> SideState:
+        return self._solved(loss, constant_force=False, delta_a=delta_a)
+
+    def under(self, loss: float, F_x: float) -> SideState:
+        return self._solved(loss, constant_force=True, F=np.array([F_x, *self.problem.F[1:]]))
+
+    def _solved(self, loss: float, **held: Any) -> SideState:
+        def problem_of(scene: Scene) -> RaceControlProblem:
+            own = RaceControlProblem.of(scene)
+            return replace(own, D=own.D - (loss - self.loss), **held)
+
+        def heats(scene: Scene) -> tuple[int, HeatFlow]:
+            return race_control_heat(scene, problem_of(scene))
+
+        scene = self.scene
+        if scene.thermal is not None:
+            found = warmed(scene, heats, self._warmed)
+            if found.status != code.OK:
+                return SideState(found.status)
+            self._warmed, scene = found, found.scene
+            self.problem = RaceControlProblem.of(scene)
+        problem = problem_of(scene)
+        answer = solve_race_control(scene, problem)
+        values = answer[0]
+        if "axial_stiffness" not in values:
+            return SideState(values["status"])
+        return SideState(
+            status=values["status"],
+            force=float(values["residual_preload"]),
+            stiffness=float(values["axial_stiffness"]),
+            place=float(values["axial_displacement"]),
+            problem=problem,
+            answer=answer,
+            warmed=self._warmed,
+        )
+
+    def values(self, state: SideState) -> tuple[dict, dict]:
+        return state.answer
+
+    def wear_state(self, loss: float, state: SideState) -> WearState:
+        op = self.problem.op
+        made = race_control_wear_state(loss, state.answer[0], abs(op.omega_i - op.omega_o))
+        return replace(made, **warmth_of_side(self.scene, state))
+
+
+def warm_scene(scene: Scene, state: SideState) -> Scene:
+    """The scene of a side at the temperatures of a state."""
+    return scene if state.warmed is None else state.warmed.scene
+
+
+def warmth_of_side(scene: Scene, state: SideState) -> dict[str, Any]:
+    """Temperatures and heat flows of a side with a network, as a state of a life has them."""
+    return {} if state.warmed is None else warmth_of(scene, state.warmed)
+
+
+@dataclass(frozen=True)
+class PairState:
+    """Both bearings in balance."""
+
+    status: int
+    sides: tuple[SideState, ...] = ()
+    shift: float = math.nan  # of the rotor from where it was mounted, towards +X [m]
+    stiffness: float = math.nan  # axial, of the arrangement [N/m]
+
+
+@dataclass
+class Pair:
+    """Two bearings on a rotor."""
+
+    scene: Scene
+    sides: Sequence[Side]
+    near: float = field(default=math.nan)  # what was found last, the start of the next solve [m]
+
+    @classmethod
+    def of(cls, scene: Scene, tier: str) -> "Pair":
+        made = SteadySide if tier == "steady" else RaceControlSide
+        return cls(scene, tuple(made(one) for one in scene.sides))
+
+    @property
+    def losses(self) -> tuple[float, float]:
+        """Of ball diameter at the start, of each side [m]."""
+        first, second = self.sides
+        return first.loss, second.loss
+
+    def solve(self, losses: tuple[float, float]) -> PairState:
+        """Both bearings at their losses of ball diameter [m]."""
+        a = self.scene.pair
+        assert a is not None
+        if self.scene.operation.preload_N == 0.0:
+            return PairState(code.PRELOAD_GONE)
+        return self._rigid(losses) if a.kind == "rigid_pair" else self._spring(losses)
+
+    def _rigid(self, losses: tuple[float, float]) -> PairState:
+        """F_1(d_1 + x) - F_2(d_2 - x) = F_ext by Newton, then secants."""
+        one, two = self.sides
+        F_ext = self.scene.pair.external_axial_N  # type: ignore[union-attr]
+        x = self._start(losses, F_ext) if math.isnan(self.near) else self.near
+        before: tuple[float, float] | None = None
+        for _ in range(_MOST_STEPS):
+            states = (
+                one.at_place(losses[0], one.mounted + x),
+                two.at_place(losses[1], two.mounted - x),
+            )
+            if any(state.status not in USABLE for state in states):
+                self.near = math.nan
+                return PairState(_failed(states))
+            left = states[0].force - states[1].force - F_ext
+            slope = states[0].stiffness + states[1].stiffness
+            if before is not None and x != before[0]:
+                secant = (left - before[1]) / (x - before[0])
+                slope = secant if 0.5 * slope < secant < 2.0 * slope else slope
+            before, step = (x, left), -left / slope
+            scale = max(states[0].force, states[1].force, abs(F_ext))
+            if (
+                abs(left) <= ROTOR_BALANCED * scale
+                or abs(step) <= _ROUNDED * one.mechanics(0.0).g.BD
+            ):
+                self.near = x
+                return PairState(
+                    _worse(states), states, x, states[0].stiffness + states[1].stiffness
+                )
+            x += step
+        self.near = math.nan
+        return PairState(code.NOT_CONVERGED)
+
+    def _start(self, losses: tuple[float, float], F_ext: float) -> float:
+        """Place of the rotor by the mechanics of rolling balls, without friction [m]."""
+        (one, two), mounted = (
+            [side.mechanics(loss) for side, loss in zip(self.sides, losses, strict=True)],
+            [side.mounted for side in self.sides],
+        )
+
+        def left(x: float) -> float:
+            return one.force(mounted[0] + x) - two.force(mounted[1] - x) - F_ext
+
+        reach = max(abs(mounted[0]), abs(mounted[1]), 1e-6 * one.g.BD)
+        for _ in range(_WIDEST):
+            if left(-reach) <= 0.0 <= left(reach):
+                return float(brentq(left, -reach, reach, xtol=NEAR_START * reach))
+            reach *= 2.0
+        return 0.0
+
+    def _spring(self, losses: tuple[float, float]) -> PairState:
+        """The spring's extension e is what both bearings give way; F_2 = F_s - k_s e."""
+        a, F_s = self.scene.pair, float(self.scene.operation.preload_N)
+        assert a is not None
+        one, two = self.sides
+        k_s = a.spring_stiffness_N_um * N_UM
+        e = 0.0 if math.isnan(self.near) else self.near
+        for _ in range(_MOST_STEPS):
+            F_2 = F_s - k_s * e
+            F_1 = F_2 + a.external_axial_N
+            if not (F_1 > 0.0 and F_2 > 0.0):
+                return PairState(code.LIFTED_OFF)
+            states = one.under(losses[0], F_1), two.under(losses[1], F_2)
+            if any(state.status not in USABLE for state in states):
+                self.near = math.nan
+                return PairState(_failed(states))
+            shift = states[0].place - one.mounted
+            left = shift + states[1].place - two.mounted - e
+            k_1, k_2 = states[0].stiffness, states[1].stiffness
+            step = left / (1.0 + k_s / k_1 + k_s / k_2)
+            if k_s * abs(step) <= ROTOR_BALANCED * max(F_1, F_2):
+                self.near = e if k_s else math.nan
+                return PairState(_worse(states), states, shift, k_1 + k_s * k_2 / (k_s + k_2))
+            e += step
+        self.near = math.nan
+        return PairState(code.NOT_CONVERGED)
+
+    def lift_off(self, losses: tuple[float, float]) -> float:
+        """Least axial force on the rotor that takes a bearing at rest out of contact [N]."""
+        a, (one, two) = self.scene.pair, self.sides
+        assert a is not None
+        first, second = one.mechanics(losses[0], 0.0), two.mechanics(losses[1], 0.0)
+        if a.kind == "rigid_pair":
+            return lift_off_rigid(first, second, one.mounted + two.mounted)
+        mounted, F_s = (one.mounted, two.mounted), float(self.scene.operation.preload_N)
+        return lift_off_spring(first, second, mounted, F_s, a.spring_stiffness_N_um * N_UM)
+
+
+def _worse(states: Sequence[SideState]) -> int:
+    return next((state.status for state in states if state.status != code.OK), code.OK)
+
+
+def _failed(states: Sequence[SideState]) -> int:
+    """Why there is no balance: a side that alone has lost its contact has lifted off."""
+    failed = [state.status for state in states if state.status not in USABLE]
+    if len(failed) < len(states) and failed[0] in GONE:
+        return code.LIFTED_OFF
+    return failed[0]

@@ -1,0 +1,315 @@
+"""Wear life of two bearings: each integrates its own loss of ball diameter (theory.md section 19).
+
+The state depends on both losses, so the life is an initial-value problem over their sum s,
+
+    dL_k/ds = r_k/(r_1 + r_2),   dt/ds = 1/(r_1 + r_2),
+
+which an explicit Runge-Kutta method of SciPy follows. Ways of counting wear take different paths.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.integrate import RK45
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.model import parameters
+from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
+from bearingwear.model.life import (
+    error_estimate,
+    history_values,
+    life_history,
+    life_values,
+    margins,
+    race_control_states,
+    steady_states,
+)
+from bearingwear.model.life_integrator import (
+    FIRST_STEP,
+    REASONLESS,
+    ROOT,
+    SHORTEST_STEP,
+    WearState,
+)
+from bearingwear.model.pair import Pair, SteadySide
+from bearingwear.model.pair_case import stacked_sides
+from bearingwear.model.sides import SHARED
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, EndOfLife, Scene
+
+NO_CRITERION = len(CRITERIA) - 1
+LOOSER_LIFE = 30.0  # tolerance of the run that shows how well the life is integrated
+_MOST_STEPS = 2000
+
+Both = tuple[WearState, WearState]
+
+
+class Unsolved(ArithmeticError):
+    """A state on the way that was not found."""
+
+    def __init__(self, status: int):
+        super().__init__(status)
+        self.status = status
+
+
+@dataclass
+class PairHistory:
+    """States of both bearings up to the end of life, and when they are reached."""
+
+    states: list[Both]
+    times: list[float] = field(default_factory=lambda: [0.0])  # [s]
+    criterion: int = NO_CRITERION
+    status: int = code.CRITERION_NOT_REACHED
+    solves: int = 0
+
+
+def wear_states(pair: Pair) -> Callable[[tuple[float, float]], Both]:
+    """Function from the losses of both bearings [m] to what a life wants of them."""
+    known: dict[tuple[float, float], Both] = {}
+
+    def states(losses: tuple[float, float]) -> Both:
+        if losses not in known:
+            found = pair.solve(losses)
+            if found.status != code.OK:
+                first, second = (WearState(loss, found.status) for loss in losses)
+            else:
+                system: dict[str, Any] = {
+                    "system_stiffness": found.stiffness,
+                    "shift": found.shift,
+                }
+                first, second = (
+                    replace(side.wear_state(loss, state), **system)
+                    for side, loss, state in zip(pair.sides, losses, found.sides, strict=True)
+                )
+            known[losses] = first, second
+        return known[losses]
+
+    return states
+
+
+class PairLife:
+    """The way of a pair through its life by one way of counting wear.
+
+    Parameters
+    ----------
+    pair : Pair
+    counts : int
+        Index into `COUNTS`.
+    tolerance : float
+        Relative, of a step.
+    """
+
+    def __init__(self, pair: Pair, counts: int, tolerance: float):
+        self.pair, self.counts, self.tolerance = pair, counts, tolerance
+        self.scene = pair.scene
+        self.states = wear_states(pair)
+        self.end = self.scene.wear.end_of_life or EndOfLife()
+        self.largest = [
+            LARGEST_LOSS * side.scene.bearing.ball_diameter_mm * parameters.MM
+            for side in pair.sides
+        ]
+        self.solves = 0
+
+    def at(self, y: np.ndarray) -> Both:
+        """States at (L_1, L_2, t); raises `Unsolved`."""
+        found = self.states((float(y[0]), float(y[1])))
+        failed = next((one.status for one in found if one.status != code.OK), code.OK)
+        if failed != code.OK:
+            raise Unsolved(failed)
+        return found
+
+    def rates(self, s: float, y: np.ndarray) -> np.ndarray:
+        """Derivative of (L_1, L_2, t) by the sum of the losses."""
+        self.solves += 1
+        r = np.array([one.rate[self.counts] for one in self.at(y)])
+        return np.append(r, 1.0) / r.sum()
+
+    def margin(self, y: np.ndarray) -> np.ndarray:
+        """How far each criterion, and the largest loss that is followed, is from being met."""
+        preload = self.scene.operation.preload_N
+        worst = np.min([margins(one, self.end, preload) for one in self.at(y)], axis=0)
+        room = min(1.0 - loss / most for loss, most in zip(y, self.largest, strict=False))
+        return np.append(worst, room)
+
+    def integrate(self) -> PairHistory:
+        """From the present losses to the first criterion, or to where the solver ends."""
+        y = np.array([*self.pair.losses, 0.0])
+        start = self.states(self.pair.losses)
+        history = PairHistory(states=[start])
+        failed = next((one.status for one in start if one.status != code.OK), code.OK)
+        if failed != code.OK:
+            history.status = failed
+        elif min(one.rate.min() for one in start) > 0.0:
+            met = np.flatnonzero(self.margin(y) <= 0.0)
+            if met.size:
+                history.criterion, history.status = _ended(int(met[0]))
+            else:
+                self._follow(history, y)
+        history.solves = self.solves
+        return history
+
+    def _solver(self, s: float, y: np.ndarray, bound: float, step: float) -> RK45:
+        rate = sum(one.rate[self.counts] for one in self.at(y))
+        small = self.tolerance * self.first_step
+        return RK45(
+            self.rates, s, y, bound, rtol=self.tolerance, first_step=min(step, bound - s),
+            atol=np.array([small, small, small / rate]),
+        )  # fmt: skip
+
+    @property
+    def first_step(self) -> float:
+        """In the sum of the losses [m]."""
+        return 2.0 * FIRST_STEP * min(self.largest) / LARGEST_LOSS
+
+    def _follow(self, history: PairHistory, y: np.ndarray) -> None:
+        """Take steps up to the first criterion."""
+        s, step, bound = 0.0, self.first_step, sum(self.largest)
+        solver = self._solver(s, y, bound, step)
+        for _ in range(_MOST_STEPS):
+            try:
+                solver.step()
+                crossing = self._crossing(solver)
+                dense = solver.dense_output()
+                end = solver.t if crossing is None else crossing[0]
+                between = [dense(one) for one in _quarters(s, end)]
+                for one in between:
+                    self.at(one)
+            except Unsolved as failure:
+                # What ends the solver's range lies within this step.
+                if history.status in REASONLESS:
+                    history.status = failure.status
+                step = 0.25 * min(step, solver.h_abs)
+                if step < SHORTEST_STEP * self.first_step:
+                    return
+                solver = self._solver(s, y, bound, step)
+                continue
+            self._keep(history, between)
+            if crossing is not None:
+                y = self._exactly(s, y, crossing[0], step)
+                self._keep(history, [y])
+                history.criterion, history.status = _ended(crossing[1])
+                return
+            s, y, step = float(solver.t), solver.y.copy(), float(solver.h_abs)
+            self._keep(history, [y])
+
+    def _keep(self, history: PairHistory, reached: Sequence[np.ndarray]) -> None:
+        """Keep what has been reached; raises `Unsolved`."""
+        for y in reached:
+            history.states.append(self.at(y))
+            history.times.append(float(y[2]))
+
+    def _crossing(self, solver: RK45) -> tuple[float, int] | None:
+        """Where the first criterion is met in the last step, and which; looks at its middle too."""
+        dense = solver.dense_output()
+        a = solver.t_old
+        for b in (0.5 * (solver.t_old + solver.t), solver.t):
+            before, after = self.margin(dense(a)), self.margin(dense(b))
+            roots = []
+            for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
+
+                def value(s: float, k: int = int(k)) -> float:
+                    try:
+                        return float(self.margin(dense(s))[k])
+                    except Unsolved:
+                        return -1.0
+
+                root = brentq(value, a, b, xtol=ROOT * (b - a), rtol=1e-15)
+                roots.append((float(root), int(k)))
+            if roots:
+                return min(roots)
+            a = b
+        return None
+
+    def _exactly(self, s: float, y: np.ndarray, end: float, step: float) -> np.ndarray:
+        """(L_1, L_2, t) at the end of a shortened step."""
+        if not end > s:
+            return y
+        solver = self._solver(s, y, end, step)
+        while solver.status == "running":
+            solver.step()
+        return solver.y.copy()
+
+
+def _quarters(a: float, b: float) -> np.ndarray:
+    """Places between the ends of a step, for the history."""
+    return a + (b - a) * np.array([0.25, 0.5, 0.75])
+
+
+def _ended(criterion: int) -> tuple[int, int]:
+    """Index and status of what has been met: a criterion, or the largest loss."""
+    return criterion, code.CRITERION_NOT_REACHED if criterion == NO_CRITERION else code.OK
+
+
+def pair_life(scene: Scene, tier: str) -> tuple[dict, dict]:
+    """Values and attributes of a life of two bearings."""
+    a = scene.pair
+    assert a is not None
+    if a.is_symmetric:
+        side = scene.sides[0]
+        states = steady_states if tier == "steady" else race_control_states
+        history = life_history(side, states(side))
+        values = life_values(side, history)
+        values |= error_estimate(side, history) if tier == "steady" else {}
+        return of_both(values, values), {"solves": history.solves}
+    return _unequal_life(scene, tier)
+
+
+def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:
+    tolerance, own = scene.model.tolerance, COUNTS.index(scene.wear.counts)
+    runs = [PairLife(Pair.of(scene, tier), c, tolerance).integrate() for c in range(len(COUNTS))]
+    history = runs[own]
+    solves = sum(run.solves for run in runs)
+    values: dict = {"status": history.status, "end_criterion": history.criterion}
+    start = history.states[0]
+    if any(one.status != code.OK or not one.rate.min() > 0.0 for one in start):
+        return values, {"solves": solves}
+    factor, _ = parameters.wear_factors(scene)
+    lives = np.array([run.times[-1] if run.status == history.status else np.nan for run in runs])
+    loose = PairLife(Pair.of(scene, tier), own, min(LOOSER_LIFE * tolerance, 1e-2)).integrate()
+    solves += loose.solves
+    bound = np.full(len(COUNTS), np.nan)
+    bound[own] = abs(loose.times[-1] - lives[own])
+    times = np.full((len(history.times), len(COUNTS)), np.nan)
+    times[:, own] = history.times
+    values |= {
+        "life": lives,
+        "normalised_life": lives * factor,
+        "life_error_bound": bound,
+        "history_time": times,
+    }
+    each = [
+        history_values([states[k] for states in history.states])
+        | {"loss_at_end": history.states[-1][k].loss}
+        for k in range(2)
+    ]
+    values |= of_both(*each)
+    if tier == "steady" and history.status == code.OK and lives[own] > 0.0:
+        values |= _error_estimate(scene, own, history, bound[own] / lives[own])
+    return values, {"solves": solves}
+
+
+def of_both(first: dict, second: dict) -> dict:
+    """Values of two lives as those of one pair; what they share is that of the first."""
+    shared = {name: value for name, value in first.items() if name in SHARED}
+    own = [{n: v for n, v in one.items() if n not in SHARED} for one in (first, second)]
+    return shared | stacked_sides(own)
+
+
+def _error_estimate(scene: Scene, own: int, history: PairHistory, integration: float) -> dict:
+    """Estimated numerical error of a life: the same with other settings (see `estimate`)."""
+    total = np.full(len(COUNTS), np.nan)
+    total[own] = ROUNDING + integration
+    for weight, k in ((HALVED, 0), (DOUBLED, 1)):
+        pair = Pair.of(scene, "steady")
+        for side in pair.sides:
+            assert isinstance(side, SteadySide)
+            side.problem = side.problem.perturbed(side.scene)[k]
+        other = PairLife(pair, own, scene.model.tolerance).integrate()
+        if (other.status, other.criterion) != (history.status, history.criterion):
+            return {}
+        now = np.array(history.times[-1])
+        total[own] += weight * float(changed(now, np.array(other.times[-1])))
+    return {"life_error_estimate": total}

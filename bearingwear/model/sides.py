@@ -1,0 +1,29 @@
+"""What of a result of two bearings both have in common, and what each has as its own."""
+
+from collections.abc import Mapping
+from typing import Any
+
+SHARED = frozenset(
+    {
+        "system_axial_stiffness",
+        "lift_off_force",
+        "rotor_axial_shift",
+        "natural_frequency",
+        "rotor_balance_residual",
+        "status",
+        "life",
+        "normalised_life",
+        "life_error_bound",
+        "life_error_estimate",
+        "end_criterion",
+        "history_time",
+        "history_system_axial_stiffness",
+        "history_rotor_axial_shift",
+    }
+)
+"""What of a case or life both bearings have in common."""
+
+
+def of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
+    """Values of one bearing of a pair and of both, from those of a result."""
+    return {name: value if name in SHARED else value[k] for name, value in values.items()}

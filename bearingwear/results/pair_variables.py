@@ -1,0 +1,52 @@
+"""What two bearings on one rotor add to a file: a part of the table in `results/variables.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from bearingwear.model.sides import SHARED
+from bearingwear.results.variable import Variable, table
+from bearingwear.scene.arrangement import METHODS
+
+BEARINGS = ("first", "second")
+MODES = ("axial", "radial", "conical")
+OF_BEARING = "bearing"
+"""Dimension of what each bearing of a pair has as its own; it stands first."""
+
+PAIR_COORDINATES = table(
+    Variable(OF_BEARING, (OF_BEARING,), "", "bearing of the pair", "i1", flags=BEARINGS),
+    Variable("mode", ("mode",), "", "motion of the rotor", "i1", flags=MODES),
+)
+
+# fmt: off
+SYSTEM = table(
+    Variable("system_axial_stiffness", (), "N m-1", "axial stiffness of both bearings together",
+        label="stiffness of the pair"),
+    Variable("lift_off_force", (), "N",
+        "least axial force on the rotor that takes a bearing at rest out of contact",
+        comment="either way; with the worn balls, and as warm as it runs", label="lift-off force"),
+    Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from where it was mounted",
+        comment="towards +X", label="shift of the rotor"),
+    Variable("natural_frequency", ("mode",), "Hz", "natural frequency of the rigid rotor",
+        comment="not turning, centre of mass half way between the bearings; where no transverse "
+        "inertia is given, that of a slender rod is assumed", label="natural frequency"),
+    Variable("rotor_balance_residual", (), "1",
+        "force and place of the rotor that both bearings leave open, over the larger preload"),
+)
+"""Of the arrangement, once for both bearings."""
+# fmt: on
+
+
+def is_pair(scene: Mapping[str, Any]) -> bool:
+    """Whether a scene, as a file holds it, is of two bearings."""
+    return (scene.get("arrangement") or {}).get("kind") in METHODS
+
+
+def of_pair(known: Mapping[str, Variable]) -> dict[str, Variable]:
+    """A table as a file of a pair has it: what is not shared has a value for each bearing."""
+    return {
+        name: v if name in SHARED else replace(v, dims=(OF_BEARING, *v.dims))
+        for name, v in known.items()
+    }

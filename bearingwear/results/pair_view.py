@@ -1,0 +1,79 @@
+"""A file of two bearings as each of them has it, and what it says of both."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from bearingwear.results.pair_variables import MODES, OF_BEARING
+from bearingwear.results.rows import mean_rows, row_of, values
+from bearingwear.results.sheet import Block, Row
+
+SYSTEM_ROWS = ("system_axial_stiffness", "rotor_axial_shift", "lift_off_force")
+
+
+class OfBearing:
+    """An open file as one bearing of its pair has it."""
+
+    def __init__(self, file: Any, k: int):
+        self._file, self._k = file, k
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+    def __getitem__(self, name: str) -> Any:
+        variable = self._file[name]
+        return (
+            _OfBearing(variable, self._k) if variable.dimensions[:1] == (OF_BEARING,) else variable
+        )
+
+
+class _OfBearing:
+    """A variable of a pair as one bearing has it."""
+
+    def __init__(self, variable: Any, k: int):
+        self._variable, self._k = variable, k
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._variable, name)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._variable[self._k][index]
+
+
+def bearings_of(file: Any) -> list[tuple[str, Any]]:
+    """Titles and views of the bearings of a file, the file itself if it is of one.
+
+    Two that are alike are shown once.
+    """
+    if OF_BEARING not in file.dimensions or file["status"].dimensions:
+        return [("", file)]
+    views = [OfBearing(file, k) for k in range(file.dimensions[OF_BEARING].size)]
+    alike = all(
+        np.array_equal(each[0], each[1], equal_nan=True)
+        for name in file.variables
+        if (each := _each(file, name)) is not None
+    )
+    if alike:
+        return [("each bearing: ", views[0])]
+    return [(f"bearing {k}: ", view) for k, view in enumerate(views, 1)]
+
+
+def _each(file: Any, name: str) -> np.ndarray | None:
+    variable = file[name]
+    if variable.dimensions[:1] != (OF_BEARING,) or variable.dimensions == (OF_BEARING,) == (name,):
+        return None
+    return values(file, name)
+
+
+def system_blocks(file: Any) -> list[Block]:
+    """What both bearings are together."""
+    rows: tuple[Row, ...] = mean_rows(file, SYSTEM_ROWS)
+    if "natural_frequency" in file.variables:
+        found = row_of("natural_frequency", values(file, "natural_frequency"))
+        rows += tuple(
+            found._replace(label=f"{mode} frequency", values=(value,), name=f"{mode}_frequency")
+            for mode, value in zip(MODES, found.values, strict=True)
+        )
+    return [Block("arrangement", (), rows)] if rows else []

@@ -1,0 +1,241 @@
+"""The arrangement: two bearings on one rotor, and what of the second is not as in the first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
+
+from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.records import Key
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
+
+ARRANGEMENTS = ("single", "rigid_pair", "spring_pair")
+"""One bearing, or two against each other, held by a distance or by a spring."""
+
+METHODS = {"rigid_pair": "fixed_position", "spring_pair": "constant_force"}
+"""The preload method that each pair is made by."""
+
+SHARED_KEYS = frozenset({"shaft_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"})
+"""Keys of `operation` that both bearings of a pair have in common."""
+
+OWN_BLOCKS = (
+    "bearing",
+    "materials",
+    "operation",
+    "temperature",
+    "thermal",
+    "fits",
+    "friction",
+    "lubricant",
+    "wear",
+)
+"""Blocks of a scene in which the second bearing may differ."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrangement:
+    """How many bearings hold the rotor, and how."""
+
+    kind: Annotated[
+        str,
+        Key(
+            "One bearing, a pair held by a fixed distance (fixed_position), or a pair of which a "
+            "spring loads the second (constant_force)",
+            choices=ARRANGEMENTS,
+        ),
+    ] = "single"
+    orientation: Annotated[
+        str,
+        Key(
+            "Whether the contact lines of a pair meet the axis outside it (back to back) or inside",
+            choices=("back_to_back", "face_to_face"),
+        ),
+    ] = "back_to_back"
+    external_axial_N: Annotated[
+        float,
+        Key(
+            "Axial force on the rotor of a pair towards +X: loads the first bearing, relieves the "
+            "second",
+            "N",
+            "[-1e7, 1e7]",
+        ),
+    ] = 0.0
+    spring_stiffness_N_um: Annotated[
+        float, Key("Stiffness of the spring of a spring pair", "N/um", "[0, 1e6]")
+    ] = 0.0
+    rotor_mass_kg: Annotated[
+        float | None, Key("Mass of the rotor of a pair, for its frequencies", "kg", "(0, 1e6]")
+    ] = None
+    span_mm: Annotated[
+        float | None,
+        Key("Distance of the two bearings' centres, for the rotor's frequencies", "mm", "(0, 1e5]"),
+    ] = None
+    rotor_transverse_inertia_kg_mm2: Annotated[
+        float | None,
+        Key(
+            "Moment of inertia of the rotor about a transverse axis through its centre of mass, "
+            "half way between the bearings (if left out, assumed as of a slender rod of that mass "
+            "and span)",
+            "kg mm2",
+            "(0, 1e12]",
+        ),
+    ] = None
+    second: Annotated[
+        Mapping[str, Any],
+        Key(
+            "Keys of this scene and their values in the second bearing of a pair, where it differs",
+            allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25",
+        ),
+    ] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        flat = dict(_flat(self.second))
+        for key in flat:
+            block, _, name = key.partition(".")
+            shared = block == "operation" and name in SHARED_KEYS
+            shared = shared or (block == "wear" and name != "ball_diameter_loss_um")
+            if not name or block not in OWN_BLOCKS or shared:
+                raise SceneError(
+                    f"second.{key}" if key else "second",
+                    f"given {shown(flat[key])}, a key that both bearings share or that is none; "
+                    f"allowed keys of {', '.join(OWN_BLOCKS)}, but speeds, preload, counts "
+                    "and end of life",
+                )
+        object.__setattr__(self, "second", MappingProxyType(flat))
+        _check_kind(self)
+
+    def __hash__(self) -> int:
+        return hash((self.kind, self.orientation, self.external_axial_N, repr(dict(self.second))))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy can be neither pickled nor copied
+        return _rebuilt, ({**self.__dict__, "second": dict(self.second)},)
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether there are two bearings."""
+        return self.kind in METHODS
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether each of the two is the single bearing: alike, and no force but the preload."""
+        free = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
+        return free and not self.second and self.external_axial_N == 0.0
+
+
+def _rebuilt(values: dict[str, Any]) -> Arrangement:
+    return Arrangement(**values)
+
+
+def _flat(block: Mapping[str, Any], above: str = "") -> Any:
+    """Keys with all their parts, and their values; blocks within blocks are keys too."""
+    for name, value in block.items():
+        key = f"{above}.{name}" if above else name
+        if isinstance(value, Mapping):
+            yield from _flat(value, key)
+        else:
+            yield key, tuple(value) if isinstance(value, list) else value
+
+
+def _check_kind(a: Arrangement) -> None:
+    """What only a pair, or only a pair with a spring, can be given."""
+    given = {
+        "external_axial_N": a.external_axial_N,
+        "spring_stiffness_N_um": a.spring_stiffness_N_um,
+        "second": dict(a.second),
+    }
+    for name, value in given.items():
+        allowed = {"spring_pair"} if name == "spring_stiffness_N_um" else set(METHODS)
+        if value and a.kind not in allowed:
+            problem = f"given {shown(value)} with kind {a.kind}; allowed only with "
+            raise SceneError(name, problem + " or ".join(sorted(allowed)), ("kind",))
+
+
+def sides_of(scene: Scene) -> tuple[Scene, ...]:
+    """Each bearing of the arrangement as a single one, which knows span and orientation.
+
+    Raises
+    ------
+    SceneError
+        Where the second one is no bearing.
+    """
+    a = scene.arrangement
+    if a is None or not a.is_pair:
+        return (scene,)
+    alone = replace(a, kind="single", external_axial_N=0.0, spring_stiffness_N_um=0.0, second={})
+    first = replace(scene, arrangement=alone)
+    if not a.second:
+        return first, first
+    try:
+        return first, first.with_(a.second)
+    except SceneError as error:
+        key = ".".join(filter(None, ("arrangement.second", error.source or error.key)))
+        raise SceneError(key, error.problem, error.involved) from None
+
+
+def one_bearing(scene: Scene, source: object) -> Scene:
+    """The scene, if it is of a single bearing.
+
+    Raises
+    ------
+    SceneError
+        One line.
+    """
+    if scene.arrangement is not None and scene.arrangement.is_pair:
+        raise SceneError(
+            "arrangement.kind",
+            f"given {scene.arrangement.kind}; allowed single, for a study of states of wear (for a "
+            "pair: bearingwear solve, life, recommend)",
+            source=str(source),
+        )
+    return scene
+
+
+def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
+    """The scene with its preload held by a method, as the pair that is made by it if it is one.
+
+    Parameters
+    ----------
+    scene : Scene
+    method : str
+        Preload method.
+    preload_N : float, optional
+        Another preload [N].
+    **operation : float
+        Other values of `operation`.
+    """
+    a = scene.arrangement
+    if a is not None and a.is_pair:
+        kind = next(kind for kind, made_by in METHODS.items() if made_by == method)
+        spring = a.spring_stiffness_N_um if kind == "spring_pair" else 0.0
+        a = replace(a, kind=kind, spring_stiffness_N_um=spring)
+    preload = scene.operation.preload_N if preload_N is None else preload_N
+    changed = replace(scene.operation, preload_method=method, preload_N=preload, **operation)  # type: ignore[arg-type]
+    return replace(scene, arrangement=a, operation=changed)
+
+
+def check_arrangement(scene: Scene) -> None:
+    """Whether the arrangement fits the scene, and its second bearing is one.
+
+    Raises
+    ------
+    SceneError
+    """
+    a = scene.arrangement
+    if a is None or not a.is_pair:
+        return
+    method = scene.operation.preload_method
+    if METHODS[a.kind] != method:
+        other = next(kind for kind, made_by in METHODS.items() if made_by == method)
+        raise SceneError(
+            "arrangement.kind",
+            f"given {a.kind} with operation.preload_method {method}; allowed {other}, or "
+            f"preload_method {METHODS[a.kind]}",
+            ("operation.preload_method",),
+        )
+    if a.second:
+        _ = scene.sides  # refuses what is no bearing

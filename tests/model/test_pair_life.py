@@ -1,0 +1,148 @@
+"""Wear life of two bearings: the limits in which it is a single one's, and a plain integration."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.model.life import life
+from bearingwear.model.sides import SHARED, of_bearing
+from bearingwear.model.solve import solve
+from bearingwear.scene.blocks import CRITERIA
+
+POSITION = {"operation.preload_method": "fixed_position"}
+RIGID = {**POSITION, "arrangement.kind": "rigid_pair"}
+SPRING = {"arrangement.kind": "spring_pair"}
+LOSS = "wear.ball_diameter_loss_um"
+FORCED = RIGID | {
+    "arrangement.external_axial_N": 2.0,
+    "arrangement.second": {"friction.ball_race": 0.05},
+}
+
+
+def criterion(result):
+    return CRITERIA[result.values["end_criterion"]]
+
+
+@pytest.fixture(scope="module")
+def lived(scene):
+    """Function (changes, fidelity) -> life of gyro_s1."""
+    return lambda changes, fidelity=None: life(scene("gyro_s1", changes), fidelity)
+
+
+@pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair, fidelity):
+    end = {"wear.end_of_life": {"preload_fraction": 0.4, "ball_diameter_loss_um": 0.7}}
+    one, two = (lived(changes | end, fidelity) for changes in (single, pair))
+    assert criterion(one) == criterion(two)
+    for k in range(2):
+        other = of_bearing(two.values, k)
+        assert set(other) == set(one.values)
+        for name, value in one.values.items():
+            assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
+
+
+def test_unlike_solver_where_both_are_alike(lived):
+    """The integration of two losses, by an external force of next to nothing."""
+    one = lived(POSITION).values
+    two = lived(RIGID | {"arrangement.external_axial_N": 1e-9}).values
+    assert_allclose(two["life"], one["life"], rtol=1e-6)
+    assert_allclose(two["loss_at_end"], one["loss_at_end"], rtol=1e-6)
+    assert_allclose(two["history_ball_diameter_loss"][0], two["history_ball_diameter_loss"][1],
+                    rtol=1e-6)  # fmt: skip
+
+
+def test_plain_integration(lived, scene):
+    """The classical Runge-Kutta method in time, over the rates of single cases of the pair."""
+    result = lived(FORCED)
+    values, steps = result.values, 6
+    h = float(values["life"][1]) / steps
+
+    def rates(losses):
+        second = FORCED["arrangement.second"] | {LOSS: losses[1] * 1e6}
+        case = solve(
+            scene("gyro_s1", FORCED | {LOSS: losses[0] * 1e6, "arrangement.second": second})
+        )
+        assert case.status == "ok"
+        return case.values["ball_diameter_loss_rate"][:, 1]
+
+    y = np.zeros(2)
+    for _ in range(steps):
+        k1 = rates(y)
+        k2 = rates(y + 0.5 * h * k1)
+        k3 = rates(y + 0.5 * h * k2)
+        k4 = rates(y + h * k3)
+        y = y + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    assert_allclose(values["loss_at_end"], y, rtol=2e-5)
+    assert y[0] > 1.2 * y[1]
+
+
+def test_histories_and_bounds(lived):
+    values = lived(FORCED).values
+    assert values["history_time"].shape[0] == values["history_residual_preload"].shape[1] >= 9
+    assert (np.diff(values["history_time"][:, 1]) > 0.0).all()
+    assert values["life_error_bound"][1] < 1e-3 * values["life"][1]
+    assert 0.0 < values["life_error_estimate"][1] < 0.05
+    F = values["history_residual_preload"]
+    assert_allclose(F[0] - F[1], 2.0, atol=1e-9)
+    least = F.min(axis=0)[-1] / 7.0
+    assert_allclose(least, 0.4, atol=1e-6)
+    own = {name for name in values if name not in SHARED}
+    assert all(np.shape(values[name])[0] == 2 for name in own)
+
+
+@pytest.mark.parametrize("kind", [RIGID | {"arrangement.external_axial_N": 1.0}, SPRING])
+@pytest.mark.parametrize(
+    ("limit", "value", "history", "factor"),
+    [
+        ("system_axial_stiffness_N_um", 4.2, "system_axial_stiffness", 1e-6),
+        ("rotor_shift_um", 0.5, "rotor_axial_shift", 1e6),
+        ("friction_used_by_gyroscopic_moment", 0.14, "friction_used_by_gyroscopic_moment", 1.0),
+        ("gyroscopic_slip_share", 0.13, "gyroscopic_slip_share", 1.0),
+    ],
+)
+def test_functional_limits(lived, kind, limit, value, history, factor):
+    """Each ends the life of both kinds where it is met; a rigid pair does not soften so far."""
+    result = lived(kind | {"wear.end_of_life": {limit: value}})
+    if result.status != "ok":
+        assert result.status in ("criterion_not_reached", "contact_lost", "not_converged")
+        return
+    assert criterion(result) == limit
+    found = factor * np.asarray(result.values[f"history_{history}"])
+    at_end = found[..., -1] if history != "gyroscopic_slip_share" else found[:, -1, :]
+    # friction and slip share are met from below by the worse bearing
+    assert_allclose(np.max(np.abs(at_end)), value, rtol=1e-5)
+    assert "ended_by" in result.attrs
+
+
+def test_single_bearing_is_half_of_a_pair(lived):
+    """Limits of the arrangement hold for it, too."""
+    end = {"wear.end_of_life": {"system_axial_stiffness_N_um": 8.0}}
+    one, two = lived(POSITION | end), lived(RIGID | end)
+    assert_allclose(one.values["life"], two.values["life"], rtol=1e-12)
+    assert_allclose(one.values["history_system_axial_stiffness"][-1], 8e6, rtol=1e-6)
+    assert_allclose(one.values["history_rotor_axial_shift"], 0.0)
+
+
+def test_life_that_ends_with_lift_off(lived):
+    far = {"arrangement.external_axial_N": 25.0, "wear.end_of_life": {"skid_ratio": 0.9}}
+    result = lived(RIGID | far)
+    assert result.status in ("lifted_off", "contact_lost")
+    assert criterion(result) == "none"
+    assert result.values["life"][1] > 0.0
+
+
+def test_limits_passed_when_new(lived):
+    result = lived(RIGID | {"arrangement.external_axial_N": 5.0,
+                            "wear.end_of_life": {"system_axial_stiffness_N_um": 50.0}})  # fmt: skip
+    assert result.status == "ok" and result.values["life"][1] == 0.0
+    assert "over_limit_when_new" in result.attrs["warnings"]
+
+
+def test_without_preload_or_friction(lived):
+    for changes, status in (
+        ({"operation.preload_N": 0.0, "wear.end_of_life": {"skid_ratio": 0.1}}, "preload_gone"),
+        ({"friction.ball_race": 0.0}, "undetermined"),
+    ):
+        forced = RIGID | {"arrangement.external_axial_N": 1.0} | changes
+        assert lived(forced).status == status
