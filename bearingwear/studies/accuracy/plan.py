@@ -26,8 +26,9 @@ SWEEP_KINDS = ("numerical", "model")
 TRADE_FIDELITIES = ("race_control", "traction", "steady", "three_balls", "no_cage", "dynamic")
 STARTS = ("steady", "race_control", "kinematic")
 HERTZ = ("exact", "fit")
+WARMTHS = ("mounted", "at_speed", "warm_ring", "network")
 
-_SPECIAL = {"fidelity": TRADE_FIDELITIES, "start": STARTS, "hertz": HERTZ}
+_SPECIAL = {"fidelity": TRADE_FIDELITIES, "start": STARTS, "hertz": HERTZ, "warmth": WARMTHS}
 """Settings of a point that are no keys of a scene, and what they take."""
 
 PRESET_KEYS: dict[str, Mapping[str, Any]] = {
@@ -52,8 +53,8 @@ class SweepPoint:
         The same as a number, NaN where it is none.
     fidelity : str
         Model to solve.
-    start, hertz : str
-        How it starts, and its Hertz factors; empty where they are the usual ones.
+    start, hertz, warmth : str
+        How it starts, its Hertz factors, what has grown; empty where they are the usual ones.
     settings : sequence of str
         As `--set` takes them.
     text : str
@@ -65,6 +66,7 @@ class SweepPoint:
     fidelity: str
     start: str = ""
     hertz: str = ""
+    warmth: str = ""
     settings: tuple[str, ...]
     text: str
 

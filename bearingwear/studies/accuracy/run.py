@@ -34,6 +34,7 @@ from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.accuracy.plan import SweepPoint
 from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
 from bearingwear.studies.accuracy.traction import solve_coupled
+from bearingwear.studies.accuracy.warmth import grown_scene
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
 
@@ -108,6 +109,7 @@ def solved_sweep(
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
     """What a point gives and what it takes, by the names of the variables."""
+    scene = grown_scene(scene, point.warmth)
     run = runner(scene, point)
     short = replace(scene, model=replace(scene.model, simulated_turns=0.25, evaluated_turns=None))
     runner(short, point)()  # compiles

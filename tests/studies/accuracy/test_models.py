@@ -13,8 +13,10 @@ from bearingwear.model import parameters
 from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
+from bearingwear.studies.accuracy.plan import WARMTHS
 from bearingwear.studies.accuracy.run import first_motion, in_time, three_balls
 from bearingwear.studies.accuracy.traction import solve_coupled
+from bearingwear.studies.accuracy.warmth import grown_scene
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 
@@ -110,3 +112,12 @@ def test_traction_in_the_normal_balance(scene, name, changes):
         assert_allclose(values["residual_preload"], s.operation.preload_N, rtol=1e-8)
     without = solve(s, "steady").values["total_qv"]
     assert 1e-3 < abs(values["total_qv"] / without - 1.0) < 0.2  # and it matters
+
+
+def test_what_has_grown_is_a_step_further_each_time(scene):
+    held = scene("gyro_s1", {"operation.preload_method": "fixed_position"})
+    mounted, turning, warm, network = (grown_scene(held, warmth) for warmth in WARMTHS)
+    assert mounted is held and turning.bearing.bore_mm == pytest.approx(4.0)
+    assert warm.temperature.inner_ring_C == 25.0 and network.thermal is not None
+    found = [solve(s).values["residual_preload"] for s in (mounted, turning, warm, network)]
+    assert found[0] < found[1] < found[2] and abs(found[3] - found[1]) < 0.1
