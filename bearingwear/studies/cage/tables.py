@@ -15,7 +15,7 @@ from bearingwear.studies.cage.figures import cage_message
 from bearingwear.studies.cage.motion import MOTION_WORDS
 from bearingwear.studies.dataset import loaded
 
-MICROMETRES, WEAR, SHARE = display("m"), display("m3 s-1"), display("1", shown="%")
+MICROMETRES, WEAR, OF_MEAN = display("m"), display("m3 s-1"), display("1", shown="%")
 
 
 def cage_table(motions: Path) -> str:
@@ -38,7 +38,7 @@ def cage_table(motions: Path) -> str:
             f"turn | whirl over shaft | centre Y, Z ({MICROMETRES.printed}) | "
             f"{MICROMETRES.label('off the axis')} | pockets (mW) | land (mW) | "
             f"{WEAR.label('wear of pockets')} | {WEAR.label('of the land')} | "
-            f"{SHARE.label('wear over the mean of the starts')}",
+            f"{OF_MEAN.label('wear over the mean of the starts')}",
             rows,
         ),
         f"{found.attrs['turns']} turns each; the motion is told for every {stretch} turns, and all "
@@ -80,5 +80,5 @@ def _run(run: xr.Dataset, share: float) -> list[str]:
         digits(1e3 * float(run["land_power"])),
         WEAR.text(run["cage_wear_rate"]),
         WEAR.text(run["cage_land_wear_rate"]),
-        SHARE.text(share),
+        OF_MEAN.text(share),
     ]
