@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bearingwear.studies.protocol import Study
 
-NAMES = ("grid", "uncertainty", "lives", "design", "identify", "accuracy", "robustness")
+NAMES = ("grid", "uncertainty", "lives", "design", "identify", "cage", "accuracy", "robustness")
 
 
 def read(config: Mapping[str, Any]) -> dict[str, Study]:

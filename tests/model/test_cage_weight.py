@@ -122,7 +122,7 @@ def test_when_a_cage_meets_its_land():
     def turns(rooms):
         trend = Trend()
         for room in rooms:
-            trend.add(np.array([1.0, 1.0, 1.0, 1.0, 1.0, room]))
+            trend.add(np.r_[np.ones(trend.values.shape[1] - 1), room])
         return trend.turns_to_land()
 
     k = np.arange(40)

@@ -128,6 +128,17 @@ def test_the_cage_ends_the_life(cage_ends):
     assert_allclose(v["history_pocket_worn_volume"][-1], worn, rtol=1e-12)
 
 
+def test_a_cage_with_a_weight_lives_longer(scene, cage_ends):
+    """It hangs on its balls for these few turns, where the weightless one goes round in them."""
+    changes = {"operation.gravity_m_s2": [0.0, 0.0, -9.81]}
+    changes |= {"wear.end_of_life.pocket_clearance_mm": 0.17}
+    v, weightless = life(scene("gyro_s1", CAGE | changes), "dynamic").values, cage_ends.values
+    assert v["status"] == code.OK
+    rates = [one["history_pocket_wear_rate"][0].sum() for one in (v, weightless)]
+    assert rates[0] < 0.3 * rates[1]
+    assert v["life"][BOTH] > 1.5 * weightless["life"][BOTH]
+
+
 def test_the_ball_ends_the_life_where_the_cage_is_far_from_its_limit(scene):
     limits = {"pocket_clearance_mm": 0.5, "ball_diameter_loss_um": 0.1}
     v = life(scene("gyro_s1", CAGE | {"wear.end_of_life": limits}), "dynamic").values

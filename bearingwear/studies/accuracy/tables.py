@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.plotting.markdown import cell_text
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import digits, display, span
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.figures import points_where
 from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
@@ -123,7 +123,7 @@ time would push the race aside, so three stand for all. With a cage, two runs th
 last digit part after some turns and agree in their means only. The Coriolis force and the
 circumferential part of the normal forces are left out of the motion; the energy account books their
 work, of the heat:
-{booked(trade)}.
+{booked(trade)}. {of_weight(trade)}
 
 **The presets, scene by scene**: errors against the reference of the scene in percent; life in the
 steady state, loss rate in time; a contact's QV is far more sensitive than the total
@@ -136,6 +136,13 @@ included; what the reference itself is not sure of (its own estimate, and its ch
 {estimates(trade)}
 {_END}
 """
+
+
+def of_weight(trade: xr.Dataset) -> str:
+    """What a cage wears without its weight, over what it wears with it."""
+    points = points_where(trade, sweep="weight")
+    ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]  # each against the point before it
+    return f"A cage without its weight wears {span(ratios)} times as much over the turns averaged."
 
 
 def booked(trade: xr.Dataset) -> str:

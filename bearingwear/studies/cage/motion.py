@@ -1,0 +1,77 @@
+"""What a cage does over a stretch of time: the names of its motions, and how they are told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+MOTIONS = ("floats", "hangs", "turns_with_the_balls", "whirls", "irregular")
+FLOATS, HANGS, WITH_BALLS, WHIRLS, IRREGULAR = range(len(MOTIONS))
+
+MOTION_WORDS = {
+    FLOATS: "floats",
+    HANGS: "hangs",
+    WITH_BALLS: "turns with the balls",
+    WHIRLS: "whirls",
+    IRREGULAR: "irregular",
+}
+
+ONE_SIDED = 0.5
+"""Mean place over the root mean square of the distance from which on a cage hangs."""
+
+WITH_THEM = 0.03
+"""Relative difference from the balls' rate up to which a cage goes round with them."""
+
+EVEN = 0.1
+"""Scatter of the distance from the axis up to which a cage whirls evenly."""
+
+
+@dataclass(frozen=True)
+class CagePath:
+    """A cage's path over a stretch: where its centre is, and how it goes round."""
+
+    centre: complex  # mean place, Y + i Z [m]
+    offset: float  # mean distance from the axis [m]
+    scatter: float  # standard deviation of it [m]
+    whirl: float  # turns round the axis for a turn of the shaft [1]
+    motion: int
+
+
+def path_of(place: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
+    """What a cage does over a stretch.
+
+    Parameters
+    ----------
+    place : ndarray of complex
+        Its centre from the axis of what guides it, Y + i Z, at even instants [m].
+    turns : float
+        Of the shaft from one instant to the next.
+    power : float
+        Normal force times slip in pockets and at the land, the mean [W].
+    ball_ratio : float
+        Orbit rate of the balls over the shaft's.
+    """
+    distance = np.abs(place)
+    # The angle from one instant to the next, by its area: noise about the axis counts little.
+    step = np.angle(np.sum(place[1:] * np.conj(place[:-1])))
+    whirl = float(step / (2.0 * np.pi * turns))
+    centre, offset, scatter = complex(place.mean()), float(distance.mean()), float(distance.std())
+    if power == 0.0:
+        motion = FLOATS
+    elif abs(centre) > ONE_SIDED * np.sqrt(np.mean(distance**2)):
+        motion = HANGS
+    elif scatter > EVEN * offset:
+        motion = IRREGULAR
+    elif abs(whirl - ball_ratio) <= WITH_THEM * ball_ratio:
+        motion = WITH_BALLS
+    else:
+        motion = WHIRLS
+    return CagePath(centre, offset, scatter, whirl, motion)
+
+
+def begins(motions: list[int]) -> int:
+    """From which stretch on the motion is the last one."""
+    return len(motions) - next(
+        (k for k, motion in enumerate(reversed(motions)) if motion != motions[-1]), len(motions)
+    )
