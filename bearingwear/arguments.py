@@ -93,13 +93,16 @@ def command_parser() -> argparse.ArgumentParser:
         help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
     )
     _add_study(command("study", "run the study of a scene, or one of the present folder"))
-    step = commands.add_parser("step")  # no help: rules call it, no person does
+    _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
+    return parser
+
+
+def _add_step(step: argparse.ArgumentParser) -> None:
     step.add_argument("step", metavar="STEP")
     step.add_argument("inputs", nargs="*", metavar="NAME=FILE")
     step.add_argument("--settings", type=_mapping, default={}, metavar="JSON")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     step.set_defaults(run="step")
-    return parser
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:

@@ -222,19 +222,7 @@ def life(
     NotAvailable
         Where the fidelity asked for cannot solve this scene.
     """
-    end = scene.wear.end_of_life
-    if end is None or not end.criteria:
-        raise SceneError(
-            "wear.end_of_life",
-            "given nothing; a life needs at least one criterion",
-            source=scene.name,
-        )
-    if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
-        raise SceneError(
-            "wear.end_of_life.preload_fraction",
-            "given with preload_N 0; a fraction needs a preload",
-            source=scene.name,
-        )
+    _check_end(scene)
     chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
     if chosen.tier == "dynamic":
@@ -260,6 +248,23 @@ def life(
         values |= growth_values(scene)
     attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
     return Result(values, attrs, elapsed)
+
+
+def _check_end(scene: Scene) -> None:
+    """Refuse a scene whose life can have no end."""
+    end = scene.wear.end_of_life
+    if end is None or not end.criteria:
+        raise SceneError(
+            "wear.end_of_life",
+            "given nothing; a life needs at least one criterion",
+            source=scene.name,
+        )
+    if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
+        raise SceneError(
+            "wear.end_of_life.preload_fraction",
+            "given with preload_N 0; a fraction needs a preload",
+            source=scene.name,
+        )
 
 
 def life_history(scene: Scene, state: Callable[[float], WearState]) -> LifeHistory:

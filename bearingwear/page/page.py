@@ -113,24 +113,14 @@ def page(sections: Iterable[Path], docs: Iterable[Path] = (), answers: Iterable[
     for file in results:
         if file.suffix == ".md" and (owner := scenes.get(file.parent.parent)):
             owner.tables.append(file)
-    found = answer(
-        [
-            life
-            for dataset in datasets.values()
-            if _is_life(dataset)
-            for life in lives_of(dataset, known)
-        ]
-    )
+    of_lives = filter(_is_life, datasets.values())
+    found = answer([life for dataset in of_lives for life in lives_of(dataset, known)])
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    lead = [
-        figure
-        for section in [*scenes.values()][:1]
-        for figure in section.figures
-        if figure.path.stem == LIFE_FIGURE
-    ]
+    first = next(iter(scenes.values()), None)
+    lead = [figure for figure in first.figures if figure.path.stem == LIFE_FIGURE] if first else []
     return template.render(
         answer=found,
         lead=lead,

@@ -98,9 +98,7 @@ def scene_text(
     D = numbers["bearing.ball_diameter_mm"].value
     dm = numbers["bearing.pitch_diameter_mm"].value
     Z = int(numbers["bearing.ball_count"].value)
-    if Z > (most := most_balls(D, dm)):
-        allowed = f"at most {most} of {D:g} mm on a pitch circle of {dm:g} mm"
-        raise refused_option("--balls", Z, allowed)
+    _check_room(Z, D, dm)
     text = _filled(
         name=json.dumps(name),  # quoted: 7008, true and null are names, too
         size=size,
@@ -118,15 +116,28 @@ def scene_text(
         MATERIALS=MATERIALS,
     )
     _check(text)
-    assumed = [f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule]
-    assumed += [
+    return text, _assumed(numbers, ball_material, preload_method)
+
+
+def _check_room(Z: int, D: float, dm: float) -> None:
+    """Refuse more balls than there is room for; diameters in millimetres."""
+    if Z > (most := most_balls(D, dm)):
+        allowed = f"at most {most} of {D:g} mm on a pitch circle of {dm:g} mm"
+        raise refused_option("--balls", Z, allowed)
+
+
+def _assumed(
+    numbers: Mapping[str, Origin], ball_material: str | None, preload_method: str | None
+) -> list[str]:
+    """A line for each thing that was assumed."""
+    return [
+        *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
         "bearing.inner_groove_factor, bearing.outer_groove_factor: "
         f"{GROOVES[0]:g}, {GROOVES[1]:g}, as ISO 281 rates",
         *(["bearing.ball_material: bearing_steel"] if ball_material is None else []),
         *(["operation.preload_method: constant_force"] if preload_method is None else []),
         "materials, cage, friction.cage, wear.end_of_life, uncertainty: see the file",
     ]
-    return text, assumed
 
 
 def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:

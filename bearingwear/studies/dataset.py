@@ -62,17 +62,10 @@ def stacked(
                 target[str(name)] = one
             for dim, size in zip(one.dims, one.shape, strict=True):
                 sizes[str(dim)] = max(size, sizes.get(str(dim), 0))
-    ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
     variables = {}
     for name, template in templates.items():
         inner = tuple(sizes[str(dim)] for dim in template.dims)
-        values = np.full((ends[-1], *inner), np.nan)
-        for dataset, end in zip(datasets, ends, strict=True):
-            if (held := dataset.variables.get(name)) is not None:
-                shape = tuple(held.sizes[dim] for dim in held.dims if dim != along)
-                filled = tuple(slice(size) for size in shape)
-                begin = end - dataset.sizes.get(along, 1)
-                values[(slice(begin, end), *filled)] = held.values
+        values = _one_after_the_other(datasets, name, inner, along)
         if np.issubdtype(template.dtype, np.integer) and np.isfinite(values).all():
             values = values.astype(template.dtype)
         values = values.reshape((*lengths.values(), *inner))
@@ -80,6 +73,21 @@ def stacked(
     coords = {name: one for name, one in coords.items() if name not in uneven}
     used = {dim for template in templates.values() for dim in template.dims}
     return xr.Dataset(variables, {n: c for n, c in coords.items() if set(c.dims) <= used})
+
+
+def _one_after_the_other(
+    datasets: Sequence[xr.Dataset], name: str, inner: tuple[int, ...], along: str
+) -> np.ndarray:
+    """Values of a variable in all datasets, NaN where one has none or fewer."""
+    ends = np.cumsum([dataset.sizes.get(along, 1) for dataset in datasets])
+    values = np.full((ends[-1], *inner), np.nan)
+    for dataset, end in zip(datasets, ends, strict=True):
+        if (held := dataset.variables.get(name)) is not None:
+            shape = tuple(held.sizes[dim] for dim in held.dims if dim != along)
+            filled = tuple(slice(size) for size in shape)
+            begin = end - dataset.sizes.get(along, 1)
+            values[(slice(begin, end), *filled)] = held.values
+    return values
 
 
 def attrs(long_name: str, units: str) -> dict[str, Any]:

@@ -104,10 +104,9 @@ def sweep(
     chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
     parts = list(_told(_solved_by(chunks, cores), len(jobs), progress))
     made = _side_by_side(parts, base, axes, what)
-    if (made["status"] != STATUS_NAMES[OK]).any():
-        warnings.warn(f"{base.name}: {made.attrs['message']}", stacklevel=2)
-    for line in warning_lines(made.attrs):
-        warnings.warn(f"{base.name}: {line.removeprefix(WARNING)}", stacklevel=2)
+    said = [made.attrs["message"]] if (made["status"] != STATUS_NAMES[OK]).any() else []
+    for text in [*said, *(line.removeprefix(WARNING) for line in warning_lines(made.attrs))]:
+        warnings.warn(f"{base.name}: {text}", stacklevel=2)
     return made
 
 

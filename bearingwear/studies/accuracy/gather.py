@@ -35,21 +35,7 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
     CaseFileError
         One line: a file that is no such file, of other sources, or whose reference is missing.
     """
-    found: dict[tuple[str, str], xr.Dataset] = {}
-    shared: dict[str, Any] = {}
-    for path in map(Path, paths):
-        dataset = load(path)
-        attrs = dataset.attrs
-        if not {"scene_name", "sweep_name", "sweep_kind", "against"} <= set(attrs):
-            raise CaseFileError(f"{path}: not a sweep of the study of accuracy")
-        of = {key: attrs.get(key) for key in _SHARED}
-        shared = shared or of
-        for key, value in of.items():
-            if value != shared[key]:
-                raise CaseFileError(f"{path}: {key} is not that of the files before it")
-        found[attrs["scene_name"], attrs["sweep_name"]] = dataset
-    if not found:
-        raise CaseFileError("no sweeps of the study of accuracy given")
+    found = _of_one_study(paths)
     parts = []
     for (scene, sweep), dataset in found.items():
         against = dataset.attrs["against"]
@@ -76,6 +62,26 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
             "Wall times differ from run to run.",
         }
     )
+
+
+def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Dataset]:
+    """The files by scene and sweep, if the same sources made them."""
+    found: dict[tuple[str, str], xr.Dataset] = {}
+    shared: dict[str, Any] = {}
+    for path in map(Path, paths):
+        dataset = load(path)
+        attrs = dataset.attrs
+        if not {"scene_name", "sweep_name", "sweep_kind", "against"} <= set(attrs):
+            raise CaseFileError(f"{path}: not a sweep of the study of accuracy")
+        of = {key: attrs.get(key) for key in _SHARED}
+        shared = shared or of
+        for key, value in of.items():
+            if value != shared[key]:
+                raise CaseFileError(f"{path}: {key} is not that of the files before it")
+        found[attrs["scene_name"], attrs["sweep_name"]] = dataset
+    if not found:
+        raise CaseFileError("no sweeps of the study of accuracy given")
+    return found
 
 
 def with_errors(points: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:

@@ -72,6 +72,22 @@ def solved_sweep(
         point_values(load_scene(scene, point.overrides(scene_settings)), point, repeats, seconds)
         for point in solves
     ]
+    return _variables(solves, rows).assign_attrs(
+        common_attributes()
+        | {
+            "title": f"Accuracy against time: {scene_name}, {sweep_name}",
+            "scene_name": scene_name,
+            "sweep_name": sweep_name,
+            "sweep_title": title,
+            "sweep_kind": kind,
+            "against": against,
+            "comment": "Wall times differ from run to run, and with them the bytes of this file.",
+        }
+    )
+
+
+def _variables(solves: Sequence[SweepPoint], rows: Sequence[Mapping[str, float]]) -> xr.Dataset:
+    """Points of a sweep and what was found at them, along `point`."""
     texts = {
         "label": ("setting of the point", [point.label for point in solves]),
         "value": ("setting as a number", [point.value for point in solves]),
@@ -93,18 +109,7 @@ def solved_sweep(
     for name, attributes in {**QUANTITIES, **EXTRA}.items():
         column = np.array([row.get(name, np.nan) for row in rows])
         variables[name] = ("point", column, attributes)
-    return xr.Dataset(variables).assign_attrs(
-        common_attributes()
-        | {
-            "title": f"Accuracy against time: {scene_name}, {sweep_name}",
-            "scene_name": scene_name,
-            "sweep_name": sweep_name,
-            "sweep_title": title,
-            "sweep_kind": kind,
-            "against": against,
-            "comment": "Wall times differ from run to run, and with them the bytes of this file.",
-        }
-    )
+    return xr.Dataset(variables)
 
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:

@@ -57,20 +57,6 @@ def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
 
 
 def _text(both: xr.Dataset) -> str:
-    ways = (("steady", ".steady"), ("in time", ".dynamic"))
-    balls = [(f"one ball, {words}", "ball_wear_rate", way, None) for words, way in ways]
-    races = [
-        (f"{race} race, {words}", "race_wear_rate", way, k)
-        for k, race in enumerate(("inner", "outer"))
-        for words, way in ways
-    ]
-    cage = [
-        (label, name, "", None)
-        for label, name in (
-            ("cage pockets", "cage_wear_rate"),
-            ("cage land", "cage_land_wear_rate"),
-        )
-    ]
     power = display("W", both["total_qv.steady"], both["total_qv.dynamic"])
     parts = [
         f"# {scene_of(both)['name']}: solved in time, beside the steady state",
@@ -87,17 +73,10 @@ def _text(both: xr.Dataset) -> str:
         ),
         "QV is that of the whole bearing.",
         f"## {_RATE.label('Wear rates')}",
-        _table(
-            both,
-            [
-                (label, _number(both, name + way, _RATE, race))
-                for label, name, way, race in balls + races + cage
-                if name + way in both
-            ],
-        ),
+        _table(both, _wear_rates(both)),
         "The mean of all balls. Those solved in time also wear in the pockets of the cage. "
         "Where the land does not wear, the cage did not reach it in the turns averaged."
-        if cage[0][1] in both
+        if "cage_wear_rate" in both
         else "The mean of all balls.",
         "## How settled the means are",
         _table(
@@ -121,6 +100,25 @@ def _text(both: xr.Dataset) -> str:
         "\n".join(_unsolved(both)) or "Nothing: every case was solved and verified both ways.",
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _wear_rates(both: xr.Dataset) -> list[tuple[str, Callable]]:
+    """Columns of the wear of each part, both ways."""
+    ways = (("steady", ".steady"), ("in time", ".dynamic"))
+    parts: list[tuple[str, str, str, int | None]]
+    parts = [(f"one ball, {words}", "ball_wear_rate", way, None) for words, way in ways]
+    parts += [
+        (f"{race} race, {words}", "race_wear_rate", way, k)
+        for k, race in enumerate(("inner", "outer"))
+        for words, way in ways
+    ]
+    parts += [("cage pockets", "cage_wear_rate", "", None)]
+    parts += [("cage land", "cage_land_wear_rate", "", None)]
+    return [
+        (label, _number(both, name + way, _RATE, race))
+        for label, name, way, race in parts
+        if name + way in both
+    ]
 
 
 def _table(both: xr.Dataset, columns: list[tuple[str, Callable]]) -> str:

@@ -7,15 +7,14 @@ study's grid: it needs no solve, and its error is that of the grid, which the fi
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.model.life import life
-from bearingwear.results.netcdf import dataset, load
-from bearingwear.results.variable import SECONDS_PER_HOUR
+from bearingwear.results.netcdf import dataset, dataset_of, load
+from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
@@ -97,6 +96,44 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
     )
 
 
+_FROM_THE_STUDY = "interpolated from the study"
+INTERPOLATED = table(
+    Variable("interpolated_life", ("counts",), "h", f"wear life, {_FROM_THE_STUDY}"),
+    Variable(
+        "interpolated_loss_at_end",
+        (),
+        "m",
+        f"loss of ball diameter at the end, {_FROM_THE_STUDY}",
+    ),
+    Variable(
+        "interpolated_end_criterion",
+        (),
+        "",
+        f"criterion met first, {_FROM_THE_STUDY}",
+        "i1",
+        flags=CRITERIA,
+    ),
+    Variable(
+        "interpolated_history_ball_diameter_loss",
+        ("interpolated_step",),
+        "m",
+        f"loss of ball diameter, {_FROM_THE_STUDY}",
+    ),
+    Variable(
+        "interpolated_history_time",
+        ("interpolated_step", "counts"),
+        "h",
+        f"running time, {_FROM_THE_STUDY}",
+    ),
+    Variable(
+        "interpolated_history_residual_preload",
+        ("interpolated_step",),
+        "N",
+        f"residual preload, {_FROM_THE_STUDY}",
+    ),
+)
+
+
 def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: float) -> xr.Dataset:
     """Wear life from the cases along one line of the grid.
 
@@ -144,51 +181,16 @@ def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: f
         preload = np.interp(kept, loss, preload)
         time = np.stack([np.interp(kept, loss, column) for column in time.T], axis=1)
         loss = kept
-    history: dict[str, Any] = {
-        "interpolated_history_ball_diameter_loss": (
-            "interpolated_step",
-            loss * MICROMETRE,
-            {"long_name": "loss of ball diameter, interpolated from the study", "units": "m"},
-        ),
-        "interpolated_history_time": (
-            ("interpolated_step", "counts"),
-            time,
-            {"long_name": "running time, interpolated from the study", "units": "h"},
-        ),
-        "interpolated_history_residual_preload": (
-            "interpolated_step",
-            preload,
-            {"long_name": "residual preload, interpolated from the study", "units": "N"},
-        ),
+    values = {
+        "interpolated_life": lives,
+        "interpolated_loss_at_end": end * MICROMETRE,
+        "interpolated_end_criterion": CRITERIA.index(criterion),
+        "interpolated_history_ball_diameter_loss": loss * MICROMETRE,
+        "interpolated_history_time": time,
+        "interpolated_history_residual_preload": preload,
     }
-    return xr.Dataset(
-        {
-            "interpolated_life": (
-                "counts",
-                lives,
-                {"long_name": "wear life, interpolated from the study", "units": "h"},
-            ),
-            "interpolated_loss_at_end": (
-                (),
-                end * MICROMETRE,
-                {
-                    "long_name": "loss of ball diameter at the end, interpolated from the study",
-                    "units": "m",
-                },
-            ),
-            "interpolated_end_criterion": (
-                (),
-                np.int8(CRITERIA.index(criterion)),
-                {
-                    "long_name": "criterion met first, interpolated from the study",
-                    "flag_values": np.arange(len(CRITERIA), dtype=np.int8),
-                    "flag_meanings": " ".join(CRITERIA),
-                },
-            ),
-        }
-        | history,
-        {"counts": np.arange(len(COUNTS), dtype=np.int8)},
-    )
+    found = dataset_of(INTERPOLATED, values)
+    return found.assign_coords(counts=np.arange(len(COUNTS), dtype=np.int8))
 
 
 def _margins(fine: xr.Dataset, criteria: dict[str, float], preload_N: float) -> dict:

@@ -3,8 +3,9 @@
 import csv
 import io
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,7 @@ from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table,
 from bearingwear.results.quantiles import (
     QUANTILES_TEXT,
     SEE,
+    Quantiles,
     load_quantiles,
     quantiles_of,
     quantiles_text,
@@ -104,27 +106,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
         for name, state in methods(study)
         for mu in study["friction"].values
     ]
-    ends = lives["end_criterion"].attrs["flag_meanings"].split()
-    life, spreads = [], []
-    for name, of_method in methods(lives):
-        for mu in lives["friction"].values:
-            one = of_method.sel(friction=mu)
-            spread = quantiles_of(known, scene, name, mu) or {}
-            spreads.append(spread)
-            life.append(
-                [
-                    in_words(name),
-                    f"{mu:g}",
-                    *(
-                        cell
-                        for hours, way in zip(one["life"].values, COUNTS, strict=True)
-                        for cell in (digits(float(hours)), quantiles_text(spread.get(way, ())))
-                    ),
-                    key_in_words(ends[int(one["end_criterion"])])[0],
-                    _LOSS.text(one["loss_at_end"]),
-                    f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
-                ]
-            )
+    life, spreads = _lives(lives, scene, known)
     parts = [
         f"# {scene['name']}",
         plain_text(scene.get("description", "")),
@@ -147,6 +129,34 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
     ]  # fmt: skip
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _lives(
+    lives: xr.Dataset, scene: Mapping[str, Any], known: Sequence[xr.Dataset]
+) -> tuple[list[list[str]], list[Quantiles]]:
+    """A row for each life, and its quantiles, if they are known."""
+    ends = lives["end_criterion"].attrs["flag_meanings"].split()
+    life, spreads = [], []
+    for name, of_method in methods(lives):
+        for mu in lives["friction"].values:
+            one = of_method.sel(friction=mu)
+            spread = quantiles_of(known, scene, name, mu) or {}
+            spreads.append(spread)
+            life.append(
+                [
+                    in_words(name),
+                    f"{mu:g}",
+                    *(
+                        cell
+                        for hours, way in zip(one["life"].values, COUNTS, strict=True)
+                        for cell in (digits(float(hours)), quantiles_text(spread.get(way, ())))
+                    ),
+                    key_in_words(ends[int(one["end_criterion"])])[0],
+                    _LOSS.text(one["loss_at_end"]),
+                    f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
+                ]
+            )
+    return life, spreads
 
 
 def _unsolved(study: xr.Dataset) -> Iterator[str]:

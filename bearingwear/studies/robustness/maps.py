@@ -71,8 +71,8 @@ def state_map(
         for limit, value in limits.items():
             lines[f"boundary_{limit}"][i] = line.boundary(limit, value, column)
             lines[f"estimate_{limit}"][i] = line.estimate(limit, value)
-    variables: dict[str, Any] = {"status": (("y", "x"), status), "violations": (("y", "x"), wrong)}
-    variables |= {key: (("y", "x"), values) for key, values in shown.items()}
+    over = {"status": status, "violations": wrong} | shown
+    variables: dict[str, Any] = {key: (("y", "x"), values) for key, values in over.items()}
     for key, values in lines.items():
         beyond = limits[key.partition("_")[2]]
         variables[key] = ("x", values, {} if beyond is None else {"limit": beyond})

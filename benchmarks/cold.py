@@ -1,0 +1,52 @@
+"""What the first solve on a machine takes: a process that has to compile its kernels.
+
+`python benchmarks/cold.py [ROOT]` solves gyro_s1 of a checkout (this one if left out) by each model
+with an empty folder for compiled code, and prints CPU and wall seconds. Steady, dynamic after it,
+and a life are what docs/develop.md has.
+"""
+
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+TURN = ["--set", "model.simulated_turns=0.1"]
+RUNS = (
+    ("steady", ["solve", "--fidelity", "steady"], True),
+    ("dynamic, after it", ["solve", "--fidelity", "dynamic", *TURN], False),
+    ("dynamic alone", ["solve", "--fidelity", "dynamic", *TURN], True),
+    ("life", ["life"], True),
+)
+"""What is run: its name, the command, and whether compiled code of before is removed."""
+
+
+def cpu_of_children() -> float:
+    """CPU time of all child processes that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def main() -> None:
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[1]).resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        compiled = Path(folder) / "compiled"
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(compiled), "PYTHONPATH": str(root)}
+        print(f"{'first run of':<20}{'CPU s':>8}{'wall s':>8}")
+        for name, command, anew in RUNS:
+            if anew:
+                shutil.rmtree(compiled, ignore_errors=True)
+            file = root / "config" / "scenes" / "gyro_s1.yaml"
+            word, *options = command
+            argv = [sys.executable, "-m", "bearingwear", word, str(file), "--quiet", *options]
+            cpu, started = cpu_of_children(), time.monotonic()
+            subprocess.run(argv, cwd=root, env=environment, check=True, capture_output=True)
+            wall = time.monotonic() - started
+            print(f"{name:<20}{cpu_of_children() - cpu:8.1f}{wall:8.1f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
