@@ -52,6 +52,7 @@ def pressure(t):
     return 1.0 - t * t
 
 
+@inlined
 def pressure_integral(t):
     """Integral of `pressure` from 0 to t, t a float or an array."""
     return t - t**3 / 3.0

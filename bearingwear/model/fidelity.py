@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
+from bearingwear.model.creep import micro_slip_told
 from bearingwear.model.growth_told import growth_told
 from bearingwear.provenance import is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
@@ -274,6 +275,7 @@ def _steady(scene: Scene) -> list[str]:
     return [
         "balls: one stands for all, since every ball does the same thing",
         *_forces(scene),
+        *filter(None, (micro_slip_told(scene),)),
     ]
 
 

@@ -21,6 +21,7 @@ from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, QV, TORQUE, TR
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
+from bearingwear.model.micro_slip import micro_slip_values
 from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
@@ -196,6 +197,9 @@ def solve_steady(
         if case.held:
             attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
         values |= {"status": case.status} | steady_values(scene, problem, D, case)
+        if scene.model.micro_slip:
+            place = case.u, case.r, case.contacts
+            values |= micro_slip_values(scene, problem.g, problem.op, D, *place)
         eigenvalues = problem.time_scales(D, case)
         values |= {
             "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),

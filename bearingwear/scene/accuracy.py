@@ -152,6 +152,12 @@ class Model:
         str | None,
         Key("Where slip is taken, overrides what model.contact says", choices=SLIP_OVER),
     ] = None
+    micro_slip: Annotated[
+        bool,
+        Key(
+            "Evaluate elastic micro-slip at the motion found, and what it takes of QV, steady only"
+        ),
+    ] = False
     cage_results: Annotated[
         bool, Key("Ask for cage motion and wear, which need a cage and dynamics")
     ] = False

@@ -23,7 +23,15 @@ FIRST, _SCENE = "first", "scene"
 """A sweep against its own first point; a sweep that starts from the scene as it stands."""
 
 SWEEP_KINDS = ("numerical", "model")
-TRADE_FIDELITIES = ("race_control", "traction", "steady", "three_balls", "no_cage", "dynamic")
+TRADE_FIDELITIES = (
+    "race_control",
+    "traction",
+    "micro_slip",
+    "steady",
+    "three_balls",
+    "no_cage",
+    "dynamic",
+)
 STARTS = ("steady", "race_control", "kinematic")
 HERTZ = ("exact", "fit")
 WARMTHS = ("mounted", "at_speed", "warm_ring", "network")
