@@ -16,6 +16,7 @@ from bearingwear.model.thermal import (
     heat_flow_residual,
     network_temperatures,
 )
+from bearingwear.model.wear_in_time import WearInTime
 from bearingwear.scene.warmth import Conductance, Thermal
 
 HELD = {"operation.preload_method": "fixed_position"}
@@ -208,3 +209,15 @@ def test_motion_in_time_takes_the_found_temperatures(scene):
     radial = short | POOR | {"operation.radial_load_N": [0.0, 1.0]}
     loaded = solve(scene("gyro_s1", radial).without_cage).values
     assert_allclose(loaded["part_temperature"], steady["part_temperature"], rtol=1e-9)
+
+
+def test_a_life_in_time_is_warmed_at_each_step(scene):
+    short = {"model.simulated_turns": 0.5, "wear.ball_diameter_loss_um": 0.1} | HELD
+    steady = solve(scene("gyro_s1", short | POOR)).values["part_temperature"]
+    nodes = []
+    for network in (POOR, SEIZES):
+        course = WearInTime(scene("gyro_s1", short | network).without_cage)
+        nodes.append(course.evaluate(0.0, course.parts.nothing, None))
+    assert nodes[0].status == code.OK and nodes[1].status == code.WARM_SEIZURE
+    assert_allclose(course.state(nodes[0]).temperature, steady, rtol=1e-6)
+    assert nodes[1].residual.startswith("not solved; after")
