@@ -76,16 +76,22 @@ def race_control_heat(
     return status, heat_of_values(scene, values) if status == code.OK else NOTHING
 
 
-def warmed_for(scene: Scene, tier: str) -> Warmed:
+def warmed_for(scene: Scene, tier: str) -> tuple[Warmed, SteadyHeat]:
     """A scene with a thermal network at the temperatures of its own friction heat.
 
     In time they are those of the steady state under the thrust alone, of race control where there
     is none: warming takes a million turns.
+
+    Returns
+    -------
+    Warmed
+    SteadyHeat
+        With the steady state that was last solved, if that model made the heat.
     """
+    heat = SteadyHeat(float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM)
     if tier == "race_control":
-        return warmed(scene, race_control_heat)
-    loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
-    found = warmed(thrust_alone(scene), SteadyHeat(loss))
+        return warmed(scene, race_control_heat), heat
+    found = warmed(thrust_alone(scene), heat)
     if tier == "dynamic" and found.status not in (
         code.OK,
         code.WARM_SEIZURE,
@@ -94,8 +100,8 @@ def warmed_for(scene: Scene, tier: str) -> Warmed:
         found = warmed(scene, race_control_heat)
     given = found.scene.temperature
     if given is None:
-        return replace(found, scene=scene)
-    return replace(found, scene=replace(scene, temperature=given, thermal=None))
+        return replace(found, scene=scene), heat
+    return replace(found, scene=replace(scene, temperature=given, thermal=None)), heat
 
 
 def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:

@@ -126,7 +126,7 @@ class SteadySide:
         )
 
     def values(self, state: SideState) -> tuple[dict, dict]:
-        return solve_steady(warm_scene(self.scene, state), state.problem, state.answer.u)
+        return solve_steady(warm_scene(self.scene, state), state.problem, state.answer)
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         made = steady_wear_state(self.scene, state.problem, loss, state.answer)

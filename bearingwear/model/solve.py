@@ -69,10 +69,13 @@ def solved(
     if scene.thermal is None:
         values, attrs = solved_as_given(scene, tier, restart, progress)
         return values | growth_values(scene), attrs
-    found = warmed_for(scene, tier)
+    found, heat = warmed_for(scene, tier)
     if found.status != code.OK:
         return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}
-    values, attrs = solved_as_given(found.scene, tier, restart, progress)
+    if tier == "steady":  # the state whose heat it is, where there are others nearby
+        values, attrs = solve_steady(found.scene, heat.problem, heat.case)
+    else:
+        values, attrs = solved_as_given(found.scene, tier, restart, progress)
     if "friction_heat" in values:
         values |= network_values(scene, found, values, tier)
     return values | growth_values(found.scene), attrs

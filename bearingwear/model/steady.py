@@ -161,7 +161,7 @@ def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
 
 
 def solve_steady(
-    scene: Scene, problem: ThrustProblem | None = None, start: np.ndarray | None = None
+    scene: Scene, problem: ThrustProblem | None = None, case: ThrustCase | None = None
 ) -> tuple[dict, dict]:
     """Values and attributes of the friction-balanced steady state.
 
@@ -170,8 +170,8 @@ def solve_steady(
     scene : Scene
     problem : ThrustProblem, optional
         In place of the scene's own, as one bearing of a pair is pressed.
-    start : ndarray (4,), optional
-        Motion nearby.
+    case : ThrustCase, optional
+        Its state, if it is known.
     """
     problem = problem or ThrustProblem.of(scene)
     D = float(parameters.ball_diameters(scene)[0])
@@ -182,7 +182,7 @@ def solve_steady(
     }
     if values["status"] != code.OK:
         return values, {"residual": "not solved"}
-    case = problem.solve(D, start)
+    case = case or problem.solve(D)
     values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):

@@ -10,12 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.warmth import LARGEST_STRAIN, Temperature, Thermal, expansion
+from bearingwear.scene.warmth import Temperature, Thermal
 
 HEAT_BALANCED = 1e-7  # of the heat: how far what is made may be from what is carried away
 LARGEST_HEAT_RESIDUAL = 1e-5  # the same, of a solve that is verified
 MOST_SOLVES = 40
+LAST_BITS = 2.0**-49  # of a temperature
 RUNAWAY = 0.999  # heat that a watt of heat brings about, from which on nothing bounds it [W/W]
 MOST_HALVED = 6  # of a step at whose end the bearing has no state
 
@@ -93,8 +95,8 @@ def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
 def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:
     """What the three parts take in and do not give away, the largest, over all heat [1].
 
-    Summed part by part, apart from the solver; heat that flows from a warm shaft to a cold housing
-    counts as heat.
+    Summed part by part, apart from the solver, and less what rounding makes; heat that flows from a
+    warm shaft to a cold housing counts as heat.
     """
     G = thermal.conductance_W_K
     assert t.inner_ring_C is not None and t.balls_C is not None and t.outer_ring_C is not None
@@ -107,8 +109,11 @@ def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> floa
         0.5 * heat.inner + 0.5 * heat.outer + from_inner - to_outer,
         0.5 * heat.outer + heat.drag + to_outer - to_housing,
     )
+    # what the last bit of a temperature alone can make, next to nothing of heat aside
+    hottest = max(abs(t.inner_ring_C), abs(t.balls_C), abs(t.outer_ring_C))
+    rounding = LAST_BITS * hottest * max(G.inner_ring_shaft, G.outer_ring_housing, G.ball_race)
     scale = max(heat.total, abs(to_shaft), abs(to_housing))
-    return max(map(abs, left)) / scale if scale > 0.0 else 0.0
+    return max(max(map(abs, left)) - rounding, 0.0) / scale if scale > 0.0 else 0.0
 
 
 def balance_status(scene: Scene, warm: Scene, heat: HeatFlow) -> int:
@@ -119,18 +124,13 @@ def balance_status(scene: Scene, warm: Scene, heat: HeatFlow) -> int:
 
 
 def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
-    """The scene with the temperatures that this heat brings about; None beyond all growth."""
+    """The scene with the temperatures that this heat brings about; None where that cannot be."""
     assert scene.thermal is not None
-    t, b = network_temperatures(scene.thermal, heat), scene.bearing
-    for part, material in (
-        (t.inner_ring_C, b.race_material),
-        (t.balls_C, b.ball_material),
-        (t.outer_ring_C, b.race_material),
-    ):
-        assert part is not None
-        if not abs(expansion(scene, material) * (part - t.reference_C)) <= LARGEST_STRAIN:
-            return None
-    return replace(scene, temperature=t, thermal=None)
+    t = network_temperatures(scene.thermal, heat)
+    try:
+        return replace(scene, temperature=t, thermal=None)
+    except SceneError:
+        return None
 
 
 def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:

@@ -71,7 +71,7 @@ class WearInTime:
             return Node(time, worn, code.CRITERION_NOT_REACHED)
         warmth: dict[str, Any] = {}
         if scene.thermal is not None:
-            warm = warmed_for(scene, "dynamic")
+            warm, _ = warmed_for(scene, "dynamic")
             if warm.status != code.OK:
                 return Node(time, worn, warm.status, residual=warm.sentence)
             scene, warmth = warm.scene, warmth_of(scene, warm)

@@ -124,6 +124,7 @@ def check_warmth(scene: Scene) -> None:
         )
     _check_fits(scene)
     _check_expansions(scene)
+    _check_play(scene)
 
 
 def _check_fits(scene: Scene) -> None:
@@ -195,6 +196,33 @@ def _check_expansions(scene: Scene) -> None:
                 f"given a temperature {abs(kelvin):g} K from that of mounting; allowed at most "
                 f"{most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
+            )
+
+
+def _check_play(scene: Scene) -> None:
+    """Refuse balls that have grown as wide as a groove."""
+    t, b = scene.temperature, scene.bearing
+    if t is None:
+        return
+
+    def growth(part_C: float | None, material: str) -> float:
+        above = 0.0 if part_C is None else part_C - t.reference_C
+        return 1.0 + expansion(scene, material) * above
+
+    ball = growth(t.balls_C, b.ball_material)
+    for factor, ring, part_C in (
+        (b.inner_groove_factor, "inner", t.inner_ring_C),
+        (b.outer_groove_factor, "outer", t.outer_ring_C),
+    ):
+        running = factor * growth(part_C, b.race_material) / ball
+        if running <= 0.5:
+            given = t.reference_C if part_C is None else part_C
+            balls = t.reference_C if t.balls_C is None else t.balls_C
+            raise SceneError(
+                f"temperature.{ring}_ring_C",
+                f"given {given:g} with balls of {balls:g} degC; allowed only where the groove "
+                f"stays wider than the balls (bearing.{ring}_groove_factor {factor:g})",
+                ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )
 
 

@@ -16,6 +16,7 @@ from bearingwear.model.thermal import (
     heat_flow_residual,
     network_temperatures,
 )
+from bearingwear.model.wear_in_time import WearInTime
 from bearingwear.scene.warmth import Conductance, Thermal
 
 HELD = {"operation.preload_method": "fixed_position"}
@@ -100,7 +101,7 @@ def test_few_solves_do(scene):
     for name in ("constant_force", "fixed_position"):
         for changes in (MILD, network(0.1, 0.1, 0.05), network(1.0, 1.0, 0.1)):
             made = scene("gyro_s1", changes | {"operation.preload_method": name})
-            assert 2 <= warmed_for(made, "steady").solves <= 6
+            assert 2 <= warmed_for(made, "steady")[0].solves <= 6
 
 
 def test_a_spring_hardly_feels_the_heat(scene):
@@ -134,7 +135,7 @@ def test_random_networks_against_the_plain_way(scene):
         G = 10.0 ** random.uniform([-4.5, -3.0, -3.5], [-1.5, -1.0, -1.0])
         changes = HELD | network(*G) | {"friction.ball_race": float(random.choice([0.05, 0.1]))}
         made = scene("gyro_s1", changes)
-        found, (end, heat) = warmed_for(made, "steady"), followed_up(made)
+        (found, _), (end, heat) = warmed_for(made, "steady"), followed_up(made)
         assert end != "slow"
         assert (found.status == code.OK) == (end == "balance")
         if end == "balance":
@@ -208,3 +209,15 @@ def test_motion_in_time_takes_the_found_temperatures(scene):
     radial = short | POOR | {"operation.radial_load_N": [0.0, 1.0]}
     loaded = solve(scene("gyro_s1", radial).without_cage).values
     assert_allclose(loaded["part_temperature"], steady["part_temperature"], rtol=1e-9)
+
+
+def test_a_life_in_time_is_warmed_at_each_step(scene):
+    short = {"model.simulated_turns": 0.5, "wear.ball_diameter_loss_um": 0.1} | HELD
+    steady = solve(scene("gyro_s1", short | POOR)).values["part_temperature"]
+    nodes = []
+    for network in (POOR, SEIZES):
+        course = WearInTime(scene("gyro_s1", short | network).without_cage)
+        nodes.append(course.evaluate(0.0, course.parts.nothing, None))
+    assert nodes[0].status == code.OK and nodes[1].status == code.WARM_SEIZURE
+    assert_allclose(course.state(nodes[0]).temperature, steady, rtol=1e-6)
+    assert nodes[1].residual.startswith("not solved; after")

@@ -31,6 +31,14 @@ REFUSED = [
         {**NETWORK, "thermal.conductance_W_K.outer_ring_housing": 1e7},
         "thermal.conductance_W_K.outer_ring_housing: given 1",
     ),
+    (
+        {"bearing.inner_groove_factor": 0.501, "temperature.inner_ring_C": -250},
+        "temperature.inner_ring_C: given -250 with balls of 20 degC; allowed only where the groove",
+    ),
+    (
+        {"bearing.outer_groove_factor": 0.503, "temperature.balls_C": 600},
+        "temperature.outer_ring_C: given 20 with balls of 600 degC; allowed only where",
+    ),
     ({STEEL: -1e-6}, f"{STEEL}: given -1"),
     ({STEEL: 1e-3}, f"{STEEL}: given 0.001"),
     ({"fits.shaft_interference_um": 5}, "fits.shaft_interference_um: given 5; allowed only with"),
