@@ -97,11 +97,15 @@ class ThrustProblem:
         return thrust_case(self.g, D, op, self.preload, rule, fine, u, v_start, FRICTION_TOLERANCE)
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
-        """The problem with half the regularisation, and with twice the points."""
+        """The problem with half the regularisation, and with twice the points.
+
+        What finer points would say of these two is not asked for.
+        """
+        halved = self.op._replace(v_r=0.5 * self.op.v_r)
         twice = parameters.quadrature(scene, refined=2)
         return (
-            replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r)),
-            replace(self, rule=twice, fine_rule=twice),
+            replace(self, op=halved, fine_rule=self.rule),
+            replace(self, rule=twice, fine_rule=self.rule),
         )
 
     def undetermined(self) -> int:
