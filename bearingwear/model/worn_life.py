@@ -66,16 +66,16 @@ class WornLife:
             wander=scene.wear.track_wander,
         )
 
-    def at(self, wear: WornDepths) -> WornPoint:
+    def at(self, wear: WornDepths, stiffness: bool = True) -> WornPoint:
         self.solves += 1
-        return self.bearing.solve(wear)
+        return self.bearing.solve(wear, stiffness)
 
     def rate(self, point: WornPoint) -> WornDepths:
         return self.bearing.rate(point, *self.factors)
 
     def heun(self, point: WornPoint, rate: WornDepths, dt: float) -> WornPoint:
         """The state after the time dt; the one that failed, if one does."""
-        ahead = self.at(point.wear.plus(dt, rate))
+        ahead = self.at(point.wear.plus(dt, rate), stiffness=False)
         if ahead.status != code.OK:
             return ahead
         return self.at(point.wear.plus(dt, rate.mean(self.rate(ahead))))

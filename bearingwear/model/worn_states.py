@@ -22,6 +22,7 @@ from bearingwear.kernels.worn_balance import (
     WornRace,
     WornSeat,
     arc_shift,
+    find_stiffness,
     latitude,
 )
 from bearingwear.kernels.worn_contact import contact_buffers, contact_cells
@@ -171,8 +172,8 @@ class WornBearing:
         """No wear but an even loss of ball diameter."""
         return WornDepths(ball, np.zeros_like(self.arc), np.zeros_like(self.latitude))
 
-    def solve(self, wear: WornDepths) -> WornPoint:
-        """Steady state with some wear, from the last one solved."""
+    def solve(self, wear: WornDepths, stiffness: bool = True) -> WornPoint:
+        """Steady state with some wear, from the last one solved; with its stiffness or without."""
         D = self.D - wear.ball
         band = self._spline(self.latitude, self.band_step, wear.band)
         for _ in range(6):
@@ -192,6 +193,9 @@ class WornBearing:
             if status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(races):
                 break
         if status != code.OK:
+            for race in races:  # nothing to start from
+                np.copyto(race.pressure, race.cells.fresh)
+                race.stiffness.fill(0.0)
             return WornPoint(status, wear)
         self.seat, self.u = seat, u
         slip = np.empty((2, 4))
@@ -222,7 +226,7 @@ class WornBearing:
                     for s, r_g, f in zip(SIDES, (p.g.r_i, p.g.r_o), forces, strict=True)
                 ]
             ),
-            stiffness=self._axial_stiffness(),
+            stiffness=self._axial_stiffness(races, seat, D) if stiffness else np.nan,
         )
 
     def rate(self, point: WornPoint, ball: float, race: float) -> WornDepths:
@@ -292,11 +296,16 @@ class WornBearing:
         self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
         return bool(self.power_error <= LARGEST_POWER_ERROR)
 
-    def _axial_stiffness(self) -> float:
+    def _axial_stiffness(self, races, seat: WornSeat, D: float) -> float:
         """N times the axial stiffness of one ball, its centre free [N/m]."""
-        k_i, k_o = (race.stiffness for race in self.races)
+        g, beta = self.problem.g, pitch(self.u)
+        A1 = g.BD * np.sin(g.alpha0) + seat.delta_a
+        places = ((A1 - seat.X1, g.BD * np.cos(g.alpha0) - seat.X2), (seat.X1, seat.X2))
+        for race, sigma, reference, y in zip(races, SIDES, self.reference, places, strict=True):
+            find_stiffness(g, D, race, sigma, reference, *y, beta)
+        k_i, k_o = (race.stiffness for race in races)
         series = k_i - k_i @ np.linalg.solve(k_i + k_o, k_i)
-        return float(self.problem.g.n_balls * series[0, 0])
+        return float(g.n_balls * series[0, 0])
 
     def _widened(self, races: tuple[WornRace, ...]) -> bool:
         """Give contacts that have grown to the ends of their cells more of them."""

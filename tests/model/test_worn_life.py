@@ -50,6 +50,8 @@ def test_a_groove_without_wear_is_hertz(method):
     assert state.share == pytest.approx(case.contacts[:, SHARE], rel=1e-9)
     assert point.u == pytest.approx(case.u, abs=1e-9 * np.abs(case.u).max())
     assert point.seat.delta_a == pytest.approx(case.delta_a, rel=1e-9)
+    stiffness = bearing.problem.g.n_balls * case.S_xx
+    assert state.stiffness == pytest.approx(stiffness, rel=1e-3)  # by differences
     assert state.skid == pytest.approx(case.skid, abs=1e-12)
     assert abs(course.approach_loss(point)) < 1e-9 * UM
     assert abs(state.loss) < 1e-6 * UM
@@ -62,7 +64,7 @@ def test_worn_volumes_are_those_of_archard(track, wander):
     bearing = course.bearing
     wear, (ball, race) = bearing.unworn(), course.factors
     for _ in range(3):
-        point = bearing.solve(wear)
+        point = bearing.solve(wear, stiffness=False)
         rate = course.rate(point)
         for k in range(2):
             volume = 2.0 * np.pi * point.track[k] * rate.grooves[k].sum() * bearing.arc_step[k]
