@@ -1,4 +1,4 @@
-"""A ball between two worn grooves: forces of its contacts and their balance (theory.md section 20).
+"""A ball between two worn grooves: forces of its contacts and their balance (theory.md section 21).
 
 The force of a contact is Hertz' at the present angle times what its cells carry worn over unworn.
 Its centre lies off the line of the centres, so that it has a part T across that line. Both derive
@@ -90,7 +90,7 @@ def arc_depth(arc, s):
 
 @jit
 def arc_shift(race, r_g, sigma, alpha):
-    """S - x at a contact angle [m] (theory.md Eq. 68): of opposite sign for the inner groove."""
+    """S - x at a contact angle [m] (theory.md Eq. 71): of opposite sign for the inner groove."""
     return sigma * r_g * (alpha - race.alpha_ref)
 
 
@@ -283,6 +283,14 @@ def seat_step(k_i, k_o, race_moves, matrix, step):
 
 
 @jit
+def step_share(approach, d1, d2, dd):
+    """Share of a step of ball (d1, d2) and race dd that is short against the approach."""
+    length = max(math.hypot(d1, d2), math.hypot(dd - d1, d2))
+    longest = LONGEST_MOVE * approach
+    return longest / length if length > longest else 1.0
+
+
+@jit
 def worn_seat(g, D, races, reference, preload, push, start):
     """Balance of a ball and the race between two worn grooves, by a Newton method.
 
@@ -310,12 +318,11 @@ def worn_seat(g, D, races, reference, preload, push, start):
         delta_a = preload.delta_a
     A1, A2 = g.BD * math.sin(g.alpha0), g.BD * math.cos(g.alpha0)
     share = preload.F_x / g.n_balls
-    matrix, step = np.empty((3, 3)), np.empty(3)
+    matrix, step = np.empty((3, 3)), np.empty(3)  # `step` first holds what is left
     k_i, k_o = inner_race.stiffness, outer_race.stiffness
     inner = outer = start.inner
     size = math.inf
-    i_x = i_r = o_x = o_r = 0.0
-    d1 = d2 = dd = 0.0
+    i_x = i_r = o_x = o_r = d1 = d2 = dd = 0.0
     for place in range(MOST_PLACES):
         y1, y2 = A1 + delta_a - X1, A2 - X2
         unknown = not min(k_i[0, 0] + k_i[1, 1], k_o[0, 0] + k_o[1, 1]) > 0.0
@@ -324,8 +331,8 @@ def worn_seat(g, D, races, reference, preload, push, start):
             find_stiffness(g, D, outer_race, OUTER, reference[1], X1, X2, push.beta)
         inner = worn_force(g, D, inner_race, INNER, reference[0], y1, y2, push.beta)
         outer = worn_force(g, D, outer_race, OUTER, reference[1], X1, X2, push.beta)
-        if inner.status != OK or outer.status != OK:
-            status = inner.status if inner.status != OK else outer.status
+        status = inner.status if inner.status != OK else outer.status
+        if status != OK:
             return WornSeat(status, delta_a, X1, X2, inner, outer, size)
         before = (i_x, i_r, o_x, o_r)
         i_x, i_r = race_parts(INNER, inner, push.F_i)
@@ -333,19 +340,16 @@ def worn_seat(g, D, races, reference, preload, push, start):
         if place > 0:
             improve_stiffness(k_i, INNER, dd - d1, -d2, i_x - before[0], i_r - before[1])
             improve_stiffness(k_o, OUTER, d1, d2, o_x - before[2], o_r - before[3])
-        r1 = i_x + o_x
-        r2 = i_r + o_r + push.mass * (g.R_o + X2) * push.Omega * push.Omega
-        r3 = i_x - share if preload.constant_force else 0.0
-        size = max(abs(r1), abs(r2), abs(r3)) / max(inner.Q, outer.Q)
+        step[0] = i_x + o_x
+        step[1] = i_r + o_r + push.mass * (g.R_o + X2) * push.Omega * push.Omega
+        step[2] = i_x - share if preload.constant_force else 0.0
+        size = max(abs(step[0]), abs(step[1]), abs(step[2])) / max(inner.Q, outer.Q)
         if size <= WORN_BALANCE:
             return WornSeat(OK, delta_a, X1, X2, inner, outer, size)
-        step[0], step[1], step[2] = r1, r2, r3
         if not seat_step(k_i, k_o, preload.constant_force, matrix, step):
             break
         d1, d2, dd = step[0], step[1], step[2]
-        longest = LONGEST_MOVE * max(inner.approach, outer.approach)
-        length = max(math.hypot(d1, d2), math.hypot(dd - d1, d2))
-        if length > longest:
-            d1, d2, dd = d1 * longest / length, d2 * longest / length, dd * longest / length
+        part = step_share(max(inner.approach, outer.approach), d1, d2, dd)
+        d1, d2, dd = part * d1, part * d2, part * dd
         X1, X2, delta_a = X1 + d1, X2 + d2, delta_a + dd
     return WornSeat(NOT_CONVERGED, delta_a, X1, X2, inner, outer, size)

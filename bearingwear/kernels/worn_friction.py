@@ -1,4 +1,4 @@
-"""Friction and wear of a ball between two worn grooves (theory.md section 20).
+"""Friction and wear of a ball between two worn grooves (theory.md section 21).
 
 The friction of a worn contact is that of the Hertz contact it would be unworn, by the rule of the
 ellipse, and what its cells add to it: those worn less those unworn. Without wear nothing is added.

@@ -1,4 +1,4 @@
-"""Wear life with grooves that are followed as they wear (theory.md section 20)."""
+"""Wear life with grooves that are followed as they wear (theory.md section 21)."""
 
 from dataclasses import dataclass, replace
 
@@ -21,7 +21,7 @@ from bearingwear.model.worn_states import WornBearing, WornDepths, WornPoint
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.scene import LARGEST_LOSS, Scene
 
-CELLS = (48, 10)  # along the major axis, and on each side of it
+WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.08  # deepest wear of a step, over the gap A a^2
 _MOST_STEPS = 1000
@@ -47,7 +47,7 @@ class WornLife:
         self,
         scene: Scene,
         problem: ThrustProblem | None = None,
-        cells: tuple[int, int] = CELLS,
+        cells: tuple[int, int] = WORN_CELLS,
         step: float = STEP,
     ):
         self.scene, self.step = scene, step

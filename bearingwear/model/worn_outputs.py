@@ -13,7 +13,7 @@ from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life_history, life_values, steady_states
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.model.worn_life import CELLS, FEWER_CELLS, STEP, WornLife, WornLifeHistory
+from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
 from bearingwear.scene.scene import Scene
 
 REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
@@ -113,7 +113,7 @@ def worn_error_estimates(scene: Scene, found: WornLifeHistory) -> dict:
         same = (other.status, other.criterion) == (history.status, history.criterion)
         return float(other.times[-1][1]) if same else math.nan
 
-    coarse, few = time(None, CELLS), time(None, FEWER_CELLS)
+    coarse, few = time(None, WORN_CELLS), time(None, FEWER_CELLS)
     history.error[1] = abs(coarse - now)
     values = {"life_error_bound": np.array([math.nan, history.error[1]])}
     estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now

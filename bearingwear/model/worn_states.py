@@ -1,4 +1,4 @@
-"""States of a bearing whose grooves are worn as they are worn (theory.md section 20).
+"""States of a bearing whose grooves are worn as they are worn (theory.md section 21).
 
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
@@ -230,7 +230,7 @@ class WornBearing:
         )
 
     def rate(self, point: WornPoint, ball: float, race: float) -> WornDepths:
-        """Wear per second in a state (theory.md Eqs. 70-71).
+        """Wear per second in a state (theory.md Eqs. 73-74).
 
         Parameters
         ----------
