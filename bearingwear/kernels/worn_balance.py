@@ -292,10 +292,7 @@ def step_share(approach, d1, d2, dd):
 
 @jit
 def worn_seat(g, D, races, reference, preload, push, start):
-    """Balance of a ball and the race between two worn grooves, by a Newton method.
-
-    The stiffness of each contact is kept from balance to balance and improved by each step
-    (Broyden).
+    """Balance of a ball and the race between two worn grooves, by Broyden's method.
 
     Parameters
     ----------
