@@ -171,7 +171,9 @@ def _preload(e: Evidence) -> Finding | None:
     return limit / preload, words
 
 
-def _groove(e: Evidence) -> Finding:
+def _groove(e: Evidence) -> Finding | None:
+    if e.life is not None and "groove_depth" in e.life:
+        return None  # it was followed
     b = e.scene.bearing
     radii = _MM * b.ball_diameter_mm * np.array([b.inner_groove_factor, b.outer_groove_factor])
     curvature = 0.5 * (2.0 / (_MM * b.ball_diameter_mm) - 1.0 / radii)

@@ -231,18 +231,21 @@ def life(
 
         values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
     else:
+        # needs what this module has
+        from bearingwear.model.worn_outputs import follows_grooves, solve_worn_life
+
+        worn, why = follows_grooves(scene, chosen.tier)
+        if why:
+            chosen = replace(chosen, reasons=(*chosen.reasons, why))
         with Interrupt():
             if scene.pair is not None:
                 from bearingwear.model.pair_life import pair_life
 
                 values, attrs = pair_life(scene, chosen.tier)
-            elif chosen.tier == "steady":
-                history = life_history(scene, steady_states(scene))
-                values = life_values(scene, history) | error_estimate(scene, history)
-                attrs = {"solves": history.solves}
+            elif worn:
+                values, attrs = solve_worn_life(scene)
             else:
-                history = life_history(scene, race_control_states(scene))
-                values, attrs = life_values(scene, history), {"solves": history.solves}
+                values, attrs = solve_life_over_loss(scene, chosen.tier)
     elapsed = time.perf_counter() - started
     if scene.thermal is None and scene.pair is None:  # or each bearing has its own
         values |= growth_values(scene)
@@ -265,6 +268,17 @@ def _check_end(scene: Scene) -> None:
             "given with preload_N 0; a fraction needs a preload",
             source=scene.name,
         )
+
+
+def solve_life_over_loss(scene: Scene, tier: str) -> tuple[dict, dict]:
+    """Values and attributes of a life that depends on the loss alone."""
+    if tier == "steady":
+        history = life_history(scene, steady_states(scene))
+        values = life_values(scene, history) | error_estimate(scene, history)
+    else:
+        history = life_history(scene, race_control_states(scene))
+        values = life_values(scene, history)
+    return values, {"solves": history.solves}
 
 
 def life_history(scene: Scene, state: Callable[[float], WearState]) -> LifeHistory:
@@ -296,7 +310,7 @@ def life_values(scene: Scene, history: LifeHistory) -> dict:
     """Result variables of a life."""
     values: dict = {"status": history.status, "end_criterion": history.criterion}
     states = history.states
-    if states[0].status != code.OK or not states[0].rate.min() > 0.0:
+    if states[0].status != code.OK or not np.fmin.reduce(states[0].rate) > 0.0:
         return values
     factor, _ = parameters.wear_factors(scene)
     values |= {

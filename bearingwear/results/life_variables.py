@@ -9,6 +9,7 @@ from bearingwear.scene.blocks import CRITERIA
 
 _STEP, _STEP_RACE, _STEP_COUNTS = ("step",), ("step", "race"), ("step", "counts")
 _STEP_BALL = ("step", "ball")
+_SHOWN, _PROFILE = ("groove_state",), ("groove_state", "race", "arc")
 _OF_STEADY = "of what of the scene has a steady life, see the attribute steady_life_of"
 
 # fmt: off
@@ -55,6 +56,30 @@ LIFE = table(
     Variable("history_rotor_axial_shift", _STEP, "m",
         "axial shift of the rotor from where it was mounted",
         comment="a single bearing is the half of a symmetric pair"),
+    # of a life with worn grooves alone
+    Variable("history_approach_loss", _STEP, "m",
+        "diameter lost by a ball, and what its contacts gave way by wear",
+        label="given way in all"),
+    Variable("history_equivalent_loss", _STEP, "m",
+        "even loss of ball diameter with the same rotor position, or at fixed position preload"),
+    Variable("history_greatest_depth", _STEP, "m", "largest depth of both grooves",
+        label="deepest groove"),
+    Variable("history_deepest_groove", _STEP_RACE, "m", "largest depth of the groove"),
+    Variable("history_groove_width", _STEP_RACE, "m",
+        "width of the groove where it is a hundredth as deep as in its deepest place, or more"),
+    Variable("history_contact_half_length", _STEP_RACE, "m",
+        "half of the length of the contact along its major axis"),
+    Variable("history_one_ball_worn_volume", _STEP, "m3",
+        "volume worn off each ball since the start", label="each ball"),
+    Variable("groove_step", _SHOWN, "1", "steps of the history whose profiles are kept", "i4"),
+    Variable("groove_arc", ("race", "arc"), "m",
+        "place along the groove, from the middle of the new contact towards +X"),
+    Variable("groove_depth", _PROFILE, "m", "depth worn into the groove"),
+    Variable("groove_pressure", _PROFILE, "Pa", "pressure in the middle of the track"),
+    Variable("band_latitude", ("band_place",), "degree", "latitude on the ball, from its own axis",
+        scale=DEGREE),
+    Variable("band_depth", ("groove_state", "band_place"), "m",
+        "depth worn off the balls in bands"),
     # of a life in time alone
     Variable("history_status", _STEP, "", "whether the run in time was solved", "i1",
         flags=STATUS_NAMES),

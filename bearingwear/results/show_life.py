@@ -21,6 +21,7 @@ LIVES = ("life", "normalised_life")
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
+WITH_GROOVES = ("history_approach_loss", "history_greatest_depth")
 WORN_WHOLE = (
     "history_land_worn_volume",
     "history_groove_depth",
@@ -85,7 +86,8 @@ def _life_blocks(file: Any) -> list[Block]:
         Block("life", (), (own, ended, loss), said),
     ]
     if "step" in file.dimensions and file.dimensions["step"].size:
-        names = ("history_residual_preload", "history_total_qv")
+        grooves = (name for name in WITH_GROOVES if name in file.variables)
+        names = ("history_residual_preload", "history_total_qv", *grooves)
         ends = tuple(row_of(n, np.atleast_1d(values(file, n))[[0, -1]]) for n in names)
         rate = values(file, "history_ball_diameter_loss_rate")
         if rate.ndim:

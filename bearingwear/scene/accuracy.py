@@ -20,7 +20,7 @@ ACCURACY = "model.accuracy"
 """The key that decides the default of others."""
 
 FIDELITIES = ("auto", "race_control", "steady", "dynamic")
-CONTACTS = ("auto", "paper", "hertz")
+CONTACTS = ("auto", "paper", "hertz", "worn")
 SLIP_OVER = ("line", "ellipse")
 
 
@@ -144,7 +144,8 @@ class Model:
         str,
         Key(
             "The model of the contacts: that of the paper takes slip on the centre line of the "
-            "ellipse, hertz (auto) over all of it",
+            "ellipse, hertz over all of it, worn also follows the grooves along a life, as auto "
+            "does where the wear asks for it",
             choices=CONTACTS,
         ),
     ] = "auto"

@@ -13,6 +13,7 @@ from bearingwear.scene.accuracy import ACCURACY, STANDARD
 from bearingwear.scene.records import NAME, Key
 
 COUNTS = ("ball", "ball_and_races")
+BALL_TRACKS = ("spread", "bands")
 """What the life may count as loss: the wear of the ball alone, or also that of the races."""
 
 PRELOAD_METHODS = ("constant_force", "fixed_position")
@@ -354,6 +355,23 @@ class Wear:
             choices=COUNTS,
         ),
     ] = COUNTS[1]
+    ball_track: Annotated[
+        str,
+        Key(
+            "How balls wear in a life with worn grooves: spread evenly, since their axes wander in "
+            "them, or in bands about axes that stay",
+            choices=BALL_TRACKS,
+        ),
+    ] = BALL_TRACKS[0]
+    track_wander: Annotated[
+        float,
+        Key(
+            "rms by which the track of a ball wanders in a worn groove, in semi-major axes of the "
+            "new contact (assumed)",
+            "1",
+            "[0, 1]",
+        ),
+    ] = 0.1
     end_of_life: Annotated[
         EndOfLife | None,
         Key(

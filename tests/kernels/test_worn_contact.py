@@ -119,3 +119,26 @@ def test_a_solve_that_fails_says_so(cells):
 
 def test_a_ball_off_the_groove_presses_nothing(cells):
     assert solved(cells, np.full(48, 1.1)).max() == 0.0
+
+
+@pytest.mark.parametrize("spin", [0.0, 1.0])
+def test_at_held_width_wear_evens_out_what_rubs(spin):
+    """Load held, no wear beyond +-a: q |v| becomes even, with |v| = 1 or sqrt(X^2 + 0.3^2)."""
+    _, cells = contact_cells(math.log(KAPPA), -1.0, 1.0, 40, 8)
+    work, pressure = contact_buffers(40, 8), cells.fresh.copy()
+    v = np.sqrt(spin * cells.X**2 + 0.09) if spin else np.ones(40)
+    wear, load = np.zeros(40), 0.5 * cells.fresh.sum()
+    shift = 0.3
+    for _ in range(400):
+        for _ in range(3):
+            found = []
+            for s in (shift, shift + 1e-4):
+                status, _ = worn_pressure(cells, wear + s, work, pressure)
+                assert status != code.NOT_CONVERGED
+                found.append(pressure.sum())
+            shift -= (found[0] - load) / (found[1] - found[0]) * 1e-4
+        q = pressure.sum(axis=0) / load * 40  # mean 1
+        rate = q * v
+        wear += 0.03 * (rate - rate.mean())
+    assert rate == pytest.approx(np.full(40, rate.mean()), rel=0.02)
+    assert rate.mean() == pytest.approx(1.0 / np.mean(1.0 / v), rel=1e-2)

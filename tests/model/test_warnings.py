@@ -121,7 +121,9 @@ def test_absurd_scenes(spindle, name):
         ({"operation.radial_load_N": [0.0, -50.0], "operation.preload_N": 300,
           "wear.end_of_life.ball_diameter_loss_um": 0.01}, "race_control",
          {"criterion_not_watched"}),
-        ({"wear.end_of_life.ball_diameter_loss_um": 2.0}, None, {"groove_worn"}),
+        ({"wear.end_of_life.ball_diameter_loss_um": 2.0, "model.contact": "hertz"}, None,
+         {"groove_worn"}),
+        ({"wear.end_of_life.ball_diameter_loss_um": 2.0, "model.contact": "worn"}, None, set()),
         ({"wear.end_of_life.ball_diameter_loss_um": 0.01}, None, set()),
     ],
 )  # fmt: skip

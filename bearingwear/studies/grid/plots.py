@@ -61,11 +61,14 @@ def lives_plot(lives: xr.Dataset) -> Figure:
 
 
 def life_plot(life: xr.Dataset) -> Figure:
-    """Wear over one life: as that of a study, or of the parts where the dynamic model solved it."""
-    from bearingwear.studies.lives.figures import history_figure
+    """Wear over one life: as that of a study, the grooves where they were followed, or the parts
+    where the dynamic model solved it."""
+    from bearingwear.studies.lives.figures import groove_figure, history_figure
 
     if life.attrs["fidelity"] == "dynamic":
         return history_figure(life)
+    if "groove_depth" in life:
+        return groove_figure(life)
     scene = scene_of(life)
     method, mu = scene["operation"]["preload_method"], scene["friction"]["ball_race"]
     grid = Grid((method,), (mu,), (0.0,))

@@ -1,8 +1,9 @@
-"""Figure of a life that was solved with the dynamic model."""
+"""Figures of a life that was solved with the dynamic model, and of one with worn grooves."""
 
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
@@ -25,6 +26,8 @@ from bearingwear.studies.lives.life_file import dynamic_life, ended_by
 
 _BALLS, _RACES, _POCKETS, _LAND = "C2", "C0", "C3", "C1"
 _STEADY = {"color": "0.5", "linestyle": "--", "linewidth": 1.0}
+_GROOVES = ("inner groove", "outer groove")
+_DARKEST, _LIGHTEST = 0.0, 0.75
 
 
 def wear_history(life: Path) -> Figure:
@@ -126,3 +129,53 @@ def _message(life: xr.Dataset) -> str:
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text
+
+
+def groove_figure(life: xr.Dataset) -> Figure:
+    """Profile of both grooves at five states of the life, and the pressure over it.
+
+    Parameters
+    ----------
+    life : Dataset
+        A life file with worn grooves.
+    """
+    banded = "band_depth" in life
+    figure, panels = new_figure(3 if banded else 2, 2, 7.6, 7.4 if banded else 5.4)
+    steps = life["groove_step"].values
+    greys = [str(g) for g in np.linspace(_LIGHTEST, _DARKEST, len(steps))]
+    hours = life["history_time"].isel(counts=1).values
+    for race, title in enumerate(_GROOVES):
+        arc = 1e3 * life["groove_arc"].isel(race=race).values
+        pressure = 1e-9 * life["groove_pressure"].isel(race=race).values
+        depth = 1e6 * life["groove_depth"].isel(race=race).values
+        seen = arc[(depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)]
+        for k, grey in enumerate(greys):
+            panels[0, race].plot(arc, pressure[k], color=grey, linewidth=1.0)
+            panels[1, race].plot(arc, -depth[k], color=grey, linewidth=1.0)
+        for panel in panels[:2, race]:
+            panel.set_xlim(seen.min(), seen.max())
+            panel.set_xlabel("along the groove, towards +X (mm)")
+        panels[0, race].set_title(title)
+        panels[0, race].set_ylim(bottom=0.0)
+    panels[0, 0].set_ylabel("pressure in the middle (GPa)")
+    panels[1, 0].set_ylabel("worn profile (µm)")
+    if banded:
+        _draw_bands(panels[2], life, greys)
+    keys = [
+        key(f"after {digits(hours[step])} h", color=grey)
+        for step, grey in zip(steps, greys, strict=True)
+    ]
+    frame(figure, f"{scene_of(life)['name']}: grooves as they wear", keys, columns=5)
+    return figure
+
+
+def _draw_bands(panels: np.ndarray, life: xr.Dataset, greys: list[str]) -> None:
+    """Depth worn off the balls over their latitude."""
+    latitude, depth = life["band_latitude"].values, 1e6 * life["band_depth"].values
+    worn = latitude[(depth > 1e-3 * depth.max()).any(axis=0)]
+    for k, grey in enumerate(greys):
+        panels[0].plot(latitude, -depth[k], color=grey, linewidth=1.0)
+    panels[0].set_xlim(worn.min(), worn.max())
+    panels[0].set_xlabel("latitude on the ball (°)")
+    panels[0].set_ylabel("worn off the balls (µm)")
+    panels[1].axis("off")

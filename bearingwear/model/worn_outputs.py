@@ -1,0 +1,183 @@
+"""Result variables of a life with worn grooves, and when such a life is required."""
+
+import math
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
+from bearingwear.kernels.profile import contact_approach
+from bearingwear.kernels.worn_balance import arc_shift
+from bearingwear.model import parameters
+from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING
+from bearingwear.model.fidelity import NotAvailable
+from bearingwear.model.life import life_history, life_values, steady_states
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
+from bearingwear.scene.scene import Scene
+
+REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
+SHOWN = 5  # states whose profiles are kept
+DEEP = 1e-2  # of the deepest place, at the edge of what counts as the width of a groove
+
+
+def wear_over_gap(scene: Scene) -> float:
+    """Loss at the end of life over the gap A a^2 at the edge of the contact, before any solve.
+
+    Static, at the free contact angle; the loss is the limit of the scene, or what takes so much of
+    the preload at fixed position. Infinite where the scene says nothing of the loss.
+    """
+    g, end, operation = parameters.geometry(scene), scene.wear.end_of_life, scene.operation
+    sine = math.sin(g.alpha0)
+    if end is None or not (sine > 0.0 and operation.preload_N > 0.0):
+        return math.inf
+    Q, gaps, approaches = operation.preload_N / (g.n_balls * sine), [], []
+    for side in (INNER, OUTER):
+        hertz = race_contact(g, side, g.D0, math.cos(g.alpha0), math.nan)
+        approaches.append(contact_approach(hertz.K, Q))
+        gaps.append(elliptic_integrals(math.exp(-hertz.log_kappa))[2] * approaches[-1])
+    losses = [math.inf]
+    if end.ball_diameter_loss_um is not None:
+        present = float(np.mean(scene.wear.ball_diameter_loss_um))
+        losses.append((end.ball_diameter_loss_um - present) * parameters.UM)
+    if end.preload_fraction is not None and operation.preload_method != "constant_force":
+        losses.append((1.0 - end.preload_fraction ** (2.0 / 3.0)) * sum(approaches))
+    return min(losses) / min(gaps)
+
+
+def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
+    """Whether a life follows the grooves as they wear, and why.
+
+    Raises
+    ------
+    NotAvailable
+        Where the scene asks for it and it cannot be.
+    """
+    obstacles = {
+        f"model.fidelity: given {tier}": tier != "steady",
+        "wear.counts: given ball": scene.wear.counts != "ball_and_races",
+        "model.slip_over: given line": scene.model.slip_is_over == "line",
+        "arrangement: given two bearings": scene.pair is not None,
+        "thermal: given temperatures found from friction heat": scene.thermal is not None,
+    }
+    found = [name for name, stands in obstacles.items() if stands]
+    if scene.model.contact == "worn":
+        if found:
+            raise NotAvailable(
+                f"{scene.name}: model.contact: given worn; {found[0]}; allowed with a steady "
+                "life that counts ball_and_races, slip over the ellipse, one bearing, "
+                "temperatures as given"
+            )
+        return True, "grooves: followed as they wear; asked for"
+    if scene.model.contact != "auto" or found:
+        return False, ""
+    share = wear_over_gap(scene)
+    size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
+    if math.isinf(share):
+        size = "the loss at the end of life is not known before"
+    if share > REQUIRED:
+        return True, f"grooves: followed as they wear; {size}"
+    return False, f"grooves: not followed, the contact stays Hertz'; {size}"
+
+
+def solve_worn_life(scene: Scene) -> tuple[dict, dict]:
+    """Values and attributes of a life with worn grooves."""
+    found = WornLife(scene).march()
+    values = life_values(scene, found.history) if found.points else {}
+    values |= {"status": found.history.status, "end_criterion": found.history.criterion}
+    if found.points:
+        values |= groove_values(found) | worn_error_estimates(scene, found)
+    if "life" in values and found.history.status == code.OK:
+        # Where the grooves do not count, they do not wear.
+        even = life_history(scene, steady_states(scene))
+        if even.status == code.OK:
+            ball = (1.0, parameters.wear_factors(scene)[0])
+            for name, factor in zip(("life", "normalised_life"), ball, strict=True):
+                values[name] = np.array([factor * even.times[-1][0], values[name][1]])
+    return values, {"solves": found.history.solves, "contact": "worn"}
+
+
+def worn_error_estimates(scene: Scene, found: WornLifeHistory) -> dict:
+    """Bound on the error of the steps, and the estimate of all; by lives in steps twice as long.
+
+    Heun's error is about a third of what twice the step changes. That of the cells, of v_r and of
+    the points is taken from lives with fewer cells, half of v_r and twice the points.
+    """
+    history = found.history
+    now = history.times[-1][1]
+    if history.status != code.OK or not now > 0.0:
+        return {}
+
+    def time(problem: ThrustProblem | None, cells: tuple[int, int]) -> float:
+        other = WornLife(scene, problem, cells, 2.0 * STEP).march().history
+        same = (other.status, other.criterion) == (history.status, history.criterion)
+        return float(other.times[-1][1]) if same else math.nan
+
+    coarse, few = time(None, WORN_CELLS), time(None, FEWER_CELLS)
+    history.error[1] = abs(coarse - now)
+    values = {"life_error_bound": np.array([math.nan, history.error[1]])}
+    estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now
+    for weight, problem in zip(
+        (HALVED, DOUBLED), ThrustProblem.of(scene).perturbed(scene), strict=True
+    ):
+        estimate += weight * abs(time(problem, FEWER_CELLS) / few - 1.0)
+    if math.isfinite(estimate):
+        values["life_error_estimate"] = np.array([math.nan, estimate])
+    return values
+
+
+def groove_values(found: WornLifeHistory) -> dict:
+    """What has worn, and the profiles of a few states."""
+    points, bearing = found.points, found.bearing
+    states = found.history.states
+    D = np.array([bearing.D - p.wear.ball for p in points])
+    depth = np.array([p.wear.grooves for p in points])  # (steps, race, arcs)
+    track = np.array([p.track for p in points])
+    area = depth.sum(axis=2) * bearing.arc_step
+    volume = np.zeros_like(area)
+    volume[1:] = np.cumsum(np.diff(area, axis=0) * np.pi * (track[1:] + track[:-1]), axis=0)
+    deepest = depth.max(axis=2)
+    wide = depth > DEEP * np.maximum(deepest, 1e-300)[:, :, None]
+    bands = np.array([p.wear.band for p in points])
+    ball = np.pi / 6.0 * (bearing.D**3 - D**3)
+    if bearing.bands:
+        ring = 2.0 * np.pi * np.cos(bearing.latitude) * (0.5 * bearing.D) ** 2
+        ball = (bands * ring).sum(axis=1) * bearing.band_step
+    kept = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
+    values = {
+        "history_approach_loss": found.approach_loss,
+        "history_equivalent_loss": np.array([s.loss for s in states]),
+        "history_deepest_groove": deepest,
+        "history_greatest_depth": deepest.max(axis=1),
+        "history_groove_width": wide.sum(axis=2) * bearing.arc_step,
+        "history_contact_half_length": np.array([half_lengths(p) for p in points]),
+        "history_race_worn_volume": volume,
+        "history_one_ball_worn_volume": ball,
+        "groove_step": kept,
+        "groove_arc": bearing.arc,
+        "groove_depth": depth[kept],
+        "groove_pressure": np.array([pressures(found, points[k]) for k in kept]),
+    }
+    if bearing.bands:
+        values |= {"band_latitude": bearing.latitude, "band_depth": bands[kept]}
+    return values
+
+
+def half_lengths(point) -> np.ndarray:
+    """Half of the length of both contacts (2,) [m]."""
+    lengths = []
+    for x, pressure in zip(point.x, point.pressure, strict=True):
+        loaded = x[pressure.max(axis=0) > 0.0]
+        lengths.append(0.5 * (loaded[-1] - loaded[0] + x[1] - x[0]))
+    return np.array(lengths)
+
+
+def pressures(found: WornLifeHistory, point) -> np.ndarray:
+    """Pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
+    bearing, g = found.bearing, found.bearing.problem.g
+    rows = []
+    for k, force in enumerate(bearing.forces(point)):
+        shift = arc_shift(bearing.races[k], (g.r_i, g.r_o)[k], (INNER, OUTER)[k], force.alpha)
+        middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
+        rows.append(np.interp(bearing.arc[k], point.x[k] + shift, middle, left=0.0, right=0.0))
+    return np.array(rows)

@@ -1,0 +1,142 @@
+"""A ball between worn grooves: no wear is Hertz, and its forces derive from one energy."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.params import Geometry
+from bearingwear.kernels.worn_balance import Arc, WornRace, find_stiffness, worn_force
+from bearingwear.kernels.worn_contact import contact_buffers, contact_cells
+
+D, ALPHA = 2e-3, math.radians(20.0)
+G = Geometry(
+    n_balls=9, D0=D, dm=7.5e-3, alpha0=ALPHA, BD=0.125 * D, R_o=3.59e-3, R_i=3.82e-3,
+    r_i=0.54 * D, r_o=0.585 * D, E_star=1.143e11, rho=7800.0,
+)  # fmt: skip
+APPROACH = 5e-7
+SIDES = pytest.mark.parametrize("side", [INNER, OUTER])
+EVEN = Arc(0.0, 1.0, np.zeros((4, 0)))
+
+
+def arc(first, step, depth):
+    places = first + step * np.arange(len(depth))
+    return Arc(float(first), float(step), np.ascontiguousarray(CubicSpline(places, depth).c))
+
+
+def race_of(side, depth, cells=(48, 10), band=EVEN):
+    """A race whose groove has the depth given by a function of x/a."""
+    hertz = race_contact(G, side, D, math.cos(ALPHA), math.nan)
+    a = hertz.c_a * (hertz.K * APPROACH**1.5) ** (1.0 / 3.0)
+    status, made = contact_cells(hertz.log_kappa, -1.9, 1.9, *cells)
+    assert status == code.OK
+    x = np.linspace(-5.0, 5.0, 201)
+    n = cells[0]
+    return WornRace(
+        cells=made, work=contact_buffers(*cells), pressure=made.fresh.copy(), wear=np.zeros(n),
+        x=np.zeros(n), rise=np.zeros(n), groove=arc(x[0] * a, (x[1] - x[0]) * a, depth(x)),
+        band=band, alpha_ref=ALPHA, stiffness=np.zeros((2, 2)),
+    ), hertz  # fmt: skip
+
+
+def place(side, approach=APPROACH, alpha=ALPHA):
+    length = (G.r_i if side == INNER else G.r_o) - 0.5 * D + approach
+    return length * math.sin(alpha), length * math.cos(alpha)
+
+
+def skew(x):
+    return 0.4 * APPROACH * np.exp(-(((x - 0.4) / 0.7) ** 2))
+
+
+@SIDES
+def test_no_wear_is_hertz(side):
+    race, hertz = race_of(side, np.zeros_like)
+    force = worn_force(G, D, race, side, 0.0, *place(side), 0.0)
+    assert force.status == code.OK
+    assert force.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-9)
+    assert abs(force.T) < 1e-9 * force.Q
+    p_0 = 1.5 * force.Q / (math.pi * force.a * force.b)
+    assert force.peak == pytest.approx(p_0, rel=1e-9)
+
+
+@SIDES
+def test_an_even_depth_shifts_the_approach_and_nothing_else(side):
+    deep = 0.3 * APPROACH
+    race, hertz = race_of(side, lambda x: np.full_like(x, deep))
+    y = place(side, APPROACH + deep)
+    exact = worn_force(G, D, race, side, deep, *y, 0.0)
+    assert exact.Q == pytest.approx(hertz.K * APPROACH**1.5, rel=1e-8)
+    assert np.abs(race.rise).max() < 1e-18  # and its surface stays where the ball is
+    # The same from another reference: only the cells lie elsewhere
+    other = worn_force(G, D, race, side, 0.9 * deep, *y, 0.0)
+    assert other.Q == pytest.approx(exact.Q, rel=1e-3)
+    assert other.peak == pytest.approx(exact.peak, rel=1e-2)
+
+
+@SIDES
+def test_bodies_of_twice_the_size_carry_four_times_the_load(side):
+    race, _ = race_of(side, skew)
+    force = worn_force(G, D, race, side, 0.0, *place(side), 0.0)
+    lengths = ("D0", "dm", "BD", "R_o", "R_i", "r_i", "r_o")
+    large = G._replace(**{name: 2.0 * getattr(G, name) for name in lengths})
+    groove = Arc(2.0 * race.groove.first, 2.0 * race.groove.step, race.groove.c.copy())
+    for power in range(4):
+        groove.c[3 - power] *= 2.0 ** (1 - power)
+    y1, y2 = place(side)
+    twice = worn_force(
+        large, 2.0 * D, race._replace(groove=groove), side, 0.0, 2.0 * y1, 2.0 * y2, 0.0
+    )
+    assert twice.Q == pytest.approx(4.0 * force.Q, rel=1e-7)
+    assert twice.T == pytest.approx(4.0 * force.T, rel=1e-6)
+    assert twice.peak == pytest.approx(force.peak, rel=1e-7)
+
+
+@SIDES
+@pytest.mark.parametrize("banded", [False, True])
+def test_the_tangent_is_symmetric_with_a_skew_profile(side, banded):
+    """Else the force would not be conservative; without T it is not."""
+    band = EVEN
+    if banded:
+        latitude = np.linspace(-0.4, 0.4, 301)
+        depth = 0.3 * APPROACH * np.exp(-(((latitude - 0.03) / 0.04) ** 2))
+        band = arc(latitude[0], latitude[1] - latitude[0], depth)
+    race, _ = race_of(side, skew, (96, 16), band)
+    # off the angle at which the groove was worn
+    y = place(side, 1.1 * APPROACH, ALPHA + 0.01)
+    assert find_stiffness(G, D, race, side, 0.0, *y, ALPHA + 0.02) == code.OK
+    k = race.stiffness
+    assert abs(k[0, 1] - k[1, 0]) < 1e-3 * np.abs(k).max()
+    h, parts = 1e-3 * APPROACH, []
+    for sign in (1.0, -1.0):
+        column = []
+        for move in ((h, 0.0), (0.0, h)):
+            force = worn_force(
+                G, D, race, side, 0.0, y[0] + sign * move[0], y[1] + sign * move[1], ALPHA + 0.02
+            )
+            column.append(force.Q * np.array([math.sin(force.alpha), math.cos(force.alpha)]))
+        parts.append(np.array(column).T)
+    without = (parts[0] - parts[1]) / (2.0 * h)
+    assert abs(without[0, 1] - without[1, 0]) > 5.0 * abs(k[0, 1] - k[1, 0])
+
+
+@SIDES
+def test_the_groove_stays_where_it_was_worn(side):
+    """As the angle grows the ball leaves its groove: to +X outside, to -X inside."""
+    race, _ = race_of(side, lambda x: 0.5 * APPROACH * np.exp(-(x**2)))
+    here, there = (
+        worn_force(G, D, race, side, 0.0, *place(side, alpha=ALPHA + turn), 0.0)
+        for turn in (0.0, 0.01)
+    )
+    assert abs(here.T) < 1e-6 * here.Q
+    # The groove now lies at -sigma r_g 0.01 from the ball, and pulls the ball back to it
+    assert there.T * side < 0.0
+    assert there.Q > here.Q * (1.0 + 1e-4)
+
+
+def test_a_ball_off_its_groove_says_so():
+    race, _ = race_of(OUTER, np.zeros_like)
+    force = worn_force(G, D, race, OUTER, 0.0, *place(OUTER, -1e-8), 0.0)
+    assert (force.status, force.Q) == (code.CONTACT_LOST, 0.0)

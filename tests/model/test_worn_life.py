@@ -1,0 +1,235 @@
+"""Lives with grooves that are followed as they wear: limits, balances, published numbers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from support import scene_file
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
+from bearingwear.model.fidelity import NotAvailable
+from bearingwear.model.life import life, life_history, steady_states
+from bearingwear.model.worn_life import WornLife
+from bearingwear.model.worn_outputs import half_lengths, wear_over_gap
+from bearingwear.model.worn_states import WornDepths
+from bearingwear.scene.blocks import EndOfLife
+from bearingwear.scene.read import load_scene
+
+HOUR = 3600.0
+UM = 1e-6
+
+
+def scene_of(method="constant_force", mu=0.08, **wear):
+    base = replace(load_scene(scene_file("gyro_s1")), cage=None)
+    limits = {"end_of_life": EndOfLife(ball_diameter_loss_um=0.3), "track_wander": 0.0}
+    return replace(
+        base,
+        operation=replace(base.operation, preload_method=method),
+        friction=replace(base.friction, ball_race=mu),
+        wear=replace(base.wear, **(limits | wear)),
+        model=replace(base.model, contact="worn"),
+    )
+
+
+METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+
+
+@METHODS
+def test_a_groove_without_wear_is_hertz(method):
+    course = WornLife(scene_of(method))
+    bearing = course.bearing
+    point = bearing.solve(bearing.unworn())
+    case, state = bearing.case, course.state(point)
+    assert point.status == code.OK
+    assert state.load == pytest.approx(case.contacts[:, LOAD], rel=1e-9)
+    assert state.angle == pytest.approx(case.contacts[:, ANGLE], rel=1e-9)
+    assert state.qv == pytest.approx(case.contacts[:, QV], rel=1e-9)
+    assert state.pressure == pytest.approx(case.contacts[:, PRESSURE].max(), rel=1e-9)
+    assert state.share == pytest.approx(case.contacts[:, SHARE], rel=1e-9)
+    assert point.u == pytest.approx(case.u, abs=1e-9 * np.abs(case.u).max())
+    assert point.seat.delta_a == pytest.approx(case.delta_a, rel=1e-9)
+    stiffness = bearing.problem.g.n_balls * case.S_xx
+    assert state.stiffness == pytest.approx(stiffness, rel=1e-3)  # by differences
+    assert state.skid == pytest.approx(case.skid, abs=1e-12)
+    assert abs(course.approach_loss(point)) < 1e-9 * UM
+    assert abs(state.loss) < 1e-6 * UM
+
+
+@pytest.mark.parametrize("track", ["spread", "bands"])
+@pytest.mark.parametrize("wander", [0.0, 0.1])
+def test_worn_volumes_are_those_of_archard(track, wander):
+    course = WornLife(scene_of(ball_track=track, track_wander=wander))
+    bearing = course.bearing
+    wear, (ball, race) = bearing.unworn(), course.factors
+    for _ in range(3):
+        point = bearing.solve(wear, stiffness=False)
+        rate = course.rate(point)
+        for k in range(2):
+            volume = 2.0 * np.pi * point.track[k] * rate.grooves[k].sum() * bearing.arc_step[k]
+            assert volume == pytest.approx(9 * race * point.slip[k, 0], rel=1e-9)
+        R = 0.5 * (bearing.D - wear.ball)
+        if track == "spread":
+            off_ball = 0.5 * np.pi * (2.0 * R) ** 2 * rate.ball
+        else:
+            ring = 2.0 * np.pi * R**2 * np.cos(bearing.latitude) * bearing.band_step
+            off_ball = (rate.band * ring).sum()
+        assert off_ball == pytest.approx(ball * point.slip[:, 0].sum(), rel=1e-9)
+        wear = wear.plus(course.longest_step(point, rate), rate)
+
+
+class UniformWear(WornLife):
+    """Every groove wears evenly, as deep as its volume over the length of the ellipse says."""
+
+    def rate(self, point):
+        found = super().rate(point)
+        volume = found.grooves.sum(axis=1) * self.bearing.arc_step
+        depth = volume / (2.0 * self.state(point).major)
+        return WornDepths(found.ball, np.ones_like(found.grooves) * depth[:, None], found.band)
+
+
+@METHODS
+def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
+    scene = scene_of(method)
+    even = UniformWear(scene).march()
+    hertz = life_history(scene, steady_states(scene))
+    assert even.history.status == hertz.status == code.OK
+    loss = np.array([s.loss for s in hertz.states])
+    reached = even.approach_loss  # at the end it is a little more than the even loss
+    for name, tolerance in (("preload", 1e-3), ("total_qv", 2e-3)):
+        found = [getattr(s, name) for s in even.history.states]
+        expected = CubicSpline(loss, [getattr(s, name) for s in hertz.states])
+        assert found == pytest.approx(expected(reached), rel=tolerance)
+    times = CubicSpline(loss, [t[1] for t in hertz.times])
+    assert [t[1] for t in even.history.times[1:]] == pytest.approx(times(reached[1:]), rel=1e-3)
+
+
+# benchmarks2.md section 3: hours to L 0.1, 0.3, 0.5, 0.7 um; hours to L_eq 0.7 um; QV [mW] and
+# pressures over those when new at L = 0.7 um; half-lengths over the semi-major axes when new.
+# Programs written apart from this one.
+ROWS = {
+    ("constant_force", "spread", 0.0): (
+        (0.1854, 0.5871, 0.9980, 1.4047), 1.5157, 95.71, (1.37, 1.26), (1.40, 1.71)),
+    ("constant_force", "spread", 0.1): (
+        (0.1858, 0.5866, 0.9973, 1.4055), 1.5162, 96.02, (1.27, 1.24), (1.37, 1.67)),
+    ("constant_force", "bands", 0.1): (
+        (0.1349, 0.4296, 0.7207, 0.9762), 1.0743, 89.10, (1.21, 1.18), (1.27, 1.57)),
+    ("fixed_position", "spread", 0.0): (
+        (0.1892, 0.6888, 1.3397, 2.2525), 2.0466, 28.49, (0.82, 0.69), (1.29, 0.99)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(map(str, row)))
+def test_the_numbers_of_other_programs(row):
+    method, track, wander = row
+    times, equivalent, qv, pressures, lengths = ROWS[row]
+    end = EndOfLife(ball_diameter_loss_um=0.78)
+    found = WornLife(
+        scene_of(method, ball_track=track, track_wander=wander, end_of_life=end)
+    ).march()
+    assert found.history.status == code.OK
+    hours = np.array([t[1] for t in found.history.times]) / HOUR
+    by_loss = CubicSpline(found.approach_loss / UM, hours)
+    assert by_loss([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-2)
+    states, points = found.history.states, found.points
+    even = np.array([s.loss for s in states]) / UM
+    assert np.interp(0.7, even, hours) == pytest.approx(equivalent, rel=1e-2)
+    at = found.approach_loss / UM
+
+    def when(values):
+        return CubicSpline(at, np.array(values))(0.7)
+
+    assert 1e3 * when([s.qv.sum() for s in states]) == pytest.approx(qv, rel=2e-2)
+    new = found.bearing.case.contacts[:, PRESSURE]
+    peaks = [[f.peak for f in found.bearing.forces(p)] for p in points]
+    found_pressures = [np.interp(0.7, at, np.array(peaks)[:, k]) / new[k] for k in range(2)]
+    assert found_pressures == pytest.approx(pressures, rel=2e-2)
+    halves = np.array([half_lengths(p) for p in points]) / found.bearing.major
+    assert [np.interp(0.7, at, halves[:, k]) for k in range(2)] == pytest.approx(lengths, rel=5e-2)
+    if method == "fixed_position":
+        left = np.array([s.preload for s in states])
+        assert np.interp(-0.4 * 7.0, -left, hours) == pytest.approx(1.3280, rel=1e-2)
+        assert np.interp(0.7, at, left) == pytest.approx(1.927, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("method", "times", "fraction"),
+    [
+        ("constant_force", (0.1730, 0.5188, 0.8645, 1.2101), None),
+        ("fixed_position", (0.1801, 0.6422, 1.2377, 1.9339), 1.2208),
+    ],
+)
+def test_the_numbers_of_other_programs_for_even_wear(method, times, fraction):
+    scene = scene_of(method, end_of_life=EndOfLife(ball_diameter_loss_um=0.7))
+    history = life_history(scene, steady_states(scene))
+    hours = np.array([t[1] for t in history.times]) / HOUR
+    loss = np.array([s.loss for s in history.states]) / UM
+    assert CubicSpline(loss, hours)([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-3)
+    if fraction is not None:
+        left = np.array([s.preload for s in history.states])
+        assert CubicSpline(-left, hours)(-0.4 * 7.0) == pytest.approx(fraction, rel=1e-3)
+
+
+def test_a_life_with_worn_grooves_and_its_file():
+    scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
+    result = life(scene)
+    v = result.values
+    assert result.status == "ok"
+    hertz = life_history(scene, steady_states(scene))
+    assert v["life"][0] == hertz.times[-1][0]  # counting the balls alone, no groove wears
+    assert v["loss_at_end"] == pytest.approx(0.3 * UM, rel=1e-4)
+    assert v["history_equivalent_loss"][-1] == v["loss_at_end"]
+    assert 0.0 < v["life_error_bound"][1] < 2e-3 * v["life"][1]
+    assert 0.0 < v["life_error_estimate"][1] < 2e-2
+    # volumes, by the time integral of QV
+    time, qv = v["history_time"][:, 1], v["history_qv"]
+    race, ball = 9 * 5e-6 / 6.6e9, 5e-6 / 6.6e9
+    for k in range(2):
+        by_qv = race * np.trapezoid(qv[:, k], time)
+        assert v["history_race_worn_volume"][-1, k] == pytest.approx(by_qv, rel=1e-3)
+    by_qv = ball * np.trapezoid(qv.sum(axis=1), time)
+    assert v["history_one_ball_worn_volume"][-1] == pytest.approx(by_qv, rel=1e-3)
+    assert v["groove_depth"].shape == v["groove_pressure"].shape
+    assert v["groove_depth"][-1].max() == v["history_deepest_groove"][-1].max()
+
+
+def test_auto_follows_the_grooves_where_the_loss_asks_for_it():
+    scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.7))
+    auto = replace(scene, model=replace(scene.model, contact="auto"))
+    assert wear_over_gap(auto) == pytest.approx(2.7, rel=0.02)  # 0.7 um over 0.26 um
+    assert "history_approach_loss" in life(auto).values
+    little = replace(
+        auto, wear=replace(auto.wear, end_of_life=EndOfLife(ball_diameter_loss_um=0.02))
+    )
+    assert "history_approach_loss" not in life(little).values
+    # and there the Hertzian life is right
+    asked = replace(little, model=replace(little.model, contact="worn"))
+    assert life(asked).values["life"][1] == pytest.approx(life(little).values["life"][1], rel=0.1)
+
+
+def test_what_cannot_follow_grooves_says_so():
+    scene = scene_of()
+    for changed in (
+        replace(scene, wear=replace(scene.wear, counts="ball")),
+        replace(scene, model=replace(scene.model, slip_over="line")),
+    ):
+        with pytest.raises(NotAvailable, match=r"model.contact: given worn"):
+            life(changed)
+    with pytest.raises(NotAvailable, match="race_control"):
+        life(scene, fidelity="race_control")
+
+
+def test_a_criterion_met_at_the_start_is_a_life_of_nothing():
+    scene = scene_of("fixed_position", end_of_life=EndOfLife(preload_fraction=0.999))
+    loose = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=(0.5,)))
+    v = life(loose).values
+    assert v["life"][1] == 0.0
+
+
+def test_wear_that_ends_otherwise_is_a_lower_bound():
+    scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
+    course = WornLife(scene, step=2.0, cells=(24, 5))
+    found = course.march()
+    assert found.history.status != code.OK
+    assert found.history.criterion == 6 or found.history.criterion == len(EndOfLife.__annotations__)
