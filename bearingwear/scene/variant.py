@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from bearingwear.scene.read import as_data, changed_scene
@@ -31,15 +29,3 @@ def variant(
     """
     data, name = as_data(source)
     return changed_scene(data, changes, name)
-
-
-@dataclass(frozen=True)
-class Variant:
-    """A scene by the name of its file, and what is changed in it."""
-
-    scene: str
-    changes: Mapping[str, Any] = field(default_factory=dict)
-
-    def load(self, folder: str | os.PathLike[str] = "config/scenes") -> Scene:
-        """The scene, read and checked."""
-        return variant(Path(folder) / f"{self.scene}.yaml", self.changes)
