@@ -136,7 +136,8 @@ def _assumed(
         f"{GROOVES[0]:g}, {GROOVES[1]:g}, as ISO 281 rates",
         *(["bearing.ball_material: bearing_steel"] if ball_material is None else []),
         *(["operation.preload_method: constant_force"] if preload_method is None else []),
-        "materials, cage, friction.cage, wear.end_of_life, uncertainty: see the file",
+        "materials, cage, friction.cage, operation.gravity_m_s2, wear.end_of_life, uncertainty: "
+        "see the file",
     ]
 
 

@@ -112,3 +112,17 @@ def test_kernels(systems, name, k, imbalance):
     heat = [sums[POCKET_HEAT], sums[LAND_HEAT], damping]
     close(heat, [*now.heat, now.damping], "heat and damping")
     close(sums[[POCKET_TORQUE, LAND_TORQUE]], now.torque, "torque")
+
+
+@pytest.mark.parametrize("name", STATES["paths_from_start"])
+def test_stored_paths(scene, name):
+    """From the start through the first impacts: 1 % more rubs in them, since damping rubs, too."""
+    changes = {"friction.slip_regularisation_m_s": 1e-2} | STATES["scenes"][name]
+    s = scene("gyro_s1", changes)
+    system = DynamicSystem.of(s, start_of(s).u)
+    for stored in STATES["paths_from_start"][name][:3]:
+        assert system.advance(stored["turn"] * system.turn - system.time, 1e-5).status == OK
+        apart = np.abs(system.cage_state[CENTRE : CENTRE + 3] - stored["c"]).max()
+        assert apart < (1e-8 if stored["turn"] == 0.5 else 1e-7)
+        pockets = system.y[system.layout.pockets : system.layout.land]
+        assert 1.005 < pockets.sum() / np.sum(stored["pocket"]) < 1.015

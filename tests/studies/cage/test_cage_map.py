@@ -148,12 +148,11 @@ def test_motions_of_gyro_s1(small):
     assert (whirl["motion"] == WHIRLS).all()
     assert whirl["whirl_ratio"].values == pytest.approx(0.704, rel=0.01)
     hung = below.sel(cage_friction=0.03, gravity=9.81)
-    assert int(hung["motion"]) == HANGS
-    assert 2.6e-3 < float(hung["pocket_power"]) < 4.1e-3
-    y, z = hung["centre"].values
-    assert 5e-6 < y < 25e-6 and -60e-6 < z < -20e-6
-    free = below.sel(cage_friction=0.03, gravity=0.0)
-    assert float(free["pocket_power"]) > 5.0 * float(hung["pocket_power"])
+    # a cage that hangs leaves its place now and then: most of the stretches
+    assert int((hung["motions"] == HANGS).sum()) >= 2
+    assert float(hung["centre"][1]) < -1e-5
+    went_round = whirling.sel(cage_friction=0.03, gravity=9.81)
+    assert float(hung["pocket_power"]) < 0.2 * float(went_round["pocket_power"])
 
 
 def test_figure_and_table_of_a_map(small, tmp_path):
