@@ -102,6 +102,7 @@ def uncertainty(args: argparse.Namespace) -> int:
     _check_output(args.output, args.scene)
     samples = SAMPLES if args.samples is None else args.samples
     found = life_quantiles(args.scene, args.friction, args.method or (), samples, args.seed)
+    _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not args.quiet:
         from bearingwear.results.show import sheet
@@ -272,11 +273,10 @@ def _scene(args: argparse.Namespace) -> Scene:
 
 
 def _check_output(path: Path, scene: str) -> None:
-    """Refuse, before anything is solved, an output that must not be replaced; say if it is far."""
+    """Refuse, before anything is solved, an output that must not be replaced."""
     from bearingwear.atomic import OutputError
 
     try:
-        _tell_of_new_folder(path)
         if path.exists():
             if not path.is_file():
                 raise OutputError(f"{path}: given something that is no file; allowed a file name")
@@ -314,6 +314,7 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
     if args.output is not None:
         from bearingwear.results.netcdf import write_result
 
+        _tell_of_new_folder(args.output)
         write_result(result, args.output)
     # a terminal has them in the sheet already
     if args.quiet or args.json or args.csv or not (sys.stdout.isatty() and sys.stderr.isatty()):
