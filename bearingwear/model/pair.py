@@ -33,6 +33,7 @@ ROTOR_BALANCED = (
 _MOST_STEPS = 30
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
 NEAR_START = 1e-4  # of the range: how well the start is found
+_NEWTON_STEPS = 6
 _WIDEST = 60  # doublings of the range in which the rotor is looked for
 GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
 USABLE = (code.OK, code.UNVERIFIED)
@@ -282,6 +283,17 @@ class Pair:
             [side.mechanics(loss) for side, loss in zip(self.sides, losses, strict=True)],
             [side.mounted for side in self.sides],
         )
+
+        x = 0.0
+        for _ in range(_NEWTON_STEPS):
+            F_1, k_1 = one.force_and_stiffness(mounted[0] + x)
+            F_2, k_2 = two.force_and_stiffness(mounted[1] - x)
+            if not (F_1 > 0.0 and F_2 > 0.0):
+                break
+            step = (F_ext - F_1 + F_2) / (k_1 + k_2)
+            x += step
+            if abs(step) <= NEAR_START * (abs(mounted[0]) + abs(mounted[1])):
+                return x
 
         def left(x: float) -> float:
             return one.force(mounted[0] + x) - two.force(mounted[1] - x) - F_ext
