@@ -10,7 +10,8 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.heat import network_values
-from bearingwear.model.pair import N_UM, USABLE, Pair, PairState, warm_scene
+from bearingwear.model.pair import N_UM, Pair, PairState, warm_scene
+from bearingwear.model.pair_balance import USABLE
 from bearingwear.model.rotor import natural_frequencies
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Temperature
