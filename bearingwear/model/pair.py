@@ -6,7 +6,7 @@ single bearing, solved by the same model as ever at the place or under the force
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -24,8 +24,8 @@ from bearingwear.model.life import race_control_wear_state, steady_wear_state
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.pair_balance import (
     USABLE,
+    RotorTrial,
     SideState,
-    Trial,
     balanced,
     worse_status,
 )
@@ -37,6 +37,7 @@ from bearingwear.scene.scene import Scene
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
 NEAR_START = 1e-4  # of the range: how well the start is found
 _NEWTON_STEPS = 6
+_SAME_MOTION = 1e-12
 _WIDEST = 60  # doublings of the range in which the rotor is looked for
 N_UM = 1e6  # in N/m
 
@@ -61,6 +62,9 @@ class Side(Protocol):
 
     def values(self, state: SideState) -> tuple[dict, dict]:
         """Values and attributes of a case."""
+
+    def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
+        """Whether a case has another motion than the state, from which the next solve starts."""
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         """What a life wants to know."""
@@ -116,6 +120,15 @@ class SteadySide:
 
     def values(self, state: SideState) -> tuple[dict, dict]:
         return solve_steady(warm_scene(self.scene, state), state.problem, state.answer)
+
+    def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
+        if "orbit_speed" not in values:
+            return False
+        u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])
+        if np.abs(u - state.answer.u).max() <= _SAME_MOTION * np.abs(u).max():
+            return False
+        self._u = u
+        return True
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         made = steady_wear_state(self.scene, state.problem, loss, state.answer)
@@ -179,6 +192,9 @@ class RaceControlSide:
     def values(self, state: SideState) -> tuple[dict, dict]:
         return state.answer
 
+    def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
+        return False  # there is one solution
+
     def wear_state(self, loss: float, state: SideState) -> WearState:
         op = self.problem.op
         made = race_control_wear_state(loss, state.answer[0], abs(op.omega_i - op.omega_o))
@@ -237,21 +253,21 @@ class Pair:
         one, two = self.sides
         F_ext = self.scene.pair.external_axial_N  # type: ignore[union-attr]
 
-        def trial(x: float) -> Trial:
+        def trial(x: float) -> RotorTrial:
             states = (
                 one.at_place(losses[0], one.mounted + x),
                 two.at_place(losses[1], two.mounted - x),
             )
             F_1, F_2 = (state.force for state in states)
             slope = states[0].stiffness + states[1].stiffness
-            return Trial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
+            return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
 
         x = self._start(losses, F_ext) if math.isnan(self.near) else self.near
         x, found = balanced(trial, x, _ROUNDED * one.mechanics(0.0).g.BD)
         return self._state(x, found, lambda states: (x, states[0].stiffness + states[1].stiffness))
 
     def _state(
-        self, at: float, found: Trial | int, system: Callable[[Sequence[SideState]], Any]
+        self, at: float, found: RotorTrial | int, system: Callable[[Sequence[SideState]], Any]
     ) -> PairState:
         """The state of what was found at a place, or why there is none."""
         self.near = math.nan
@@ -296,7 +312,7 @@ class Pair:
         one, two = self.sides
         k_s = a.spring_stiffness_N_um * N_UM
 
-        def trial(e: float) -> Trial | int:
+        def trial(e: float) -> RotorTrial | int:
             F_2 = F_s - k_s * e
             F_1 = F_2 + a.external_axial_N
             if not (F_1 > 0.0 and F_2 > 0.0):
@@ -304,7 +320,7 @@ class Pair:
             states = one.under(losses[0], F_1), two.under(losses[1], F_2)
             given = sum(s.place - side.mounted for s, side in zip(states, self.sides, strict=True))
             soft = sum(k_s / state.stiffness for state in states if state.status in USABLE)
-            return Trial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
+            return RotorTrial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
 
         def system(states: Sequence[SideState]) -> tuple[float, float]:
             k_1, k_2 = states[0].stiffness, states[1].stiffness

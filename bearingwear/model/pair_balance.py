@@ -10,6 +10,7 @@ from bearingwear.model.thermal import Warmed
 
 ROTOR_BALANCED = 1e-12  # force left on the rotor, over the larger one, where its place is found
 _MOST_STEPS = 30
+_STEEPER = 1e3  # a secant within this of the slope at held orbits is believed
 _STALLED = 3  # trials without gain after which it is rounding that is left, where that is
 _LIGHT = 1e-5  # of the forces at the most
 GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
@@ -30,7 +31,7 @@ class SideState:
 
 
 @dataclass(frozen=True)
-class Trial:
+class RotorTrial:
     """Both bearings at a place of the rotor, and what is left of its balance."""
 
     states: tuple[SideState, SideState]
@@ -40,8 +41,8 @@ class Trial:
 
 
 def balanced(
-    trial: Callable[[float], Trial | int], x: float, rounded: float
-) -> tuple[float, Trial | int]:
+    trial: Callable[[float], RotorTrial | int], x: float, rounded: float
+) -> tuple[float, RotorTrial | int]:
     """Where nothing is left: Newton's method with the slope of a trial, then secants.
 
     Light loads round before they are balanced; the check afterwards knows by how much.
@@ -61,7 +62,7 @@ def balanced(
         The place, and the trial there or the status of what failed.
     """
     before: tuple[float, float] | None = None
-    best, stalled = math.inf, 0
+    best, stalled = None, 0
     for _ in range(_MOST_STEPS):
         found = trial(x)
         if isinstance(found, int):
@@ -69,18 +70,21 @@ def balanced(
         if any(state.status not in USABLE for state in found.states):
             return x, failed_status(found.states)
         left, slope = found.left, found.slope
-        if before is not None and x != before[0]:
+        if before is not None and x != before[0] and abs(left) < abs(before[1]):
             secant = (left - before[1]) / (x - before[0])
-            slope = secant if 0.1 * slope < secant < 10.0 * slope else slope
-        stalled = stalled + 1 if abs(left) > 0.5 * best else 0
-        best = min(best, abs(left))
+            slope = secant if slope / _STEEPER < secant < _STEEPER * slope else slope
+        better = best is None or abs(left) < abs(best[1].left)
+        best, stalled = ((x, found), 0) if better else (best, stalled + 1)
         if abs(left) <= ROTOR_BALANCED * found.scale:
             return x, found
         before, step = (x, left), -left / slope
-        if abs(step) <= rounded or (stalled >= _STALLED and best <= _LIGHT * found.scale):
-            return x, found
+        if abs(step) <= rounded or stalled >= _STALLED:
+            break
         x += step
-    return x, code.NOT_CONVERGED
+    assert best is not None
+    if abs(best[1].left) > _LIGHT * best[1].scale:
+        return x, code.NOT_CONVERGED
+    return best
 
 
 def worse_status(states: Sequence[SideState]) -> int:
