@@ -23,6 +23,20 @@ LIMITS = (
     ("--slip", "gyroscopic_slip_share", "SHARE", "largest gyroscopic slip share of a contact"),
     ("--pressure", "maximum_pressure_GPa", "GPA", "largest contact pressure, GPa"),
     ("--power", "friction_power_W", "W", "largest power of friction and drag, W"),
+    (
+        "--system-stiffness",
+        "system_axial_stiffness_N_um",
+        "N_UM",
+        "least axial stiffness of the arrangement, N/um",
+    ),
+    ("--shift", "rotor_shift_um", "UM", "largest axial shift of the rotor, um"),
+    ("--preload-kept", "preload_kept", "SHARE", "least residual preload over the initial one"),
+    (
+        "--friction-used",
+        "friction_used_by_gyroscopic_moment",
+        "SHARE",
+        "largest share of friction that gyroscopic moments take up",
+    ),
 )
 """Options that say what a design must keep to, from new to the end of its life."""
 

@@ -32,7 +32,7 @@ def loaded_spring(g, side, D, Q, alpha):
 
 @jit
 def bearing_stiffness(g, D, psi, Q, alpha, out):
-    """Stiffness matrix of a bearing in equilibrium, from its contacts alone (theory.md Eq. 57).
+    """Stiffness matrix of a bearing in equilibrium, from its contacts alone (theory.md Eq. 75).
 
     Orbit rates and friction forces are held, ball centres are free. Displacements are those of the
     circle of inner groove centres, of the radius R_i, about its middle.

@@ -17,18 +17,24 @@ class Mechanics(NamedTuple):
     D: float  # worn ball diameter [m]
     Omega: float = 0.0  # orbit rate of the balls [rad/s]
 
-    def _solved(self, F_x: float, delta_a: float, constant_force: bool) -> tuple[float, float]:
+    def _solved(self, F_x: float, delta_a: float, constant_force: bool) -> tuple[float, ...]:
+        """Place [m], force [N] and axial stiffness [N/m]."""
         load = BallLoad(
             kinematics_model=ORBIT, Omega=self.Omega, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0
         )
         place, state = thrust_equilibrium(
             self.g, self.D, load, F_x, delta_a, constant_force, cold_start()
         )
-        return place, self.g.n_balls * state.F_ix
+        return place, self.g.n_balls * state.F_ix, self.g.n_balls * state.S_xx
 
     def force(self, delta_a: float) -> float:
         """Axial force at an axial displacement [m], 0 where the balls are loose [N]."""
         return self._solved(0.0, delta_a, False)[1]
+
+    def force_and_stiffness(self, delta_a: float) -> tuple[float, float]:
+        """The same, and its slope [N/m]."""
+        _, force, stiffness = self._solved(0.0, delta_a, False)
+        return force, stiffness
 
     def place(self, F_x: float) -> float:
         """Axial displacement under an axial force [N] [m]."""

@@ -1,9 +1,11 @@
 """Estimates, before any solve, of what growth does to a fixed position; and what is said of it."""
 
+import functools
 import math
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.kernels.params import Geometry
 from bearingwear.model.fitted_hertz import fitted_displacement, fitted_preload
 from bearingwear.model.growth import (
     Expansion,
@@ -15,7 +17,7 @@ from bearingwear.model.growth import (
     part_temperatures,
 )
 from bearingwear.model.mounted import MM, mounted_geometry
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.scene.warmth import expansion
 
 USUAL_BORE = 1.75
@@ -44,13 +46,20 @@ def preload_change(scene: Scene, growth: Growth) -> float:
 
     The unworn bearing at rest, by fitted Hertz factors; NaN without a preload.
     """
-    F = scene.operation.preload_N
+    a, F = scene.arrangement or Arrangement(), scene.operation.preload_N
     if not F > 0.0:
         return math.nan
-    g = mounted_geometry(scene)
+    return _preload_change(
+        mounted_geometry(scene), F, growth, (a.span_mm or 0.0) * MM, a.orientation
+    )
+
+
+@functools.lru_cache(maxsize=64)
+def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
+    """The same of a geometry as mounted; asked for several times in each solve."""
     along = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
     running = grown(g, growth, 0.0)
-    now = fitted_preload(running, along + axial_change(growth.heat, along))
+    now = fitted_preload(running, along + axial_change(growth.heat, along, span, orientation))
     return now / fitted_preload(g, along) - 1.0
 
 

@@ -169,7 +169,7 @@ def race_control_wear_state(loss: float, values: Mapping[str, Any], slip_speed: 
         ball_rate=float(values["ball_wear_rate"].mean()),
         race_rate=values["race_wear_rate"],
         place=float(values["axial_displacement"]),
-        friction_used=float(values["friction_used_by_gyroscopic_moment"].max()),
+        friction_used=float(np.max(values.get("friction_used_by_gyroscopic_moment", np.inf))),
     )
 
 

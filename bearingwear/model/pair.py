@@ -6,7 +6,7 @@ single bearing, solved by the same model as ever at the place or under the force
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -22,34 +22,24 @@ from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
 from bearingwear.model.heat import SteadyHeat, race_control_heat, warmth_of
 from bearingwear.model.life import race_control_wear_state, steady_wear_state
 from bearingwear.model.life_integrator import WearState
+from bearingwear.model.pair_balance import (
+    USABLE,
+    RotorTrial,
+    SideState,
+    balanced,
+    worse_status,
+)
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.steady import ThrustProblem, solve_steady
 from bearingwear.model.thermal import HeatFlow, Warmed, warmed
 from bearingwear.scene.scene import Scene
 
-ROTOR_BALANCED = (
-    1e-12  # force left on the rotor, over the larger preload, at which its place is found
-)
-_MOST_STEPS = 30
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
 NEAR_START = 1e-4  # of the range: how well the start is found
+_NEWTON_STEPS = 6
+_SAME_MOTION = 1e-12
 _WIDEST = 60  # doublings of the range in which the rotor is looked for
-GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
-USABLE = (code.OK, code.UNVERIFIED)
 N_UM = 1e6  # in N/m
-
-
-@dataclass(frozen=True)
-class SideState:
-    """One bearing at a place or under a force."""
-
-    status: int
-    force: float = math.nan  # axial, of its inner race on the balls [N]
-    stiffness: float = math.nan  # axial [N/m]
-    place: float = math.nan  # axial displacement [m]
-    problem: Any = None  # that was solved
-    answer: Any = None
-    warmed: Warmed | None = None  # where a network finds the temperatures
 
 
 class Side(Protocol):
@@ -72,6 +62,9 @@ class Side(Protocol):
 
     def values(self, state: SideState) -> tuple[dict, dict]:
         """Values and attributes of a case."""
+
+    def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
+        """Whether a case has another motion than the state, from which the next solve starts."""
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         """What a life wants to know."""
@@ -127,6 +120,15 @@ class SteadySide:
 
     def values(self, state: SideState) -> tuple[dict, dict]:
         return solve_steady(warm_scene(self.scene, state), state.problem, state.answer)
+
+    def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
+        if "orbit_speed" not in values:
+            return False
+        u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])
+        if np.abs(u - state.answer.u).max() <= _SAME_MOTION * np.abs(u).max():
+            return False
+        self._u = u
+        return True
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         made = steady_wear_state(self.scene, state.problem, loss, state.answer)
@@ -190,6 +192,9 @@ class RaceControlSide:
     def values(self, state: SideState) -> tuple[dict, dict]:
         return state.answer
 
+    def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
+        return False  # there is one solution
+
     def wear_state(self, loss: float, state: SideState) -> WearState:
         op = self.problem.op
         made = race_control_wear_state(loss, state.answer[0], abs(op.omega_i - op.omega_o))
@@ -244,37 +249,33 @@ class Pair:
         return self._rigid(losses) if a.kind == "rigid_pair" else self._spring(losses)
 
     def _rigid(self, losses: tuple[float, float]) -> PairState:
-        """F_1(d_1 + x) - F_2(d_2 - x) = F_ext by Newton, then secants."""
+        """F_1(d_1 + x) - F_2(d_2 - x) = F_ext, the unknown x."""
         one, two = self.sides
         F_ext = self.scene.pair.external_axial_N  # type: ignore[union-attr]
-        x = self._start(losses, F_ext) if math.isnan(self.near) else self.near
-        before: tuple[float, float] | None = None
-        for _ in range(_MOST_STEPS):
+
+        def trial(x: float) -> RotorTrial:
             states = (
                 one.at_place(losses[0], one.mounted + x),
                 two.at_place(losses[1], two.mounted - x),
             )
-            if any(state.status not in USABLE for state in states):
-                self.near = math.nan
-                return PairState(_failed(states))
-            left = states[0].force - states[1].force - F_ext
+            F_1, F_2 = (state.force for state in states)
             slope = states[0].stiffness + states[1].stiffness
-            if before is not None and x != before[0]:
-                secant = (left - before[1]) / (x - before[0])
-                slope = secant if 0.5 * slope < secant < 2.0 * slope else slope
-            before, step = (x, left), -left / slope
-            scale = max(states[0].force, states[1].force, abs(F_ext))
-            if (
-                abs(left) <= ROTOR_BALANCED * scale
-                or abs(step) <= _ROUNDED * one.mechanics(0.0).g.BD
-            ):
-                self.near = x
-                return PairState(
-                    _worse(states), states, x, states[0].stiffness + states[1].stiffness
-                )
-            x += step
+            return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
+
+        x = self._start(losses, F_ext) if math.isnan(self.near) else self.near
+        x, found = balanced(trial, x, _ROUNDED * one.mechanics(0.0).g.BD)
+        return self._state(x, found, lambda states: (x, states[0].stiffness + states[1].stiffness))
+
+    def _state(
+        self, at: float, found: RotorTrial | int, system: Callable[[Sequence[SideState]], Any]
+    ) -> PairState:
+        """The state of what was found at a place, or why there is none."""
         self.near = math.nan
-        return PairState(code.NOT_CONVERGED)
+        if isinstance(found, int):
+            return PairState(found)
+        self.near = at
+        shift, stiffness = system(found.states)
+        return PairState(worse_status(found.states), found.states, shift, stiffness)
 
     def _start(self, losses: tuple[float, float], F_ext: float) -> float:
         """Place of the rotor by the mechanics of rolling balls, without friction [m]."""
@@ -282,6 +283,17 @@ class Pair:
             [side.mechanics(loss) for side, loss in zip(self.sides, losses, strict=True)],
             [side.mounted for side in self.sides],
         )
+
+        x = 0.0
+        for _ in range(_NEWTON_STEPS):
+            F_1, k_1 = one.force_and_stiffness(mounted[0] + x)
+            F_2, k_2 = two.force_and_stiffness(mounted[1] - x)
+            if not (F_1 > 0.0 and F_2 > 0.0):
+                break
+            step = (F_ext - F_1 + F_2) / (k_1 + k_2)
+            x += step
+            if abs(step) <= NEAR_START * (abs(mounted[0]) + abs(mounted[1])):
+                return x
 
         def left(x: float) -> float:
             return one.force(mounted[0] + x) - two.force(mounted[1] - x) - F_ext
@@ -299,26 +311,23 @@ class Pair:
         assert a is not None
         one, two = self.sides
         k_s = a.spring_stiffness_N_um * N_UM
-        e = 0.0 if math.isnan(self.near) else self.near
-        for _ in range(_MOST_STEPS):
+
+        def trial(e: float) -> RotorTrial | int:
             F_2 = F_s - k_s * e
             F_1 = F_2 + a.external_axial_N
             if not (F_1 > 0.0 and F_2 > 0.0):
-                return PairState(code.LIFTED_OFF)
+                return code.LIFTED_OFF
             states = one.under(losses[0], F_1), two.under(losses[1], F_2)
-            if any(state.status not in USABLE for state in states):
-                self.near = math.nan
-                return PairState(_failed(states))
-            shift = states[0].place - one.mounted
-            left = shift + states[1].place - two.mounted - e
+            given = sum(s.place - side.mounted for s, side in zip(states, self.sides, strict=True))
+            soft = sum(k_s / state.stiffness for state in states if state.status in USABLE)
+            return RotorTrial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
+
+        def system(states: Sequence[SideState]) -> tuple[float, float]:
             k_1, k_2 = states[0].stiffness, states[1].stiffness
-            step = left / (1.0 + k_s / k_1 + k_s / k_2)
-            if k_s * abs(step) <= ROTOR_BALANCED * max(F_1, F_2):
-                self.near = e if k_s else math.nan
-                return PairState(_worse(states), states, shift, k_1 + k_s * k_2 / (k_s + k_2))
-            e += step
-        self.near = math.nan
-        return PairState(code.NOT_CONVERGED)
+            return states[0].place - one.mounted, k_1 + k_s * k_2 / (k_s + k_2)
+
+        e, found = balanced(trial, 0.0 if math.isnan(self.near) else self.near, 0.0)
+        return self._state(e, found, system)
 
     def lift_off(self, losses: tuple[float, float]) -> float:
         """Least axial force on the rotor that takes a bearing at rest out of contact [N]."""
@@ -329,15 +338,3 @@ class Pair:
             return lift_off_rigid(first, second, one.mounted + two.mounted)
         mounted, F_s = (one.mounted, two.mounted), float(self.scene.operation.preload_N)
         return lift_off_spring(first, second, mounted, F_s, a.spring_stiffness_N_um * N_UM)
-
-
-def _worse(states: Sequence[SideState]) -> int:
-    return next((state.status for state in states if state.status != code.OK), code.OK)
-
-
-def _failed(states: Sequence[SideState]) -> int:
-    """Why there is no balance: a side that alone has lost its contact has lifted off."""
-    failed = [state.status for state in states if state.status not in USABLE]
-    if len(failed) < len(states) and failed[0] in GONE:
-        return code.LIFTED_OFF
-    return failed[0]

@@ -10,10 +10,13 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.heat import network_values
-from bearingwear.model.pair import N_UM, USABLE, Pair, PairState, warm_scene
+from bearingwear.model.pair import N_UM, Pair, PairState, warm_scene
+from bearingwear.model.pair_balance import USABLE
 from bearingwear.model.rotor import natural_frequencies
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Temperature
+
+_MOST_BALANCES = 3
 
 Solved = tuple[tuple[dict, dict], ...]
 """Values and attributes of each bearing."""
@@ -38,16 +41,24 @@ def solve_pair(
 
 
 def _balanced(pair: Pair, tier: str) -> tuple[PairState, Solved]:
-    """Two bearings that differ, or under a force."""
-    state = pair.solve(pair.losses)
-    if state.status not in USABLE:
-        return state, ()
-    solved = []
-    for side, one in zip(pair.sides, state.sides, strict=True):
-        values, attrs = side.values(one)
-        if one.warmed is not None:
-            values = values | network_values(side.scene, one.warmed, values, tier)
-        solved.append((values | growth_values(warm_scene(side.scene, one)), attrs))
+    """Two bearings that differ, or under a force.
+
+    A case may prefer another steady state than the one that was balanced, a stable one: then the
+    rotor is balanced anew, from that motion.
+    """
+    for _ in range(_MOST_BALANCES):
+        state = pair.solve(pair.losses)
+        if state.status not in USABLE:
+            return state, ()
+        solved, moved = [], False
+        for side, one in zip(pair.sides, state.sides, strict=True):
+            values, attrs = side.values(one)
+            moved |= side.starts_from(one, values)
+            if one.warmed is not None:
+                values = values | network_values(side.scene, one.warmed, values, tier)
+            solved.append((values | growth_values(warm_scene(side.scene, one)), attrs))
+        if not moved:
+            break
     return state, tuple(solved)
 
 

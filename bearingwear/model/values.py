@@ -71,13 +71,15 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "ball_angular_velocity": u[:, :3],
         "orbit_speed": u[:, 3],
         "gyroscopic_moment": gyroscopic,
-        "friction_used_by_gyroscopic_moment": friction_used(op, D, gyroscopic, rows[..., LOAD]),
         "cage_frequency": np.abs(u[:, 3]).mean() / TURN,
         "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).mean(axis=1) / TURN,
         "ball_spin_frequency": np.linalg.norm(spin, axis=1).mean() / TURN,
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
+    if op.mu > 0.0:  # or friction holds nothing
+        used = friction_used(op, D, gyroscopic, rows[..., LOAD])
+        values["friction_used_by_gyroscopic_moment"] = used
     return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
 
 

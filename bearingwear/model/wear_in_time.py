@@ -159,7 +159,7 @@ class WearInTime:
             race_rate=v["race_wear_rate"],
             **node.warmth,
             place=float(v["axial_displacement"]),
-            friction_used=float(v["friction_used_by_gyroscopic_moment"].max()),
+            friction_used=float(np.max(v.get("friction_used_by_gyroscopic_moment", np.inf))),
         )
         return in_half_of_pair(self.scene, parameters.static_place(self.scene), state)
 

@@ -48,6 +48,10 @@ LIMITED = {
     "axial_stiffness_N_um": Limited(variable="axial_stiffness", sign=-1.0, unit=1e6),
     "maximum_pressure_GPa": Limited(variable="maximum_pressure", unit=1e9),
     "friction_power_W": Limited(variable="friction_power"),
+    "system_axial_stiffness_N_um": Limited(variable="system_axial_stiffness", sign=-1.0, unit=1e6),
+    "rotor_shift_um": Limited(variable="rotor_axial_shift", unit=1e-6),
+    "preload_kept": Limited(variable="preload_kept", sign=-1.0),
+    "friction_used_by_gyroscopic_moment": Limited(variable="friction_used_by_gyroscopic_moment"),
 }
 
 ACTIVE = (
@@ -237,10 +241,16 @@ def preload_text(one: xr.Dataset) -> str:
     return f"{float(one.get('preload_to_set', one['preload'])):.7g}".replace("nan", "–")
 
 
+def stiffness_of(design: xr.Dataset) -> str:
+    """The stiffness that counts: of the arrangement where a limit asks for it."""
+    system = "system_axial_stiffness_N_um" in json.loads(design.attrs.get("limits", "{}"))
+    return "system_axial_stiffness" if system else "axial_stiffness"
+
+
 def front(design: xr.Dataset, basis: int) -> xr.DataArray:
     """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
     solved = design["status"] == OK
     lives = design["life"].isel(loss_basis=basis).where(solved)
-    stiffness = design["axial_stiffness"].where(solved).transpose(*lives.dims)
+    stiffness = design[stiffness_of(design)].where(solved).transpose(*lives.dims)
     best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
     return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)

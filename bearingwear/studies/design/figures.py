@@ -35,11 +35,12 @@ from bearingwear.studies.design.choice import (
     limit_margins,
     limits_of,
     preload_text,
+    stiffness_of,
 )
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.words import LIMIT_WORDS
 
-LETTERS = dict(zip(ACTIVE, "GSPFLEU×N", strict=True))
+LETTERS = dict(zip(ACTIVE, "GSPFARKMLEU×N", strict=True))
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 STIFFNESS_UNIT = display("N m-1")
@@ -89,7 +90,8 @@ def design_figure(
             if uncertainty is not None:
                 lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
                 _spread_bar(over_preload, name, chosen, lives.isel(loss_basis=basis))
-    limit = limits.axial_stiffness_N_um
+    system = limits.system_axial_stiffness_N_um
+    limit = limits.axial_stiffness_N_um if system is None else system
     if limit is not None:
         over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
     for panel in panels[0]:
@@ -97,7 +99,11 @@ def design_figure(
         if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
             _logarithmic(panel)
     over_preload.set_xlabel("initial preload (N)")
-    over_stiffness.set_xlabel(STIFFNESS_UNIT.label("least axial stiffness over the life"))
+    over_stiffness.set_xlabel(
+        STIFFNESS_UNIT.label(
+            f"least axial stiffness{'' if system is None else ', arrangement'}, over the life"
+        )
+    )
     over_preload.set_title("life over preload")
     over_stiffness.set_title("life against stiffness")
     _as_wide_as_it_is(over_preload, design)
@@ -143,7 +149,7 @@ def _over_stiffness(
 ) -> None:
     """Lives of a method, pale where a limit is passed, with dots on the Pareto front."""
     lives = one["life"].where(lambda h: h > 0.0)
-    stiffness = STIFFNESS_UNIT.of(one["axial_stiffness"])
+    stiffness = STIFFNESS_UNIT.of(one[stiffness_of(one)])
     look = {"color": COLOURS[name]}
     dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
     panel.plot(stiffness, lives, alpha=0.35, linewidth=0.8, **look)
@@ -158,7 +164,7 @@ def _recommended(panels: Any, name: str, chosen: xr.Dataset) -> None:
     over_preload, over_stiffness = panels
     preload, stiffness = (
         float(chosen["preload"]),
-        STIFFNESS_UNIT.of(float(chosen["axial_stiffness"])),
+        STIFFNESS_UNIT.of(float(chosen[stiffness_of(chosen)])),
     )
     for panel, x in ((over_preload, preload), (over_stiffness, stiffness)):
         panel.plot(x, life, linestyle="none", **STAR, **look)

@@ -73,6 +73,32 @@ POINT = table(
         "power of friction and drag of the whole bearing when new",
     ),
     Variable("axial_stiffness_at_start", (), "N m-1", "axial stiffness when new"),
+    Variable(
+        "system_axial_stiffness",
+        (),
+        "N m-1",
+        "least axial stiffness of the arrangement from new to the end of life",
+        comment="a single bearing is half of a symmetric pair",
+    ),
+    Variable(
+        "rotor_axial_shift",
+        (),
+        "m",
+        "largest axial shift of the rotor, either way, from new to the end of life",
+        comment="a single bearing is half of a symmetric pair",
+    ),
+    Variable(
+        "preload_kept",
+        (),
+        "1",
+        "least residual preload over the initial one from new to the end of life",
+    ),
+    Variable(
+        "friction_used_by_gyroscopic_moment",
+        (),
+        "1",
+        "largest share of friction that gyroscopic moments take up from new to the end of life",
+    ),
 )
 """What a point of the map has: a life, and what the bearing goes through on its way.
 
@@ -113,6 +139,10 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
             "friction_power": max(s.friction_power for s in course.states),
             "friction_power_at_start": new.friction_power,
             "axial_stiffness_at_start": new.stiffness,
+            "system_axial_stiffness": min(s.system_stiffness for s in course.states),
+            "rotor_axial_shift": max(abs(s.shift) for s in course.states),
+            "preload_kept": min(s.preload for s in course.states) / scene.operation.preload_N,
+            "friction_used_by_gyroscopic_moment": max(s.friction_used for s in course.states),
         }
         if slip_limit is not None:
             found["time_to_slip_limit"] = np.full(2, np.inf)

@@ -45,6 +45,27 @@ class DesignLimits:
         float | None, Key("Largest power of friction and drag", "W", above=0)
     ] = None
 
+    system_axial_stiffness_N_um: Annotated[
+        float | None,
+        Key(
+            "Least axial stiffness of the arrangement (a single bearing is half of a symmetric "
+            "pair, rigid at a fixed position)",
+            "N/um",
+            above=0,
+        ),
+    ] = None
+    rotor_shift_um: Annotated[
+        float | None,
+        Key("Largest axial shift of the rotor from where it was mounted", "um", above=0),
+    ] = None
+    preload_kept: Annotated[
+        float | None, Key("Least residual preload over the initial one", "1", above=0, below=1)
+    ] = None
+    friction_used_by_gyroscopic_moment: Annotated[
+        float | None,
+        Key("Largest share of friction that gyroscopic moments take up", "1", above=0, maximum=10),
+    ] = None
+
     @property
     def given(self) -> dict[str, float]:
         """The limits that there are."""

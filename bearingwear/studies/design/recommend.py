@@ -37,7 +37,8 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.map import life_point, point_variables, scene_at, solved_part
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
-from bearingwear.studies.design.words import NONE_BECAUSE
+from bearingwear.studies.design.room import as_lists, criteria_room, limit_room
+from bearingwear.studies.design.words import NONE_BECAUSE, ROOM
 from bearingwear.studies.life_scene import life_scene
 
 RECOMMENDATION = "recommendation"
@@ -135,7 +136,23 @@ def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
         rows.append(row)
     found = _dataset(rows, at_scene, design)
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
+    found.attrs[ROOM] = json.dumps(_room(scene, at_scene, found, limits, basis))
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
+
+
+def _room(
+    scene: Scene, at_scene: xr.Dataset, found: xr.Dataset, limits: DesignLimits, basis: int
+) -> dict[str, Any]:
+    """How far limits, and ends of life at the recommended preloads, may move (`room`)."""
+    mu, speed = scene.friction.ball_race, scene.operation.shaft_speed_rpm
+    pairs = zip(found["preload_method"].values, found["preload"].values, strict=True)
+    scenes = [
+        scene_at(scene, PRELOAD_METHODS[int(flag)], mu, speed, float(preload))
+        for flag, preload in pairs
+        if np.isfinite(preload)
+    ]
+    ends = criteria_room(scenes, basis) if len(scenes) == 2 else {}
+    return {"limits": as_lists(limit_room(at_scene, limits, basis)), "ends": as_lists(ends)}
 
 
 @dataclass(frozen=True, kw_only=True)

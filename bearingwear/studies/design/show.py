@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from typing import Any
 
 import numpy as np
 
+from bearingwear.model.criterion import IN_WORDS
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.words import (
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
+    ROOM,
+    in_percent,
     limit_text,
+    limit_unit,
 )
 
 
@@ -53,7 +59,46 @@ def recommendation_sheet(file: Any) -> Sheet:
     heading += tuple(wrapped_warnings(attributes))
     facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
     facts["warnings"] = [line.removeprefix(WARNING) for line in warning_lines(attributes)]
-    return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)),))
+    return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)), *_room(file)))
+
+
+ROOM_COLUMNS = ("from", "now", "to")
+ROOM_TOLD = (
+    "Between these the method with the longer life stays the same. A dash: as far as lives were "
+    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times an end of life. A "
+    "limit moves with preloads chosen anew between those of the map, an end of life with the "
+    "preloads above."
+)
+
+
+def _room(file: Any) -> list[Block]:
+    """How far each limit and each end of life may move before the other method is better."""
+    attributes = (getattr(file, name, "{}") for name in (ROOM, "limits", "scene"))
+    rows = [
+        Row(label, unit, tuple(map(_known, numbers)), name)
+        for name, label, unit, numbers in room_rows(*attributes)
+    ]
+    told = (textwrap.fill(ROOM_TOLD, 108, subsequent_indent="  "),)
+    return [Block("how far the choice holds", ROOM_COLUMNS, tuple(rows), told)] if rows else []
+
+
+def room_rows(
+    room: str, limits: str, scene: str
+) -> list[tuple[str, str, str, tuple[float, float, float]]]:
+    """Name, label, unit and values (from, now, to) of each row, from attributes of a file."""
+    found = json.loads(room)
+    given = {
+        "limits": json.loads(limits),
+        "ends": json.loads(scene)["wear"].get("end_of_life") or {},
+    }
+    rows = []
+    for kind, at_now in given.items():
+        for name, (low, high) in found.get(kind, {}).items():
+            numbers = (np.nan if v is None else float(v) for v in (low, at_now[name], high))
+            shown = tuple(in_percent(name, value) for value in numbers)
+            label = LIMIT_WORDS[name] if kind == "limits" else f"end: {IN_WORDS[name].words}"
+            rows.append((name, label, limit_unit(name), shown))
+    return rows  # type: ignore[return-value]
 
 
 def _held(file: Any) -> list[str]:

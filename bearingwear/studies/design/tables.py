@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     quantiles_of,
     quantiles_text,
 )
-from bearingwear.results.units import digits, display, key_in_words
+from bearingwear.results.units import digits, display, in_print, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
@@ -31,11 +31,13 @@ from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
+from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
 from bearingwear.studies.design.words import (
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
+    ROOM,
     limit_text,
 )
 
@@ -91,11 +93,28 @@ def design_summary(
         f"{limits or 'none'}.",
         *_choice(recommendation),
         *none_because(recommendation),
+        *_room(recommendation),
         *(_sampled(uncertainty, scene) if uncertainty is not None else ()),
         "## The map",
         *_statuses(design),
     ]
     return "\n\n".join(part for part in text if part) + "\n"
+
+
+def _room(recommendation: xr.Dataset) -> list[str]:
+    """How far limits and ends of life may move before the other method is better."""
+    attributes = (recommendation.attrs.get(name, "{}") for name in (ROOM, "limits", "scene"))
+    rows = [
+        [f"{label} ({in_print(unit)})", *map(digits, numbers)]
+        for _, label, unit, numbers in room_rows(*attributes)
+    ]
+    if not rows:
+        return []
+    return [
+        "## How far the choice holds",
+        ROOM_TOLD,
+        markdown_table(" | ".join(("limit", *ROOM_COLUMNS)), rows),
+    ]
 
 
 def none_because(recommendation: xr.Dataset) -> list[str]:

@@ -5,6 +5,10 @@ LIMIT_WORDS = {
     "axial_stiffness_N_um": "axial stiffness",
     "maximum_pressure_GPa": "contact pressure",
     "friction_power_W": "friction power",
+    "system_axial_stiffness_N_um": "stiffness of the arrangement",
+    "rotor_shift_um": "shift of the rotor",
+    "preload_kept": "preload kept",
+    "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment",
     "none": "nothing: life is longest there",
     "end_of_range": "end of the map",
     "not_solved": "an unsolved neighbour",
@@ -18,7 +22,19 @@ _LIMIT_TEXT = {
     "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
     "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
     "friction_power_W": "power of friction and drag at most {:g} W",
+    "system_axial_stiffness_N_um": "axial stiffness of the arrangement at least {:g} N/µm",
+    "rotor_shift_um": "shift of the rotor at most {:g} µm",
+    "preload_kept": "preload kept at least {:g} %",
+    "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment at most {:g} %",
 }
+
+_SHARES = (
+    "gyroscopic_slip_share",
+    "preload_kept",
+    "friction_used_by_gyroscopic_moment",
+    "preload_fraction",
+    "skid_ratio",
+)
 
 
 def limit_text(name: str, value: float) -> str:
@@ -28,7 +44,13 @@ def limit_text(name: str, value: float) -> str:
 
 def in_percent(name: str, value: float) -> float:
     """A limit, or a value beside it, as it is shown: a share in per cent."""
-    return 100.0 * value if name == "gyroscopic_slip_share" else value
+    return 100.0 * value if name in _SHARES else value
+
+
+def limit_unit(name: str) -> str:
+    """The unit in which a limit is shown."""
+    ends = {"_N_um": "N/um", "_GPa": "GPa", "_W": "W", "_um": "um", "_mm": "mm"}
+    return next((unit for end, unit in ends.items() if name.endswith(end)), "%")
 
 
 RECOMMENDED_WORDS = {
@@ -36,9 +58,15 @@ RECOMMENDED_WORDS = {
     "maximum_pressure": ("largest pressure", ""),
     "friction_power": ("largest friction power", ""),
     "gyroscopic_slip_share": ("largest gyroscopic slip share", "%"),
+    "system_axial_stiffness": ("least stiffness, arrangement", ""),
+    "rotor_axial_shift": ("largest shift of the rotor", ""),
+    "friction_used_by_gyroscopic_moment": ("friction used by gyro", "%"),
     "residual_preload_at_end": ("residual preload at the end", ""),
 }
 """Quantities beside a recommended life, and what they are shown as where a unit does not say."""
 
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
+
+ROOM = "room"
+"""Attribute of a recommendation: how far each limit may move before another method is better."""

@@ -10,6 +10,7 @@ from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad
 from bearingwear.model import parameters
 from bearingwear.model.mounted import mounted_geometry
+from bearingwear.scene.arrangement import METHODS
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import Scene, most_balls
@@ -53,7 +54,10 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
     over the elastic approach of both races under the preload); `cage` (its guiding race, or none);
     `pocket_clearance_ratio`, `guide_clearance_ratio` (over the room there is); `warmth`: given
     temperatures, or those found by the network; `bore_ratio`, `outside_ratio` (over the diameter of
-    the groove's bottom), `fit_ratio` (interference over the most that is accepted).
+    the groove's bottom), `fit_ratio` (interference over the most that is accepted); `pair` (one of
+    two bearings, or none), with `external_ratio` (force on the rotor over the preload),
+    `spring_ratio` (stiffness of the spring times the elastic approach, over the preload) and
+    `second_loss_ratio` (as `loss_ratio`, in the second one).
 
     Raises
     ------
@@ -86,7 +90,31 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
     for name, key in (("radial_ratio", "radial_load_N"), ("rotating_ratio", "rotating_load_N")):
         load = drawn.get(name, 0.0) * data["operation"]["preload_N"]
         data["operation"][key] = [0.0, load] if key == "radial_load_N" else load
+    if drawn.get("pair", "none") != "none":
+        data["arrangement"] = _pair(data, drawn, D)
     return scene_from_dict(data)
+
+
+def _pair(data: dict[str, Any], drawn: Mapping[str, Any], D: float) -> dict[str, Any]:
+    """Two bearings that differ as drawn; what holds them follows from the preload method."""
+    scene, preload = scene_from_dict(data), data["operation"]["preload_N"]
+    approach = elastic_approach(scene)
+    method = scene.operation.preload_method
+    kind = next(kind for kind, made_by in METHODS.items() if made_by == method)
+    made: dict[str, Any] = {
+        "kind": kind,
+        "orientation": drawn["pair"],
+        "external_axial_N": drawn.get("external_ratio", 0.0) * preload,
+        "rotor_mass_kg": 0.03,
+        "span_mm": 5.0 * D,
+    }
+    if kind == "spring_pair":
+        stiffness = 1e-6 * drawn.get("spring_ratio", 0.0) * preload / approach
+        made["spring_stiffness_N_um"] = min(stiffness, 1e6)
+    if "second_loss_ratio" in drawn:
+        loss = min(1e6 * drawn["second_loss_ratio"] * approach, 0.099e3 * D)
+        made["second"] = {"wear.ball_diameter_loss_um": loss}
+    return made
 
 
 def _fit_cage(data: dict[str, Any], drawn: Mapping[str, Any], D: float, dm: float) -> None:

@@ -37,6 +37,10 @@ STAND_INS = (
     "bore_ratio",
     "outside_ratio",
     "fit_ratio",
+    "pair",
+    "external_ratio",
+    "spring_ratio",
+    "second_loss_ratio",
 )
 """Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
 

@@ -9,6 +9,7 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.model.sides import of_bearing
 from bearingwear.model.solve import solved
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError
@@ -105,9 +106,10 @@ def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) ->
     end["status"] = solution["status"]
     end["violations"] = "; ".join(violations(scene, fidelity, solution))
     if solution["status"] == code.OK and fidelity == "steady":
-        qv = solution["steady_state_total_qv"]
-        end["states"] = len(qv)
-        end["largest_qv_ratio"] = np.abs(qv / qv[0] - 1.0).max()
+        # along the states found, of a pair those of both bearings
+        qv = np.atleast_2d(solution["steady_state_total_qv"])
+        end["states"] = qv.shape[1]
+        end["largest_qv_ratio"] = np.nanmax(np.abs(qv / qv[:, :1] - 1.0))
     return end
 
 
@@ -123,6 +125,36 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
         return [STATUS_NAMES[status]]
     if status != code.OK:
         return []
+    if scene.pair is not None:
+        return _of_both(scene, fidelity, values)
+    found = _of_values(scene, fidelity, values)
+    if scene.operation.preload_method == "constant_force":
+        preload = scene.operation.preload_N
+        if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
+            found.append(f"a spring of {preload:g} N holds {values['residual_preload']:g} N")
+    return found
+
+
+def _of_both(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
+    """What is wrong with a pair: with either bearing, or with the balance of the rotor."""
+    found = []
+    for k, side in enumerate(scene.sides):
+        one = of_bearing({n: v for n, v in values.items() if n != "status"}, k)
+        # NaN stands for what one of them alone has: more states, an estimate
+        states = {
+            name: value
+            for name, value in one.items()
+            if not name.startswith("steady_state_") and not name.endswith("_error_estimate")
+        }
+        found += [f"bearing {k + 1}: {text}" for text in _of_values(side, fidelity, states)]
+    rounding = np.max(values["equilibrium_rounding"])
+    residual = values["rotor_balance_residual"]
+    if not residual <= max(1e-9, min(1e-5, rounding)):
+        found.append(f"rotor_balance_residual {residual:.1e}")
+    return found
+
+
+def _of_values(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[str]:
     found = [
         f"{name} is not finite"
         for name, value in values.items()
@@ -136,10 +168,6 @@ def violations(scene: Scene, fidelity: str, values: Mapping[str, Any]) -> list[s
     heat, qv = values["friction_heat"], values["qv"]
     if fidelity != "dynamic" and not np.all(heat <= scene.friction.ball_race * qv * (1.0 + 1e-9)):
         found.append("more heat than mu QV")
-    if scene.operation.preload_method == "constant_force":
-        preload = scene.operation.preload_N
-        if not abs(values["residual_preload"] / preload - 1.0) <= 1e-6:
-            found.append(f"a spring of {preload:g} N holds {values['residual_preload']:g} N")
     return found
 
 

@@ -65,7 +65,9 @@ def test_plan_of_the_project():
         assert scene.operation.preload_N in of.map.preload_N
         assert scene.friction.ball_race in of.map.friction
         assert scene.operation.shaft_speed_rpm in of.map.shaft_speed_rpm
-        assert of.limits.given == LIMITS
+        limits = {**LIMITS, "system_axial_stiffness_N_um": LIMITS["axial_stiffness_N_um"]}
+        del limits["axial_stiffness_N_um"]  # of the arrangement, which means the same for both
+        assert of.limits.given == limits
 
 
 def test_small_map_of_the_project_is_around_its_scene():

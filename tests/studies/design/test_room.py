@@ -1,0 +1,148 @@
+"""How far a limit, or an end of life, may move before the other method is the better one."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose
+
+from bearingwear.results.variables import COUNTS
+from bearingwear.studies.axis import RisingAxis
+from bearingwear.studies.design.choice import LIMITED
+from bearingwear.studies.design.map import life_point, scene_at
+from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.recommend import best_method, mapped
+from bearingwear.studies.design.room import criteria_room, limit_room
+from bearingwear.studies.design.words import ROOM
+
+METHODS = ("constant_force", "fixed_position")
+STIFFNESS = "system_axial_stiffness_N_um"
+
+
+def made_up(lives, stiffness, preloads):
+    """A map of two methods over preload, lives in hours and stiffness in N/um of each."""
+    shape = (2, len(preloads))
+    values = {
+        one.variable: (("preload_method", "preload"), np.zeros(shape)) for one in LIMITED.values()
+    }
+    values["system_axial_stiffness"] = (("preload_method", "preload"), 1e6 * np.array(stiffness))
+    life = np.repeat(np.array(lives, dtype=float)[..., None], len(COUNTS), axis=-1)
+    return xr.Dataset(
+        values
+        | {
+            "status": (("preload_method", "preload"), np.zeros(shape, dtype=int)),
+            "life": (("preload_method", "preload", "loss_basis"), life),
+        },
+        {"preload": preloads, "preload_method": [0, 1]},
+    )
+
+
+def test_limit_of_a_made_up_map():
+    """Lives fall with log preload, stiffness rises: the lines cross where both are known."""
+    p = np.exp(np.arange(6.0))
+    x = np.log(p)
+    lives = [10.0 - 1.9 * x, 6.0 - 0.4 * x]
+    stiffness = [1.0 + x, 1.0 + x]
+    design = made_up(lives, stiffness, p)
+    low, high = limit_room(design, DesignLimits(**{STIFFNESS: 2.0}), 0)[STIFFNESS]
+    # at the least preload x = k - 1 that the limit k allows: 10 - 1.9 x = 6 - 0.4 x
+    assert np.isnan(low)
+    assert_allclose(high, 1.0 + 4.0 / 1.5, rtol=5e-3)
+    low, high = limit_room(design, DesignLimits(**{STIFFNESS: 5.0}), 0)[STIFFNESS]
+    assert_allclose(low, 1.0 + 4.0 / 1.5, rtol=5e-3)
+    assert_allclose(high, 6.0, rtol=5e-3)  # beyond, no preload keeps to it
+
+
+def test_unsolved_lives_are_never_chosen():
+    p = np.exp(np.arange(4.0))
+    design = made_up([[9.0] * 4, [5.0] * 4], [[1.0, 2.0, 3.0, 4.0]] * 2, p)
+    design["status"][0, 2:] = 1
+    _, high = limit_room(design, DesignLimits(**{STIFFNESS: 1.5}), 0)[STIFFNESS]
+    assert_allclose(high, 2.0, rtol=5e-3)
+
+
+@pytest.fixture(scope="module")
+def chosen(scene):
+    """Function of a limit of system stiffness -> the map and the recommendation of gyro_s1."""
+    axes = MapAxes(
+        preload_method=METHODS,
+        friction=RisingAxis([0.08]),
+        shaft_speed_rpm=RisingAxis([30000.0]),
+        preload_N=RisingAxis([2.5, 3.5, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0]),
+    )
+    return lambda limit: mapped(scene("gyro_s1"), axes, DesignLimits(**{STIFFNESS: limit}))
+
+
+def test_machines_at_equal_stiffness(chosen):
+    """A spring is better up to 4.8 N/um, a rigid pair above; both are as stiff as is asked."""
+    _, soft = chosen(3.0)
+    assert best_method(soft) == 0
+    assert_allclose(soft["system_axial_stiffness"], 3e6, rtol=1e-4)
+    assert_allclose(soft["axial_stiffness"], [3e6, 1.5e6], rtol=1e-4)
+    low, high = json.loads(soft.attrs[ROOM])["limits"][STIFFNESS]
+    assert 4.6 < high < 5.0
+    _, stiff = chosen(1.04 * high)
+    assert best_method(stiff) == 1
+    assert json.loads(stiff.attrs[ROOM])["limits"][STIFFNESS][0] == pytest.approx(high, rel=0.02)
+    _, before = chosen(0.96 * high)
+    assert best_method(before) == 0
+
+
+def test_ends_of_life(scene):
+    """Where a moved end of life makes both lives equal, solved anew there."""
+    both = [
+        scene_at(scene("gyro_s1"), m, 0.08, 30000.0, p)
+        for m, p in zip(METHODS, (4.11, 6.37), strict=True)
+    ]
+    room = criteria_room(both, 1)
+    low, high = room["preload_fraction"]
+    assert 0.3 < low < 0.4
+    assert np.isnan(high)
+    lives = []
+    for one in both:
+        at = one.with_({"wear.end_of_life.preload_fraction": low})
+        lives.append(life_point(at, None)["life"][1])
+    assert_allclose(lives[0], lives[1], rtol=1e-3)
+    assert set(room) == set(both[0].wear.end_of_life.criteria)
+
+
+def test_functional_limits_of_a_point(scene):
+    """What limits look at, against the states of the life itself."""
+    from bearingwear.model.life import life
+
+    for method, stiff in zip(METHODS, (1.0, 2.0), strict=True):
+        at = scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0)
+        point, lived = life_point(at, None), life(at).values
+        assert_allclose(
+            point["system_axial_stiffness"], stiff * point["axial_stiffness"], rtol=1e-12
+        )
+        assert_allclose(
+            point["preload_kept"], lived["history_residual_preload"].min() / 7.0, rtol=1e-12
+        )
+        used = lived["history_friction_used_by_gyroscopic_moment"].max()
+        assert_allclose(point["friction_used_by_gyroscopic_moment"], used, rtol=1e-12)
+        shift = np.abs(lived["history_rotor_axial_shift"]).max()
+        assert_allclose(point["rotor_axial_shift"], shift, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["rigid_pair", "spring_pair"])
+def test_unlike_pairs_have_lives_too(scene, kind):
+    """A map of two bearings under a force: the worse one is limited."""
+    method = {"rigid_pair": "fixed_position", "spring_pair": "constant_force"}[kind]
+    made = scene(
+        "gyro_s1",
+        {
+            "operation.preload_method": method,
+            "arrangement.kind": kind,
+            "arrangement.external_axial_N": 2.0,
+        },
+    )
+    for other in METHODS:
+        at = scene_at(made, other, 0.08, 30000.0, 7.0)
+        found = life_point(at, 0.1)
+        assert found["status"] == 0 and found["life"][1] > 0.0
+        assert found["residual_preload_at_start"] < 8.0
+        alone = life_point(scene_at(scene("gyro_s1"), other, 0.08, 30000.0, 7.0), 0.1)
+        assert found["life"][1] < alone["life"][1]
+        assert (found["time_to_slip_limit"] > 0.0).all()
