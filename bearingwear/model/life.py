@@ -234,14 +234,15 @@ def life(
         # needs what this module has
         from bearingwear.model.worn_outputs import follows_grooves, solve_worn_life
 
-        worn, why = follows_grooves(scene, chosen.tier)
+        alike = scene.pair is not None and scene.pair.is_symmetric
+        worn, why = follows_grooves(scene.sides[0] if alike else scene, chosen.tier)
         if why:
             chosen = replace(chosen, reasons=(*chosen.reasons, why))
         with Interrupt():
             if scene.pair is not None:
                 from bearingwear.model.pair_life import pair_life
 
-                values, attrs = pair_life(scene, chosen.tier)
+                values, attrs = pair_life(scene, chosen.tier, worn)
             elif worn:
                 values, attrs = solve_worn_life(scene)
             else:

@@ -17,6 +17,7 @@ SHARED = frozenset(
         "life_error_estimate",
         "end_criterion",
         "history_time",
+        "groove_step",
         "history_system_axial_stiffness",
         "history_rotor_axial_shift",
     }

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life
 from bearingwear.model.sides import SHARED, of_bearing
 from bearingwear.model.solve import solve
+from bearingwear.results.netcdf import dataset
 from bearingwear.scene.blocks import CRITERIA
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -40,6 +42,19 @@ def test_symmetric_pair_lives_as_the_single_bearing(lived, single, pair, fidelit
         assert set(other) == set(one.values)
         for name, value in one.values.items():
             assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
+
+
+def test_grooves_of_a_symmetric_pair_are_followed(lived):
+    """As those of the single bearing; in a file, too."""
+    worn = {"model.contact": "worn", "wear.end_of_life": {"ball_diameter_loss_um": 0.05}}
+    one, two = lived(POSITION | worn), lived(RIGID | worn)
+    assert one.status == two.status == "ok" and "groove_depth" in one.values
+    for name, value in one.values.items():
+        assert_allclose(of_bearing(two.values, 1)[name], value, rtol=1e-12, err_msg=name)
+    made = dataset(two)
+    assert made["groove_depth"].dims[0] == made["history_residual_preload"].dims[0] == "bearing"
+    with pytest.raises(NotAvailable, match="two bearings"):
+        lived(FORCED | worn)
 
 
 def test_unlike_solver_where_both_are_alike(lived):
