@@ -15,6 +15,7 @@ from bearingwear.model.steady import ThrustProblem
 
 HERTZ = {
     "model.contact": "hertz",
+    "model.normal_balance": "frictionless",
     "friction.slip_regularisation_m_s": 1e-3,
 }
 HELD = {"operation.preload_method": "fixed_position"}
@@ -68,6 +69,7 @@ def test_slip_on_the_line_is_the_model_of_the_paper(scene):
     line = {
         "model.contact": "hertz",
         "model.slip_over": "line",
+        "model.normal_balance": "frictionless",
     }
     same = solve(scene("gyro_s1", line), "steady").values
     assert_allclose(same["qv"], paper["qv"], rtol=0)
