@@ -15,11 +15,11 @@ from bearingwear.kernels.equilibrium import (
     ball_equilibrium,
     cold_start,
     groove_distance,
+    orbit_load,
     static_displacement,
     thrust_equilibrium,
 )
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.params import BallLoad, Geometry
+from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.stiffness import DOF, bearing_stiffness
 from bearingwear.model.solve import solve
 from bearingwear.plotting.drawing import frame, key, new_figure, save
@@ -28,7 +28,7 @@ from bearingwear.scene.variant import variant
 
 ROOT = Path(__file__).resolve().parents[1]
 FIGURE = ROOT / "docs" / "figures" / "catalogues.svg"
-AT_REST = BallLoad(kinematics_model=ORBIT, Omega=0.0, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0)
+AT_REST = orbit_load(0.0, 0.0, 0.0)
 UM, MM = 1e-6, 1e-3
 
 GMN = {185.0: 58.0, 560.0: 98.0, 1100.0: 137.0}

@@ -228,12 +228,12 @@ def ellipse_sums(contact, c, mu, v_r, t, weight, h, width, across, share):
 
     Returns
     -------
-    g_1, g_0, g_h, g_x, qv
+    g_1, g_0, g_h, g_x, g_t, qv
         As in `traction`; qv in W.
     """
     a, v_r2 = contact.a, v_r * v_r
     c_1, c_0, c_h, c_x = c
-    g_1 = g_0 = g_h = g_x = qv = 0.0
+    g_1 = g_0 = g_h = g_x = g_t = qv = 0.0
     for k in range(t.size):
         hk, x, y_k, w = h[k], a * t[k], width[k], weight[k]
         v2 = c_0 + c_h * hk + c_x * x
@@ -249,23 +249,29 @@ def ellipse_sums(contact, c, mu, v_r, t, weight, h, width, across, share):
             f1y += p1 * across[j]
             v += share[j] * math.sqrt(v_2)
         f2 = w * f * v2
-        g_1 += w * f1 * hk
+        f1 *= w
+        g_t += f1
+        g_1 += f1 * hk
         g_0 += f2
         g_h += f2 * hk
         g_x += f2 * x - w * f1y * y_k
         qv += w * v
     s = mu * contact.Q
-    return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
+    return s * g_1, s * g_0, s * g_h, s * g_x, s * g_t, contact.Q * qv
 
 
 @jit(fastmath=REORDER_SUMS)
 def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian):
-    """Gradient (4,) and second derivatives (4, 4) of Phi by c over the whole ellipse."""
+    """Gradient and second derivatives of Phi by c over the whole ellipse.
+
+    Of the size 4, or 5 with the force along the major axis (see `traction`).
+    """
     a, v_r2 = contact.a, v_r * v_r
     c_1, c_0, c_h, c_x = c
-    g_1 = g_0 = g_h = g_x = 0.0
+    g_1 = g_0 = g_h = g_x = g_t = 0.0
     p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
     s_0 = s_h = s_x = s_1 = 0.0
+    t_1 = t_0 = t_x = t_t = 0.0
     for k in range(t.size):
         hk, x, y_k, w = h[k], a * t[k], width[k], weight[k]
         v2 = c_0 + c_h * hk + c_x * x
@@ -288,7 +294,9 @@ def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradi
             q_12y += p_12 * y
             q_22 += p_22
         f2 = w * f * v2
-        g_1 += w * f1 * hk
+        f1 *= w
+        g_t += f1
+        g_1 += f1 * hk
         g_0 += f2
         g_h += f2 * hk
         g_x += f2 * x - w * f1y * y_k
@@ -306,6 +314,10 @@ def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradi
         s_h += q_12 * hk * hk
         s_x += (q_12 * x - q_11y) * hk
         s_1 += q_11 * hk * hk
+        t_t += q_11
+        t_1 += q_11 * hk
+        t_0 += q_12
+        t_x += q_12 * x - q_11y
     scale = mu * contact.Q
     gradient[0] = scale * g_1
     gradient[1] = scale * g_0
@@ -321,6 +333,13 @@ def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradi
     hessian[2, 2] = scale * p_hh
     hessian[2, 3] = hessian[3, 2] = scale * p_hx
     hessian[3, 3] = scale * p_xx
+    if gradient.size > 4:
+        gradient[4] = scale * g_t
+        hessian[0, 4] = hessian[4, 0] = scale * t_1
+        hessian[1, 4] = hessian[4, 1] = scale * t_0
+        hessian[2, 4] = hessian[4, 2] = scale * s_0
+        hessian[3, 4] = hessian[4, 3] = scale * t_x
+        hessian[4, 4] = scale * t_t
 
 
 @jit
@@ -333,22 +352,25 @@ def traction(contact, c, mu, v_r, t, weight, h, width, across, share, gradient):
         `slip_coefficients`.
     t, weight, h, width, across, share : ndarray
         As in `ellipse_sums`.
-    gradient : ndarray (4,)
-        Filled: sums of h F1, F2, h F2, x F2 - y F1, F the force of the race on the ball [N m; F2
-        in N].
+    gradient : ndarray (4,) or (5,)
+        Filled: sums of h F1, F2, h F2, x F2 - y F1, and F1, F the force of the race on the ball
+        [N m; F1 and F2 in N].
     """
-    if across.size == 1:
+    if across.size == 1 and gradient.size == 4:
         strip_traction(contact, c, mu, v_r, t, weight, h, gradient)
     else:
-        gradient[0], gradient[1], gradient[2], gradient[3], _ = ellipse_sums(
+        g_1, g_0, g_h, g_x, g_t, _ = ellipse_sums(
             contact, c, mu, v_r, t, weight, h, width, across, share
         )
+        gradient[0], gradient[1], gradient[2], gradient[3] = g_1, g_0, g_h, g_x
+        if gradient.size > 4:
+            gradient[4] = g_t
 
 
 @jit
 def traction_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian):
-    """Gradient (4,) and second derivatives (4, 4) of Phi by c, as `traction`."""
-    if across.size == 1:
+    """Gradient and second derivatives (both of 4 or 5) of Phi by c, as `traction`."""
+    if across.size == 1 and gradient.size == 4:
         strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian)
     else:
         ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian)

@@ -46,11 +46,26 @@ class Spring(NamedTuple):
 
 
 @jit
+def orbit_load(Omega, T_i, T_o):
+    """Load of a ball at a given orbit rate [rad/s] with given tractions [N] alone."""
+    return BallLoad(
+        kinematics_model=ORBIT,
+        Omega=Omega,
+        omega_i=0.0,
+        omega_o=0.0,
+        P_x=0.0,
+        P_r=0.0,
+        T_i=T_i,
+        T_o=T_o,
+    )
+
+
+@jit
 def body_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
     """Forces on a ball beside the normal ones, and the inner race's share of them.
 
-    Centrifugal force of a given orbit (ORBIT), or Jones-Harris: centrifugal force at dm/2 and the
-    friction force that carries the gyroscopic moment at the controlling race.
+    Centrifugal force and tractions of a given orbit (ORBIT), or Jones-Harris: centrifugal force at
+    dm/2 and the friction force that carries the gyroscopic moment at the controlling race.
 
     Returns
     -------
@@ -60,7 +75,9 @@ def body_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
     """
     m = ball_mass(g.rho, D)
     if load.kinematics_model == ORBIT:
-        return load.P_x, m * (g.R_o + X2) * load.Omega * load.Omega + load.P_r, 0.0
+        P_r = m * (g.R_o + X2) * load.Omega * load.Omega + load.P_r
+        T_i, T_o = load.T_i, load.T_o
+        return load.P_x + T_i * c_i + T_o * c_o, P_r - T_i * s_i - T_o * s_o, T_i
     alpha_i, alpha_o = math.atan2(s_i, c_i), math.atan2(s_o, c_o)
     k = race_control(load.kinematics_model, load.omega_i, load.omega_o, D / g.dm, alpha_i, alpha_o)
     F_c = m * 0.5 * g.dm * k.Omega * k.Omega
@@ -187,11 +204,17 @@ def closed_ball(status, X1, X2, inner, outer, hertz_i, hertz_o, P_x, P_r, T_i, r
 def ball_tangent(g, D, load, A1, A2, X1, X2, inner, outer, P_x, P_r):
     """Stiffness (k11, k12, k21, k22) of the forces on a ball against its own displacement [N/m].
 
-    That of race control's friction force, which follows the contact angles, as a difference
-    quotient.
+    Tractions turn with the contact angles; that of race control as a difference quotient.
     """
     k11, k12, k22 = inner.k11 + outer.k11, inner.k12 + outer.k12, inner.k22 + outer.k22
     k21 = k12
+    if load.T_i != 0.0 or load.T_o != 0.0:
+        t_i = -load.T_i / math.sqrt((A1 - X1) ** 2 + (A2 - X2) ** 2)
+        t_o = load.T_o / math.sqrt(X1 * X1 + X2 * X2)
+        k11 += t_i * inner.s * inner.c + t_o * outer.s * outer.c
+        k12 -= t_i * inner.s * inner.s + t_o * outer.s * outer.s
+        k21 += t_i * inner.c * inner.c + t_o * outer.c * outer.c
+        k22 -= t_i * inner.s * inner.c + t_o * outer.s * outer.c
     if load.kinematics_model != ORBIT:
         h = QUOTIENT * (g.r_o - 0.5 * D)
         p1, p2 = body_forces_at(g, D, load, A1, A2, X1 + h, X2)
@@ -392,6 +415,6 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
 @jit
 def static_displacement(g, F_x):
     """Axial displacement of the static, unworn bearing under its initial preload alone [m]."""
-    load = BallLoad(kinematics_model=ORBIT, Omega=0.0, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0)
+    load = orbit_load(0.0, 0.0, 0.0)
     delta_a, state = thrust_equilibrium(g, g.D0, load, F_x, 0.0, True, cold_start())
     return delta_a

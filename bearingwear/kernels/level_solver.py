@@ -15,7 +15,7 @@ from bearingwear.kernels.steady_balance import (
     balance_size,
     friction_balance,
     full_jacobian,
-    orbit_equilibrium,
+    motion_equilibrium,
     rounding,
     usable,
 )
@@ -64,9 +64,9 @@ def line_search(p, v_r, seat, u, size, tolerance, halvings):
     """
     damping, new, moved = 1.0, UNKNOWN, seat
     for _ in range(halvings):
-        for i in range(4):
+        for i in range(u.size):
             p.trial[i] = u[i] + damping * p.step[i]
-        moved = orbit_equilibrium(p.bearing, p.trial[3], seat)
+        moved = motion_equilibrium(p.bearing, p.trial, seat)
         if usable(moved.state) == OK:
             status = friction_balance(p, v_r, moved.state, p.trial, p.shifted, False)
             if status == OK:
@@ -106,9 +106,9 @@ def newton(p, v_r, seat, u, tolerance):
         if not noise.light <= LIGHTEST:
             return Solution(status=CONTACT_LOST, seat=seat, iterations=iteration, size=size)
         copy(p.jacobian, p.matrix)
-        for i in range(4):
+        for i in range(u.size):
             p.step[i] = -p.residual[i]
-        if not solve_in_place(p.matrix, p.step, 4):
+        if not solve_in_place(p.matrix, p.step, u.size):
             return Solution(status=NOT_CONVERGED, seat=seat, iterations=iteration, size=size)
         near = size <= max(NEAR_ROUNDING, floor)  # only the full step is worth a try
         found, new, moved = line_search(p, v_r, seat, u, size, tolerance, 1 if near else HALVINGS)
@@ -135,15 +135,16 @@ def implicit_step(p, v_r, seat, u, size, inertia, dt):
     """
     why, unexplained, moved = OK, UNKNOWN, seat
     for _ in range(SHORTENINGS):
-        for i in range(4):
+        for i in range(u.size):
             p.step[i] = p.residual[i]
-            for j in range(4):
+            for j in range(u.size):
                 p.matrix[i, j] = -p.jacobian[i, j]
-            p.matrix[i, i] += inertia[i] / dt
-        if solve_in_place(p.matrix, p.step, 4):
-            for i in range(4):
+            if i < 4:  # tractions have none
+                p.matrix[i, i] += inertia[i] / dt
+        if solve_in_place(p.matrix, p.step, u.size):
+            for i in range(u.size):
                 p.trial[i] = u[i] + p.step[i]
-            moved = orbit_equilibrium(p.bearing, p.trial[3], seat)
+            moved = motion_equilibrium(p.bearing, p.trial, seat)
             status = usable(moved.state)
             if status == OK:
                 status = friction_balance(p, v_r, moved.state, p.trial, p.shifted, False)

@@ -52,6 +52,8 @@ class BallLoad(NamedTuple):
     omega_o: float  # outer race speed (race control only) [rad/s]
     P_x: float  # further force on the ball, axial (ORBIT only) [N]
     P_r: float  # and radially outward [N]
+    T_i: float  # traction along the first contact axes, inner and outer (ORBIT only) [N]
+    T_o: float
 
 
 class BallState(NamedTuple):
@@ -66,7 +68,7 @@ class BallState(NamedTuple):
     Q_o: float
     hertz_i: Hertz
     hertz_o: Hertz
-    F_ix: float  # force of the inner race on the ball, traction of race control included [N]
+    F_ix: float  # force of the inner race on the ball, traction of its load included [N]
     F_ir: float
     S_xx: float  # stiffness of that force against race displacement, ball centre free [N/m]
     S_xr: float

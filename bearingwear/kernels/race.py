@@ -127,6 +127,8 @@ def unpack_ball_load(row):
         omega_o=row[OMEGA_O],
         P_x=row[LOAD_X],
         P_r=row[LOAD_R],
+        T_i=0.0,
+        T_o=0.0,
     )
 
 

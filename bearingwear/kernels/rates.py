@@ -69,7 +69,7 @@ def with_friction(bearing, buf, contact, c, R, r, f):
         surface_height(contact, R, t, buf.h)
         place_across(rule, contact, R, c, buf.across, buf.share)
         half_width(contact, t, buf.width)
-        g_1, g_0, g_h, g_x, qv = ellipse_sums(
+        g_1, g_0, g_h, g_x, _, qv = ellipse_sums(
             contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
         )
     sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a

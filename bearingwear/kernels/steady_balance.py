@@ -2,7 +2,9 @@
 
 One ball stands for all. Unknown are its angular velocity and orbit rate, u = (w_x, w_y, w_z,
 Omega); zero are the three moments and the orbital force on it. Where ball and race stand follows
-from the orbit rate.
+from the orbit rate. With traction in the balance of normal forces it follows from the two tractions
+along the first contact axes as well: these are unknown too, u = (..., T_i, T_o), and zero is what
+friction gives more than them.
 """
 
 import math
@@ -11,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
+from bearingwear.kernels.ball_response import shifted_state
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
@@ -23,10 +26,9 @@ from bearingwear.kernels.contact import (
     traction_slope,
 )
 from bearingwear.kernels.ellipse import Rule, most_points, place_across, quadrature_points
-from bearingwear.kernels.equilibrium import thrust_equilibrium
+from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
 from bearingwear.kernels.friction import friction_capacity
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
+from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.profile import contact_approach
 from bearingwear.kernels.status import BEYOND_GROOVE, CONTACT_LOST, OK, OUTSIDE_HERTZ_RANGE
 
@@ -36,6 +38,7 @@ LAST_BIT = 2.0**-50  # of the ball's speeds, with what the sums that make a slip
 # enough to move the slip by this share of v_r, but above rounding.
 QUOTIENT_SLIP = 1e-2
 LARGEST_QUOTIENT, SMALLEST_QUOTIENT = 1e-6, 1e-9
+QUOTIENT_TRACTION = 1e-6  # the step in traction, as a share of the contact loads
 
 
 class Preload(NamedTuple):
@@ -53,6 +56,7 @@ class ThrustBearing(NamedTuple):
     D: float  # worn ball diameter [m]
     op: OperatingPoint
     preload: Preload
+    traction: bool  # whether the balance of normal forces has it
 
 
 class BalanceProblem(NamedTuple):
@@ -70,15 +74,15 @@ class BalanceProblem(NamedTuple):
     width: np.ndarray  # (n,) see contact.half_width
     across: np.ndarray  # (m,) points across, likewise
     share: np.ndarray  # (m,)
-    gradient: np.ndarray  # (4,)
-    hessian: np.ndarray  # (4, 4)
+    gradient: np.ndarray  # (4,), with traction (5,)
+    hessian: np.ndarray  # (4, 4) or (5, 5)
     L: np.ndarray  # (4, 4)
-    residual: np.ndarray  # (4,)
-    shifted: np.ndarray  # (4,)
-    jacobian: np.ndarray  # (4, 4)
-    matrix: np.ndarray  # (4, 4)
-    step: np.ndarray  # (4,)
-    trial: np.ndarray  # (4,)
+    residual: np.ndarray  # (k,) of the k = 4 unknowns, with traction 6
+    shifted: np.ndarray  # (k,)
+    jacobian: np.ndarray  # (k, k)
+    matrix: np.ndarray  # (k, k)
+    step: np.ndarray  # (k,)
+    trial: np.ndarray  # (k,)
 
 
 class Seat(NamedTuple):
@@ -99,7 +103,8 @@ class Rounding(NamedTuple):
 @jit
 def balance_problem(bearing, rule):
     """The balance of a bearing by a rule, its buffers not yet filled."""
-    n = most_points(rule)
+    n, m = most_points(rule), rule.across.size
+    k, f = (6, 5) if bearing.traction else (4, 4)
     return BalanceProblem(
         bearing=bearing,
         rule=rule,
@@ -107,17 +112,17 @@ def balance_problem(bearing, rule):
         weight=np.empty(n),
         h=np.empty((2, n)),
         width=np.zeros(n),
-        across=np.empty(rule.across.size),
-        share=np.empty(rule.across.size),
-        gradient=np.empty(4),
-        hessian=np.empty((4, 4)),
+        across=np.zeros(m),
+        share=np.ones(m),
+        gradient=np.empty(f),
+        hessian=np.empty((f, f)),
         L=np.empty((4, 4)),
-        residual=np.empty(4),
-        shifted=np.empty(4),
-        jacobian=np.empty((4, 4)),
-        matrix=np.empty((4, 4)),
-        step=np.empty(4),
-        trial=np.empty(4),
+        residual=np.empty(k),
+        shifted=np.empty(k),
+        jacobian=np.empty((k, k)),
+        matrix=np.empty((k, k)),
+        step=np.empty(k),
+        trial=np.empty(k),
     )
 
 
@@ -135,7 +140,19 @@ def orbit_equilibrium(bearing, Omega, near):
     -------
     Seat
     """
-    load = BallLoad(kinematics_model=ORBIT, Omega=Omega, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0)
+    return loaded_equilibrium(bearing, orbit_load(Omega, 0.0, 0.0), near)
+
+
+@jit
+def motion_equilibrium(bearing, u, near):
+    """Ball and race at the motion u (4,), or (6,) with its tractions, from the start `near`."""
+    T_i, T_o = (u[4], u[5]) if u.size > 4 else (0.0, 0.0)
+    return loaded_equilibrium(bearing, orbit_load(u[3], T_i, T_o), near)
+
+
+@jit
+def loaded_equilibrium(bearing, load, near):
+    """Ball and race under the load of a ball, from the start `near`."""
     preload = bearing.preload
     delta_a = near.delta_a if preload.constant_force else preload.delta_a
     delta_a, state = thrust_equilibrium(
@@ -187,10 +204,11 @@ def friction_balance(p, v_r, state, u, out, slope):
     v_r : float
         Regularisation, which may differ from that of the operating point [m/s].
     state : BallState
-    u : ndarray (4,)
-        (w_x, w_y, w_z, Omega) [rad/s].
-    out : ndarray (4,)
-        Filled: I dw_x/dt, I dw_y/dt, I dw_z/dt, m r^2 dOmega/dt [N m].
+    u : ndarray (k,)
+        (w_x, w_y, w_z, Omega) [rad/s], and (T_i, T_o) [N].
+    out : ndarray (k,)
+        Filled: I dw_x/dt, I dw_y/dt, I dw_z/dt, m r^2 dOmega/dt; and R times what friction gives
+        more than T_i and T_o [N m].
     slope : bool
         Whether to fill `p.jacobian` too: d out/du with the loads held.
 
@@ -230,6 +248,13 @@ def friction_balance(p, v_r, state, u, out, slope):
         else:
             traction(contact, c, op.mu, v_r, t, weight, h, p.width, across, share, p.gradient)
         subtract_gradient(L, p.gradient, out)
+        if u.size > 4:
+            out[4 + k] = R * (p.gradient[4] - u[4 + k])
+            if slope:
+                J[4 + k, 4 + k] = -R
+                for j in range(4):
+                    for q in range(4):
+                        J[4 + k, j] += R * p.hessian[4, q] * L[q, j]
     inertia = ball_inertia(ball_mass(g.rho, D), D)
     out[1] += inertia * u[3] * u[2]
     out[2] -= inertia * u[3] * u[1]
@@ -245,10 +270,29 @@ def friction_balance(p, v_r, state, u, out, slope):
 
 
 @jit
+def add_quotient(p, v_r, seat, u, column, change):
+    """Add to a column of the Jacobian what the loads make of a change of its unknown."""
+    bearing = p.bearing
+    if bearing.traction:
+        load, by = orbit_load(u[3], u[4], u[5]), change
+        moved = shifted_state(
+            bearing.g, bearing.D, load, seat.delta_a, bearing.preload.constant_force, seat.state,
+            by if column == 3 else 0.0, by if column == 4 else 0.0, by if column == 5 else 0.0,
+        )  # fmt: skip
+    else:
+        moved = orbit_equilibrium(bearing, u[3] + change, seat).state
+    if usable(moved) == OK:
+        status = friction_balance(p, v_r, moved, u, p.shifted, False)
+        if status == OK:
+            for i in range(u.size):
+                p.jacobian[i, column] += (p.shifted[i] - p.residual[i]) / change
+
+
+@jit
 def full_jacobian(p, v_r, seat, u):
     """Residual and Jacobian into `p`, the loads following the orbit rate.
 
-    How the centrifugal force follows the orbit rate enters as a difference quotient.
+    How the loads follow the orbit rate, and tractions, enters as a difference quotient.
 
     Returns
     -------
@@ -263,12 +307,11 @@ def full_jacobian(p, v_r, seat, u):
     if scale > 0.0:
         by_slip = QUOTIENT_SLIP * v_r / (scale * g.dm)
         dOmega = scale * min(LARGEST_QUOTIENT, max(SMALLEST_QUOTIENT, by_slip))
-        moved = orbit_equilibrium(p.bearing, u[3] + dOmega, seat)
-        if usable(moved.state) == OK:
-            status = friction_balance(p, v_r, moved.state, u, p.shifted, False)
-            if status == OK:
-                for i in range(4):
-                    p.jacobian[i, 3] += (p.shifted[i] - p.residual[i]) / dOmega
+        add_quotient(p, v_r, seat, u, 3, dOmega)
+    if u.size > 4:
+        dT = QUOTIENT_TRACTION * (seat.state.Q_i + seat.state.Q_o)
+        add_quotient(p, v_r, seat, u, 4, dT)
+        add_quotient(p, v_r, seat, u, 5, dT)
     return OK
 
 
@@ -277,6 +320,8 @@ def balance_size(bearing, state, out):
     """Largest unbalanced moment or orbital force, as a share of the friction forces [1]."""
     capacity = friction_capacity(bearing.op.mu, state.Q_i, state.Q_o)
     moment = max(abs(out[0]), abs(out[1]), abs(out[2])) / (0.5 * bearing.D)
+    for i in range(4, out.size):
+        moment = max(moment, abs(out[i]) / (0.5 * bearing.D))
     return max(moment, abs(out[3]) / (bearing.g.R_o + state.X2)) / capacity
 
 
@@ -290,7 +335,7 @@ def rounding(bearing, state, u, J):
 
     Parameters
     ----------
-    J : ndarray (4, 4)
+    J : ndarray (k, k)
         Jacobian of the balance by u.
 
     Returns
@@ -305,11 +350,11 @@ def rounding(bearing, state, u, J):
     share = light
     r, R = g.R_o + state.X2, 0.5 * bearing.D
     power = share * capacity * (r * abs(u[3]) + R * max(abs(u[0]), abs(u[2])))
-    for i in range(4):
+    for i in range(u.size):
         left = 0.0
-        for j in range(4):
+        for j in range(u.size):
             left += LAST_BIT * abs(J[i, j] * u[j])
-        arm = R if i < 3 else r
+        arm = r if i == 3 else R
         share = max(share, left / (arm * capacity))
-        power += abs(u[i]) * left
+        power += abs(u[i]) * left if i < 4 else 0.0
     return Rounding(share=share, power=power, light=light)

@@ -8,6 +8,8 @@ get on, by pseudo-transient continuation.
 
 import math
 
+import numpy as np
+
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.level_solver import (
@@ -26,7 +28,13 @@ from bearingwear.kernels.status import (
     OUTSIDE_HERTZ_RANGE,
     PRELOAD_GONE,
 )
-from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium, usable
+from bearingwear.kernels.steady_balance import (
+    Seat,
+    friction_balance,
+    motion_equilibrium,
+    orbit_equilibrium,
+    usable,
+)
 
 # Levels of v_r on the way down
 MOST_LEVELS = 90
@@ -45,9 +53,7 @@ SKIDDING_START = 0.1  # share of the first speeds, for a ball that skids
 @jit
 def cold_seat(bearing, u):
     """Ball and race at the orbit rate of u, found from nothing."""
-    return orbit_equilibrium(
-        bearing, u[3], Seat(delta_a=bearing.preload.delta_a, state=cold_start())
-    )
+    return motion_equilibrium(bearing, u, Seat(delta_a=bearing.preload.delta_a, state=cold_start()))
 
 
 @jit
@@ -88,9 +94,9 @@ def predict(bearing, kept, before, ahead, seat, u):
     -------
     Seat
     """
-    for i in range(4):
+    for i in range(u.size):
         u[i] = kept[i] + ahead * (kept[i] - before[i])
-    moved = orbit_equilibrium(bearing, u[3], seat)
+    moved = motion_equilibrium(bearing, u, seat)
     if usable(moved.state) == OK:
         return moved
     copy(kept, u)
@@ -113,7 +119,7 @@ def settle_from_start(p, first, tried, u):
     status, seat, size, total = tried.status, tried.seat, tried.size, tried.iterations
     for share in (1.0, SKIDDING_START):
         if status != OK:
-            for i in range(4):
+            for i in range(u.size):
                 u[i] = share * first[i]
             seat = cold_seat(p.bearing, u)
             if usable(seat.state) == OK:
@@ -190,14 +196,30 @@ def retry_level(v, reached, ratio, target, top):
 
 
 @jit
+def unknowns(p, motion):
+    """The unknowns of a balance at a motion (4,): with what friction there gives of tractions."""
+    u = np.zeros(p.step.size)
+    for i in range(4):
+        u[i] = motion[i]
+    if u.size > 4:
+        seat = cold_seat(p.bearing, u)
+        if usable(seat.state) == OK:
+            status = friction_balance(p, p.bearing.op.v_r, seat.state, u, p.residual, False)
+            if status == OK:
+                for i in range(4, u.size):
+                    u[i] = p.residual[i] / (0.5 * p.bearing.D)
+    return u
+
+
+@jit
 def steady_state(p, u, v_start, tolerance):
     """Steady state at the wanted v_r, followed down from the regularisation `v_start`.
 
     Parameters
     ----------
     p : BalanceProblem
-    u : ndarray (4,)
-        Start; the answer replaces it.
+    u : ndarray (k,)
+        Start, see `unknowns`; the answer replaces it.
     v_start : float
         Regularisation of the first solve [m/s]. With the wanted one, u must be near; where that
         fails the solver goes up by itself and comes down again.

@@ -5,17 +5,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.kinematics import rolling_orbit
 from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, NOT_CONVERGED, OK, UNVERIFIED
 from bearingwear.kernels.steady_balance import (
-    ThrustBearing,
     balance_problem,
     full_jacobian,
     rounding,
 )
-from bearingwear.kernels.steady_solver import steady_state
+from bearingwear.kernels.steady_solver import steady_state, unknowns
 from bearingwear.kernels.summary import COLUMNS, SPIN, contact_summary
 from bearingwear.kernels.verification import friction_check, polygon_residual
 
@@ -51,6 +51,8 @@ class ThrustCase(NamedTuple):
     status: int
     delta_a: float  # axial displacement [m]
     u: np.ndarray  # (4,) ball angular velocity and orbit rate [rad/s]
+    T_i: float  # traction that bears on the balance of normal forces, inner and outer [N]
+    T_o: float
     r: float  # orbit radius [m]
     P_r: float  # centrifugal force [N]
     S_xx: float  # axial stiffness of one ball's inner force [N/m]
@@ -143,8 +145,9 @@ def checked(p, seat, u, fine_rule):
     state = seat.state
     g, D, op = p.bearing.g, p.bearing.D, p.bearing.op
     A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
-    residual, power, scale, qv = friction_check(g, D, op, state, u, p.rule)
-    fine_residual, _, _, fine_qv = friction_check(g, D, op, state, u, fine_rule)
+    bears = p.bearing.traction
+    residual, power, scale, qv = friction_check(g, D, op, state, u, p.rule, bears)
+    fine_residual, _, _, fine_qv = friction_check(g, D, op, state, u, fine_rule, bears)
     noise = rounding(p.bearing, state, u, p.jacobian)
     return Residuals(
         equilibrium=polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),
@@ -169,7 +172,9 @@ def unsolved(p, s, u, contacts):
     return ThrustCase(
         status=status,
         delta_a=s.seat.delta_a,
-        u=u,
+        u=u[:4].copy(),
+        T_i=nan,
+        T_o=nan,
         r=p.bearing.g.R_o + state.X2,
         P_r=state.P_r,
         S_xx=nan,
@@ -177,7 +182,7 @@ def unsolved(p, s, u, contacts):
         branch=SKIDDING,
         iterations=s.iterations,
         contacts=contacts,
-        jacobian=p.jacobian,
+        jacobian=p.jacobian[:4, :4].copy(),
         residuals=Residuals(
             equilibrium=nan,
             friction=nan,
@@ -193,16 +198,28 @@ def unsolved(p, s, u, contacts):
 
 
 @jit
-def thrust_case(g, D, op, preload, rule, fine_rule, start, v_start, tolerance):
+def motion_jacobian(p):
+    """Jacobian (4, 4) of the equations of motion: tractions follow the motion at once."""
+    J = p.jacobian[:4, :4].copy()
+    if p.step.size == 4:
+        return J
+    a, b, c, d = p.jacobian[4, 4], p.jacobian[4, 5], p.jacobian[5, 4], p.jacobian[5, 5]
+    det = a * d - b * c
+    for j in range(4):
+        y_i, y_o = p.jacobian[4, j], p.jacobian[5, j]
+        t_i, t_o = (b * y_o - d * y_i) / det, (c * y_i - a * y_o) / det
+        for i in range(4):
+            J[i, j] += p.jacobian[i, 4] * t_i + p.jacobian[i, 5] * t_o
+    return J
+
+
+@jit
+def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     """Solve, sum up and check the steady state under thrust.
 
     Parameters
     ----------
-    g : Geometry
-    D : float
-        Worn ball diameter [m].
-    op : OperatingPoint
-    preload : Preload
+    bearing : ThrustBearing
     rule, fine_rule : Rule
         For the ellipse; the fine one has four times the points.
     start : ndarray (4,)
@@ -215,9 +232,9 @@ def thrust_case(g, D, op, preload, rule, fine_rule, start, v_start, tolerance):
     -------
     ThrustCase
     """
-    u = start.copy()
-    bearing = ThrustBearing(g=g, D=D, op=op, preload=preload)
+    g, D, op = bearing.g, bearing.D, bearing.op
     p = balance_problem(bearing, rule)
+    u = unknowns(p, start)
     contacts = np.full((2, COLUMNS), np.nan)
     s = steady_state(p, u, v_start, tolerance)
     if s.status != OK:
@@ -231,15 +248,17 @@ def thrust_case(g, D, op, preload, rule, fine_rule, start, v_start, tolerance):
     return ThrustCase(
         status=case_status(residuals),
         delta_a=s.seat.delta_a,
-        u=u,
+        u=u[:4].copy(),
+        T_i=u[4] if bearing.traction else 0.0,
+        T_o=u[5] if bearing.traction else 0.0,
         r=r,
-        P_r=state.P_r,
+        P_r=ball_mass(g.rho, D) * r * u[3] * u[3],
         S_xx=state.S_xx,
         skid=skid,
         branch=branch_of(contacts, skid),
         iterations=s.iterations,
         contacts=contacts,
-        jacobian=p.jacobian,
+        jacobian=motion_jacobian(p),
         residuals=residuals,
         held=False,
     )

@@ -51,7 +51,7 @@ def polygon_residual(g, D, state, A1, A2, largest):
 
 
 @jit
-def friction_check(g, D, op, state, u, rule):
+def friction_check(g, D, op, state, u, rule, bears):
     """Balance of moments, of the orbital force and of power on a thrust-loaded ball.
 
     Parameters
@@ -60,6 +60,9 @@ def friction_check(g, D, op, state, u, rule):
         (w_x, w_y, w_z, Omega) [rad/s].
     rule : Rule
         Any for the ellipse.
+    bears : bool
+        Whether traction bears on the balance of normal forces: then the forces there beside these
+        are the centrifugal one and it, and what else they are is counted as unbalanced.
 
     Returns
     -------
@@ -76,7 +79,7 @@ def friction_check(g, D, op, state, u, rule):
     """
     R = 0.5 * D
     r = g.R_o + state.X2
-    m_x = m_y = m_z = f_y = 0.0
+    m_x = m_y = m_z = f_x = f_y = f_z = 0.0
     heat = power = power_in = qv = 0.0
     contacts = race_contacts(g, op, state)
     t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
@@ -116,7 +119,9 @@ def friction_check(g, D, op, state, u, rule):
             m_x += y * F_z - p_z * F_y
             m_y += p_z * F_x - p_x * F_z
             m_z += p_x * F_y - y * F_x
+            f_x += F_x
             f_y += F_y
+            f_z += F_z
             heat += F * v * v
             qv += v * Q * weight[i] * share[j]
             race_power += F_y * race_y + F_z * race_z
@@ -128,6 +133,10 @@ def friction_check(g, D, op, state, u, rule):
     m_z -= inertia * u[3] * u[1]
     capacity = op.mu * (state.Q_i + state.Q_o)
     residual = max(abs(m_x), abs(m_y), abs(m_z), abs(f_y + F_v) * R) / (capacity * R)
+    if bears:
+        centrifugal = ball_mass(g.rho, D) * r * u[3] ** 2
+        left = max(abs(state.P_x - f_x), abs(state.P_r - centrifugal - f_z))
+        residual = max(residual, left / capacity)
     floor = capacity * op.v_r
     if op.omega_i == op.omega_o:
         floor = max(floor, capacity * abs(op.omega_i) * r)

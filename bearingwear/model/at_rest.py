@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 from scipy.optimize import brentq
 
-from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.params import BallLoad, Geometry
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.params import Geometry
 
 
 class Mechanics(NamedTuple):
@@ -19,9 +18,7 @@ class Mechanics(NamedTuple):
 
     def _solved(self, F_x: float, delta_a: float, constant_force: bool) -> tuple[float, ...]:
         """Place [m], force [N] and axial stiffness [N/m]."""
-        load = BallLoad(
-            kinematics_model=ORBIT, Omega=self.Omega, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0
-        )
+        load = orbit_load(self.Omega, 0.0, 0.0)
         place, state = thrust_equilibrium(
             self.g, self.D, load, F_x, delta_a, constant_force, cold_start()
         )

@@ -92,6 +92,11 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
             f"{scene.name}: {asked} with a {scene.pair.kind}; allowed, in time, one bearing "
             "(arrangement.kind single)"
         )
+    if wanted == "dynamic" and scene.model.normal_balance == "with_traction":
+        raise NotAvailable(
+            f"{scene.name}: model.normal_balance: given with_traction, which runs in time are "
+            "without; allowed frictionless, or none"
+        )
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
         raise _refusal(scene, wanted, problem, "dynamic, race_control")
@@ -153,10 +158,7 @@ def _refusal(scene: Scene, wanted: str, problem: str, others: str) -> NotAvailab
 
 def _chosen(scene: Scene, tier: str, why: str) -> Choice:
     told = {"race_control": _race_control, "steady": _steady, "dynamic": _dynamic}
-    contact = [
-        _slip(scene),
-        "traction: left out of the normal force balance, as in the source of the model",
-    ]
+    contact = [_slip(scene), _traction(scene, tier)]
     # who asks for the dynamic model by its name asks for all of it
     cage = tier == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
     chosen = Choice(tier, (), cage and scene.cage is not None)
@@ -181,14 +183,40 @@ def centrifugal_share(scene: Scene) -> float:
     b, operation = scene.bearing, scene.operation
     D, dm = 1e-3 * b.ball_diameter_mm, 1e-3 * b.pitch_diameter_mm
     alpha = math.radians(b.contact_angle_deg)
-    omega_i, omega_o = (
-        math.pi / 30.0 * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm)
-    )
-    lean = D / dm * math.cos(alpha)
-    orbit = 0.5 * (omega_i * (1.0 - lean) + omega_o * (1.0 + lean))
+    _, orbit = _rolling(scene)
     mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
     load = operation.preload_N / (b.ball_count * math.sin(alpha)) if alpha > 0.0 else 0.0
     return mass * 0.5 * dm * orbit**2 / load if load > 0.0 else math.nan
+
+
+def gyroscopic_share(scene: Scene) -> float:
+    """Traction that carries the gyroscopic moment over the axial load of a ball, before any solve.
+
+    M_g/R over the preload of a ball, by the steeper spin axis of the two race controls, that of
+    a ball which rolls on the inner race, at the free contact angle [1]; NaN where nothing presses
+    axially.
+    """
+    b, operation = scene.bearing, scene.operation
+    D, alpha = 1e-3 * b.ball_diameter_mm, math.radians(b.contact_angle_deg)
+    gamma = b.ball_diameter_mm / b.pitch_diameter_mm
+    relative, orbit = _rolling(scene)
+    beta = math.atan2(math.sin(alpha), math.cos(alpha) - gamma)
+    w_R = relative * (1.0 + gamma * math.cos(alpha)) / (gamma * math.cos(beta - alpha))
+    mass = scene.materials[b.ball_material].density_kg_m3 * math.pi / 6.0 * D**3
+    moment = 0.1 * mass * D * D * w_R * orbit * math.sin(beta)
+    load = operation.preload_N / b.ball_count
+    return 2.0 * moment / D / load if load > 0.0 else math.nan
+
+
+def _rolling(scene: Scene) -> tuple[float, float]:
+    """Orbit rate against the outer race, and in space, of rolling at the free contact angle."""
+    b, operation = scene.bearing, scene.operation
+    omega_i, omega_o = (
+        math.pi / 30.0 * rpm for rpm in (operation.shaft_speed_rpm, operation.outer_speed_rpm)
+    )
+    lean = b.ball_diameter_mm / b.pitch_diameter_mm * math.cos(math.radians(b.contact_angle_deg))
+    orbit = 0.5 * (omega_i * (1.0 - lean) + omega_o * (1.0 + lean))
+    return abs(orbit - omega_o), orbit
 
 
 def spin_across_share(scene: Scene) -> float:
@@ -256,6 +284,22 @@ def _slip(scene: Scene) -> str:
         who = "model.slip_over" if scene.model.slip_over else "model.contact: paper"
         return f"slip: on the centre line of the ellipse ({who}); leaves out {size}"
     return f"slip: over the whole ellipse; its centre line alone would leave out {size}"
+
+
+def _traction(scene: Scene, tier: str) -> str:
+    share = _percent(gyroscopic_share(scene))
+    size = f"up to about {share} of a ball's axial load carry the gyroscopic moment"
+    if tier == "race_control":
+        return f"traction: in the balance of normal forces at the controlling race; {size}"
+    if tier == "steady" and scene.model.traction_bears:
+        return f"traction: in the balance of normal forces; {size}"
+    why = "model.normal_balance" if scene.model.normal_balance else "model.contact: paper"
+    why = why if not scene.model.traction_bears else "in time"
+    return f"traction: left out of the balance of normal forces ({why}); {size}"
+
+
+def _percent(share: float) -> str:
+    return "an unknown share" if math.isnan(share) else f"{100.0 * share:.2g} %"
 
 
 def _race_control(scene: Scene) -> list[str]:

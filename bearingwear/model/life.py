@@ -30,7 +30,7 @@ from bearingwear.model.life_integrator import (
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.solve import provenance
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.steady import ThrustProblem, axial_force
 from bearingwear.model.thermal import Warmed, warmed
 from bearingwear.model.values import friction_used, wear_values
 from bearingwear.scene.blocks import CRITERIA
@@ -90,7 +90,7 @@ def steady_wear_state(
         loss=loss,
         status=case.status,
         rate=wear["ball_diameter_loss_rate"],
-        preload=float(g.n_balls * c[0, LOAD] * np.sin(c[0, ANGLE])),
+        preload=axial_force(case, g.n_balls),
         load=c[:, LOAD],
         angle=c[:, ANGLE],
         major=c[:, MAJOR],

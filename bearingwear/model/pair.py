@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
-from bearingwear.kernels.summary import ANGLE, LOAD
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
@@ -30,7 +29,7 @@ from bearingwear.model.pair_balance import (
     worse_status,
 )
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
-from bearingwear.model.steady import ThrustProblem, solve_steady
+from bearingwear.model.steady import ThrustProblem, axial_force, solve_steady
 from bearingwear.model.thermal import HeatFlow, Warmed, warmed
 from bearingwear.scene.scene import Scene
 
@@ -107,10 +106,10 @@ class SteadySide:
         if case.status not in USABLE:
             return SideState(case.status)
         self._u = case.u
-        n, inner = problem.g.n_balls, case.contacts[0]
+        n = problem.g.n_balls
         return SideState(
             status=case.status,
-            force=float(n * inner[LOAD] * math.sin(inner[ANGLE])),
+            force=axial_force(case, n),
             stiffness=float(n * case.S_xx),
             place=case.delta_a,
             problem=problem,

@@ -98,6 +98,8 @@ class RaceControlProblem:
             omega_o=op.omega_o,
             P_x=0.0,
             P_r=0.0,
+            T_i=0.0,
+            T_o=0.0,
         )
         if len(self.D) == 1:
             return self.thrust_balance(load)

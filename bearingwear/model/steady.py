@@ -44,6 +44,7 @@ class ThrustProblem:
     rule: Rule
     fine_rule: Rule
     search_rule: Rule
+    traction: bool  # in the balance of normal forces
 
     @classmethod
     def of(cls, scene: Scene) -> "ThrustProblem":
@@ -55,11 +56,14 @@ class ThrustProblem:
             constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
         )
         op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
-        return cls(g, op, preload, rule, fine_rule, search_rule)
+        traction = scene.model.traction_bears
+        return cls(g, op, preload, rule, fine_rule, search_rule, traction)
 
     def bearing(self, D: float) -> ThrustBearing:
         """The bearing with balls of diameter D [m]."""
-        return ThrustBearing(g=self.g, D=D, op=self.op, preload=self.preload)
+        return ThrustBearing(
+            g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
+        )
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""
@@ -94,7 +98,7 @@ class ThrustProblem:
         else:
             u = self.kinematic_start(OUTER_CONTROL)
             v_start = VISCOUS_START * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o)
-        return thrust_case(self.g, D, op, self.preload, rule, fine, u, v_start, FRICTION_TOLERANCE)
+        return thrust_case(self.bearing(D), rule, fine, u, v_start, FRICTION_TOLERANCE)
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
         """The problem with half the regularisation, and with twice the points.
@@ -148,7 +152,9 @@ class ThrustProblem:
         v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
         rules = self.rule, self.search_rule
         args = case.delta_a, case.u, not stable, most
-        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
+        # Without traction on the normal forces, which moves a state, but makes none.
+        bearing = self.bearing(D)._replace(traction=False)
+        for u in settled_elsewhere(bearing, *rules, v_r, *args):
             # Newton may go on from a motion that had not settled to a state that is known.
             if is_new(u, found):
                 other = self.solve(D, start=u)
@@ -241,12 +247,18 @@ def steady_answer(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
     F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
     answer = wear_values(scene, np.array([D]), qv, a, track) | {
         "total_qv": n * qv.sum(),
-        "residual_preload": n * c[0, LOAD] * math.sin(c[0, ANGLE]),
+        "residual_preload": axial_force(case, n),
         "friction_heat": c[None, :, HEAT],
         "shaft_torque": n * c[0, TORQUE],
         "drag_power": n * F_v * case.r * case.u[3],
     }
     return measured(answer, n)
+
+
+def axial_force(case: ThrustCase, n: int = 1) -> float:
+    """Axial force of the inner race on n balls [N]."""
+    Q, alpha = case.contacts[0, LOAD], case.contacts[0, ANGLE]
+    return float(n * Q * math.sin(alpha) + n * case.T_i * math.cos(alpha))
 
 
 def residual_sentence(case: ThrustCase) -> str:
@@ -263,7 +275,6 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
     """Case variables of a solved steady state."""
     g, op, n = problem.g, problem.op, problem.g.n_balls
     F_v, _ = drag_force(g, D, op.drag, case.u[3])
-    axial = case.contacts[0, LOAD] * math.sin(case.contacts[0, ANGLE])
     return contact_values(
         scene,
         g,
@@ -272,7 +283,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         case.u[None],
         np.array([case.r]),
         case.contacts[None],
-        np.array([axial]),
+        np.array([axial_force(case)]),
     ) | {
         "axial_displacement": case.delta_a,
         "shaft_torque": n * case.contacts[0, TORQUE],

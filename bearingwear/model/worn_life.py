@@ -7,9 +7,7 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.params import BallLoad
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.profile import contact_approach, semi_axis
 from bearingwear.kernels.thrust import skid_ratio
 from bearingwear.model import parameters
@@ -189,9 +187,7 @@ class WornLife:
         preload = self.preload(point)
         g, held, seat = self.problem.g, self.problem.preload, point.seat
         u = point.u
-        load = BallLoad(
-            kinematics_model=ORBIT, Omega=float(u[3]), omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0
-        )
+        load = orbit_load(float(u[3]), 0.0, 0.0)
         state = cold_start()
 
         def away(loss: float) -> float:

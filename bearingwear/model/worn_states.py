@@ -3,7 +3,7 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -105,6 +105,8 @@ class WornBearing:
         wander: float = 0.1,
         traction: bool = False,
     ):
+        # `worn_state` has the balance of its own, with traction only if asked for
+        problem = replace(problem, traction=traction)
         self.problem, self.D, self.cell_numbers = problem, D, cells
         self.bands, self.traction, self.wander = bands, traction, wander
         self.case = problem.solve(D)

@@ -22,6 +22,7 @@ ACCURACY = "model.accuracy"
 FIDELITIES = ("auto", "race_control", "steady", "dynamic")
 CONTACTS = ("auto", "paper", "hertz", "worn")
 SLIP_OVER = ("line", "ellipse")
+NORMAL_BALANCES = ("frictionless", "with_traction")
 
 
 class AccuracyPreset(NamedTuple):
@@ -144,14 +145,23 @@ class Model:
         str,
         Key(
             "The model of the contacts: that of the paper takes slip on the centre line of the "
-            "ellipse, hertz over all of it, worn also follows the grooves along a life, as auto "
-            "does where the wear asks for it",
+            "ellipse and leaves traction out of the balance of normal forces, hertz takes slip "
+            "over all of it and, but for runs in time and lives with worn grooves, traction into "
+            "the balance, worn also follows the grooves along a life, as auto does where the wear "
+            "asks for it",
             choices=CONTACTS,
         ),
     ] = "auto"
     slip_over: Annotated[
         str | None,
         Key("Where slip is taken, overrides what model.contact says", choices=SLIP_OVER),
+    ] = None
+    normal_balance: Annotated[
+        str | None,
+        Key(
+            "The balance of normal forces, overrides what model.contact says",
+            choices=NORMAL_BALANCES,
+        ),
     ] = None
     micro_slip: Annotated[
         bool,
@@ -290,6 +300,13 @@ class Model:
     def slip_is_over(self) -> str:
         """`line` or `ellipse`: as the scene asks for, or as its contact model has it."""
         return slip_is_over(self.contact, self.slip_over)
+
+    @property
+    def traction_bears(self) -> bool:
+        """Whether traction is in the balance of normal forces, where a model can have it."""
+        if self.normal_balance:
+            return self.normal_balance == "with_traction"
+        return self.contact != "paper"
 
     @property
     def averaged_turns(self) -> float:

@@ -47,7 +47,7 @@ def held_rates(system, j, u):
         h, width = np.empty((2, rule.t.size))
         surface_height(contact, R, rule.t, h)
         half_width(contact, rule.t, width)
-        *g, _ = ellipse_sums(
+        *g, _, _ = ellipse_sums(
             contact, c, m.mu, m.v_r, rule.t, rule.weight, h, width, rule.across, rule.share
         )
         normal = contact.sigma * np.array([contact.sin_a, 0.0, contact.cos_a])

@@ -18,7 +18,8 @@ from bearingwear.kernels.equilibrium import body_forces
 from bearingwear.kernels.params import BallLoad, Geometry
 from bearingwear.provenance import source_hash
 g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
-forces = body_forces(g, 2e-3, BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0), 0.0, 0.3, 0.9, 0.2, 0.95)
+load = BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+forces = body_forces(g, 2e-3, load, 0.0, 0.3, 0.9, 0.2, 0.95)
 print(source_hash(), repr(forces[1]))
 """
 

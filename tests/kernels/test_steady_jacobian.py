@@ -10,10 +10,10 @@ from bearingwear.kernels.equilibrium import (
     ball_equilibrium,
     cold_start,
     groove_distance,
+    orbit_load,
     static_displacement,
 )
 from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL
-from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.race import (
     LOAD_FIELDS,
     LOAD_X,
@@ -49,6 +49,7 @@ def solved(request, scene):
             {
                 "operation.preload_method": request.param[0],
                 "model.contact": request.param[1],
+                "model.normal_balance": "frictionless",
                 "model.quadrature": "gauss",
                 "lubricant.drag_density_kg_m3": 300.0,
             },
@@ -111,10 +112,8 @@ def test_jacobian_knows_of_the_loads(solved):
 
 
 def ball_load(model, **changes):
-    return BallLoad(
-        **dict(kinematics_model=model, Omega=1300.0, omega_i=3000.0, omega_o=0.0, P_x=0.0, P_r=0.0)
-        | changes
-    )
+    load = orbit_load(1300.0, 0.0, 0.0)
+    return load._replace(kinematics_model=model, omega_i=3000.0, **changes)
 
 
 def test_stiffness_of_a_ball(scene):

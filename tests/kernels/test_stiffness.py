@@ -22,7 +22,16 @@ STEP = 1e-6  # of the deformation
 
 
 def orbiting(Omega=0.0):
-    return BallLoad(kinematics_model=ORBIT, Omega=Omega, omega_i=0.0, omega_o=0.0, P_x=0.0, P_r=0.0)
+    return BallLoad(
+        kinematics_model=ORBIT,
+        Omega=Omega,
+        omega_i=0.0,
+        omega_o=0.0,
+        P_x=0.0,
+        P_r=0.0,
+        T_i=0.0,
+        T_o=0.0,
+    )
 
 
 def azimuths(g):

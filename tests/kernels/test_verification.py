@@ -29,7 +29,7 @@ def solved(scene):
 def check(p, state, u, op=None):
     """Friction residual and power error of a state."""
     residual, power, _, _ = friction_check(
-        p.bearing.g, p.bearing.D, op or p.bearing.op, state, u, p.rule
+        p.bearing.g, p.bearing.D, op or p.bearing.op, state, u, p.rule, False
     )
     return residual, power
 

@@ -38,7 +38,7 @@ SEATED = {"bearing.bore_mm": 4.0, "bearing.outside_diameter_mm": 13.0}
 def static_preload(scene) -> float:
     """Of the fixed position at rest, the parts as they run [N]."""
     g = parameters.geometry(scene)
-    load = BallLoad(0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    load = BallLoad(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     place = parameters.static_place(scene)
     _, state = thrust_equilibrium(g, g.D0, load, 0.0, place, False, cold_start())
     return g.n_balls * state.F_ix

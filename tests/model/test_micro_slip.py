@@ -81,7 +81,7 @@ def test_estimates(scene):
                 assert 0.4 < lost / (LOSS_OF_QV * share) < 1.3
             assert share < saturation_share(s) < 4.0 * share
             assert lost < LOSS_OF_QV * saturation_share(s)
-    assert compared >= 7
+    assert compared >= 6
 
 
 def test_is_named_where_it_matters(scene):

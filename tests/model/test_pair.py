@@ -8,9 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.params import BallLoad
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics, lift_off_rigid
 from bearingwear.model.fidelity import NotAvailable, choice
@@ -165,7 +163,7 @@ def test_balance_of_the_rotor(solved, scene, fidelity, changes):
         sides, v["axial_displacement"], v["orbit_speed"][:, 0], strict=True
     ):
         g = parameters.geometry(side)
-        load = BallLoad(ORBIT, float(speed), 0.0, 0.0, 0.0, 0.0)
+        load = orbit_load(float(speed), 0.0, 0.0)
         D = float(parameters.ball_diameters(side)[0])
         _, state = thrust_equilibrium(g, D, load, 0.0, float(place), False, cold_start())
         forces.append(g.n_balls * state.F_ix)

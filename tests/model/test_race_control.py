@@ -25,7 +25,7 @@ CASES = {
 
 def solved(g, F, rpm, law):
     omega = rpm * math.pi / 30.0
-    load = BallLoad(law, 0.0, omega, 0.0, 0.0, 0.0)
+    load = BallLoad(law, 0.0, omega, 0.0, 0.0, 0.0, 0.0, 0.0)
     delta_a, s = thrust_equilibrium(g, g.D0, load, F, 0.0, True, cold_start())
     assert s.status == OK
     return omega, delta_a, s, race_control(law, omega, 0.0, g.D0 / g.dm, s.alpha_i, s.alpha_o)

@@ -29,7 +29,7 @@ def scene_of(method="constant_force", mu=0.08, **wear):
         operation=replace(base.operation, preload_method=method),
         friction=replace(base.friction, ball_race=mu),
         wear=replace(base.wear, **(limits | wear)),
-        model=replace(base.model, contact="worn"),
+        model=replace(base.model, contact="worn", normal_balance="frictionless"),
     )
 
 

@@ -251,7 +251,7 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
 
 SIMPLER = (
     ("fidelity_steady", "race control", "race control for the steady state"),
-    ("fidelity_steady", "traction", "traction in the normal balance"),
+    ("normal_balance", "with traction", "traction in the normal balance"),
     ("fidelity", "race control", "race control for the motion in time"),
     ("fidelity", "steady", "steady, thrust alone"),
     ("fidelity", "three balls", "three balls in time, thrust alone"),

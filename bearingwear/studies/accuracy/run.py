@@ -34,7 +34,6 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.accuracy.plan import SweepPoint
 from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
-from bearingwear.studies.accuracy.traction import solve_coupled
 from bearingwear.studies.accuracy.warmth import grown_scene
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
@@ -183,8 +182,6 @@ def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
     fidelity = point.fidelity
     if fidelity == "race_control":
         return lambda: solve(scene, fidelity).values
-    if fidelity == "traction":
-        return lambda: solve_coupled(scene)
     if fidelity == "steady":
         thrust = thrust_alone(scene)
         return lambda: solve(thrust, fidelity).values

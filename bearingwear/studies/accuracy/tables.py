@@ -27,6 +27,7 @@ _HEADER = (
 ERRORS = ("total_qv", "total_qv", "contact_qv", "residual_preload", "wear_rate", "life")
 SECTIONS = {
     "steady": "Numbers, steady state",
+    "ellipse": "Numbers, steady state with slip over the ellipse",
     "short": "Numbers, the same turns in time",
     "long": "Numbers, turns and settledness in time",
     "model": "Differences of model",
@@ -117,12 +118,11 @@ Errors of another run lie within a factor {tolerance.error:g} of these, times wi
 {100.0 * tolerance.floor_dynamic:g} %, are noise. The study compares them.
 
 {markdown(trade, plan)}
-Traction is left out of the balance of normal forces in every model here, as in the paper, but for
-the row that says so (steady state, `bearingwear/studies/accuracy/traction.py`). A single ball in
-time would push the race aside, so three stand for all. With a cage, two runs that differ in their
-last digit part after some turns and agree in their means only. The Coriolis force and the
-circumferential part of the normal forces are left out of the motion; the energy account books their
-work, of the heat:
+Slip is that of the centre line and traction is left out of the balance of normal forces in every
+model here, as in the paper, but for the rows that say otherwise. A single ball in time would push
+the race aside, so three stand for all. With a cage, two runs that differ in their last digit part
+after some turns and agree in their means only. The Coriolis force and the circumferential part of
+the normal forces are left out of the motion; the energy account books their work, of the heat:
 {booked(trade)}. {of_weight(trade)}
 
 **The presets, scene by scene**: errors against the reference of the scene in percent; life in the

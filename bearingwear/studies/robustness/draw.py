@@ -5,9 +5,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.params import BallLoad
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.model import parameters
 from bearingwear.model.mounted import mounted_geometry
 from bearingwear.scene.arrangement import METHODS
@@ -148,7 +146,7 @@ def _warm(data: dict[str, Any], drawn: Mapping[str, Any], D: float, dm: float) -
 def at_rest(scene: Scene):
     """One ball of the unworn bearing as mounted, at rest under its preload alone."""
     g = mounted_geometry(scene)
-    load = BallLoad(ORBIT, 0.0, 0.0, 0.0, 0.0, 0.0)
+    load = orbit_load(0.0, 0.0, 0.0)
     _, state = thrust_equilibrium(
         g, g.D0, load, float(scene.operation.preload_N), 0.0, True, cold_start()
     )

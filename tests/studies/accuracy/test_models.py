@@ -8,14 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels.equilibrium import static_displacement
-from bearingwear.kernels.hertz import point_contact, race_contact
+from bearingwear.kernels.hertz import point_contact
 from bearingwear.model import parameters
 from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
-from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
 from bearingwear.studies.accuracy.plan import WARMTHS
 from bearingwear.studies.accuracy.run import first_motion, in_time, three_balls
-from bearingwear.studies.accuracy.traction import solve_coupled
 from bearingwear.studies.accuracy.warmth import grown_scene
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
@@ -67,51 +65,6 @@ def test_the_fit_moves_the_answer_a_little(scene):
     assert fit["status"] == 0
     assert 1e-5 < abs(fit["total_qv"] / exact["total_qv"] - 1.0) < 0.03
     assert_allclose(fit["residual_preload"], exact["residual_preload"], rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    "name, changes",
-    [
-        ("gyro_s1", {}),
-        ("gyro_s1", {"operation.preload_method": "fixed_position", "friction.ball_race": 0.05}),
-        ("turbopump", {"model.contact": "paper"}),
-    ],
-)
-def test_traction_in_the_normal_balance(scene, name, changes):
-    # The answer put into the equations as plain vectors, none of them the solver's.
-    s = scene(name, changes | {"friction.slip_regularisation_m_s": 1e-4})
-    g, m = parameters.geometry(s), parameters.operating_point(s)
-    values = solve_coupled(s)
-    assert values["status"] == 0
-    load, angle = values["contact_load"][0], values["contact_angle"][0]
-    w, Omega, r = values["ball_motion"][:3], values["ball_motion"][3], values["orbit_radius"]
-    R, mass = 0.5 * g.D0, g.rho * math.pi / 6.0 * g.D0**3
-    x01, weight = gauss_legendre(2000)
-    force, moment, race = np.array([0.0, 0.0, mass * r * Omega**2]), np.zeros(3), 0.0
-    for k, (side, r_g, speed) in enumerate(((-1, g.r_i, m.omega_i), (1, g.r_o, m.omega_o))):
-        sine, cosine = math.sin(angle[k]), math.cos(angle[k])
-        c_a = race_contact(g, float(side), g.D0, cosine, math.nan).c_a
-        a = c_a * load[k] ** (1 / 3)
-        R_d, x = 2 * r_g * R / (r_g + R), a * x01
-        h = np.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
-        normal, along = side * np.array([sine, 0, cosine]), np.array([cosine, 0, -sine])
-        p = h[:, None] * normal + x[:, None] * along
-        ball = np.cross(w, p) + [0.0, -r * Omega, 0.0]
-        v = np.column_stack([0 * x, -speed * (r + p[:, 2]), 0 * x]) - ball
-        v -= (v @ normal)[:, None] * normal  # slip lies in the contact's plane
-        dQ = 0.75 * load[k] * (1 - x01**2) * weight
-        pull = (m.mu * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
-        on_ball = pull.sum(axis=0) - load[k] * normal
-        force, moment = force + on_ball, moment + np.cross(p, pull).sum(axis=0)
-        race = on_ball[0] if side < 0 else race
-    spin = 0.1 * mass * g.D0**2 * Omega * np.array([0.0, w[2], -w[1]])
-    assert np.abs(force).max() < 1e-5 * load.max()
-    assert np.abs(moment + spin).max() < 1e-4 * m.mu * load.max() * R
-    assert_allclose(g.n_balls * race, values["residual_preload"], rtol=1e-6)
-    if s.operation.preload_method == "constant_force":
-        assert_allclose(values["residual_preload"], s.operation.preload_N, rtol=1e-8)
-    without = solve(s, "steady").values["total_qv"]
-    assert 1e-3 < abs(values["total_qv"] / without - 1.0) < 0.2  # and it matters
 
 
 def test_what_has_grown_is_a_step_further_each_time(scene):
