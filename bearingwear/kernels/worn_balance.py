@@ -72,6 +72,8 @@ class WornSeat(NamedTuple):
     inner: WornForce
     outer: WornForce
     residual: float  # force left, over the larger load [1]
+    F_i: float  # friction of the races along their first axes that the balance counts [N]
+    F_o: float
 
 
 @jit
@@ -330,7 +332,7 @@ def worn_seat(g, D, races, reference, preload, push, start):
         outer = worn_force(g, D, outer_race, OUTER, reference[1], X1, X2, push.beta)
         status = inner.status if inner.status != OK else outer.status
         if status != OK:
-            return WornSeat(status, delta_a, X1, X2, inner, outer, size)
+            return WornSeat(status, delta_a, X1, X2, inner, outer, size, push.F_i, push.F_o)
         before = (i_x, i_r, o_x, o_r)
         i_x, i_r = race_parts(INNER, inner, push.F_i)
         o_x, o_r = race_parts(OUTER, outer, push.F_o)
@@ -342,11 +344,11 @@ def worn_seat(g, D, races, reference, preload, push, start):
         step[2] = i_x - share if preload.constant_force else 0.0
         size = max(abs(step[0]), abs(step[1]), abs(step[2])) / max(inner.Q, outer.Q)
         if size <= WORN_BALANCE:
-            return WornSeat(OK, delta_a, X1, X2, inner, outer, size)
+            return WornSeat(OK, delta_a, X1, X2, inner, outer, size, push.F_i, push.F_o)
         if not seat_step(k_i, k_o, preload.constant_force, matrix, step):
             break
         d1, d2, dd = step[0], step[1], step[2]
         part = step_share(max(inner.approach, outer.approach), d1, d2, dd)
         d1, d2, dd = part * d1, part * d2, part * dd
         X1, X2, delta_a = X1 + d1, X2 + d2, delta_a + dd
-    return WornSeat(NOT_CONVERGED, delta_a, X1, X2, inner, outer, size)
+    return WornSeat(NOT_CONVERGED, delta_a, X1, X2, inner, outer, size, push.F_i, push.F_o)

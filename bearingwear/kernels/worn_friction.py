@@ -25,7 +25,7 @@ from bearingwear.kernels.ellipse import most_points, place_across, quadrature_po
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
-from bearingwear.kernels.profile import contact_load, middle_height, profile
+from bearingwear.kernels.profile import contact_load
 from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
 from bearingwear.kernels.steady_balance import subtract_gradient, subtract_projected
 from bearingwear.kernels.worn_balance import BallPush, worn_seat
@@ -49,8 +49,8 @@ class FrictionWork(NamedTuple):
     width: np.ndarray
     across: np.ndarray
     share: np.ndarray
-    gradient: np.ndarray  # (4,)
-    hessian: np.ndarray  # (4, 4)
+    gradient: np.ndarray  # (5,), with the force along the major axis
+    hessian: np.ndarray  # (5, 5)
     part_gradient: np.ndarray
     part_hessian: np.ndarray
     L: np.ndarray  # (4, 4)
@@ -75,8 +75,8 @@ def friction_work(rule, n):
     ones[1] = -1.0
     return FrictionWork(
         t=np.empty(k), weight=np.empty(k), h=np.empty(k), width=np.zeros(k),
-        across=np.empty(m), share=np.empty(m), gradient=np.empty(4), hessian=np.empty((4, 4)),
-        part_gradient=np.empty(4), part_hessian=np.empty((4, 4)), L=np.empty((4, 4)),
+        across=np.empty(m), share=np.empty(m), gradient=np.empty(5), hessian=np.empty((5, 5)),
+        part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
         step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),
         row_h=np.empty(n), row_width=np.empty(n), row_weight=np.empty(n), row_t=np.empty(n),
@@ -139,9 +139,9 @@ def worn_slope(race, contact, R, c, op, v_r, rule, work):
                     work.row_width, work.ones, work.halves, work.part_gradient, work.part_hessian,
                 )  # fmt: skip
                 sign = 1.0 if worn else -1.0
-                for i in range(4):
+                for i in range(5):
                     work.gradient[i] += sign * work.part_gradient[i]
-                    for k in range(4):
+                    for k in range(5):
                         work.hessian[i, k] += sign * work.part_hessian[i, k]
 
 
@@ -250,7 +250,7 @@ def across_friction(g, op, D, races, seat, rule, work, u, k):
     contact = unworn_contact(g, op, k, force)
     c = slip_coefficients(contact, u, r)
     worn_slope(race, contact, R, c, op, op.v_r, rule, work)
-    return work.gradient[0] / middle_height(profile(contact.r_g, R, contact.a))
+    return work.gradient[4]
 
 
 @jit
@@ -300,7 +300,7 @@ def worn_state(g, op, D, races, reference, preload, traction, rule, work, seat, 
     status, seat, size, rounds
     """
     mass = g.rho * math.pi / 6.0 * D**3
-    push = BallPush(mass=mass, Omega=u[3], F_i=0.0, F_o=0.0, beta=pitch(u))
+    push = BallPush(mass=mass, Omega=u[3], F_i=seat.F_i, F_o=seat.F_o, beta=pitch(u))
     size = math.inf
     tried = off = 0.0  # pitch of the last round, and how far the motion's own was from it
     low, high = -math.inf, math.inf  # of the pitch

@@ -186,8 +186,7 @@ class WornLife:
             self.offset = self.even_loss(point) - (self.problem.g.D0 - self.D)
         preload = self.preload(point)
         g, held, seat = self.problem.g, self.problem.preload, point.seat
-        u = point.u
-        load = orbit_load(float(u[3]), 0.0, 0.0)
+        load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
         state = cold_start()
 
         def away(loss: float) -> float:
@@ -218,8 +217,8 @@ class WornLife:
 
     def preload(self, point: WornPoint) -> float:
         """Axial force of all balls on the inner race [N]."""
-        inner = point.seat.inner
-        axial = inner.Q * np.sin(inner.alpha) + inner.T * np.cos(inner.alpha)
+        inner, across = point.seat.inner, point.seat.inner.T + point.seat.F_i
+        axial = inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)
         return float(self.problem.g.n_balls * axial)
 
     def state(self, point: WornPoint) -> WearState:

@@ -3,7 +3,7 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -48,7 +48,7 @@ WIDER = 1.2  # of the cells, where the contact has grown to their ends
 
 _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
 _NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
-NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, _NO_FORCE, _NO_FORCE, 0.0)
+NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, _NO_FORCE, _NO_FORCE, 0.0, 0.0, 0.0)
 """Of a point that was not solved."""
 
 
@@ -103,12 +103,9 @@ class WornBearing:
         cells: tuple[int, int] = (48, 10),
         bands: bool = False,
         wander: float = 0.1,
-        traction: bool = False,
     ):
-        # `worn_state` has the balance of its own, with traction only if asked for
-        problem = replace(problem, traction=traction)
         self.problem, self.D, self.cell_numbers = problem, D, cells
-        self.bands, self.traction, self.wander = bands, traction, wander
+        self.bands, self.traction, self.wander = bands, problem.traction, wander
         self.case = problem.solve(D)
         self.status = self.case.status
         if self.status == code.OK:
@@ -136,8 +133,10 @@ class WornBearing:
             _NO_FORCE,
             _NO_FORCE,
             0.0,
+            float(self.case.T_i),
+            float(self.case.T_o),
         )
-        self.u = self.case.u.copy()
+        self.u = self.case.u[:4].copy()
 
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""

@@ -21,7 +21,7 @@ HOUR = 3600.0
 UM = 1e-6
 
 
-def scene_of(method="constant_force", mu=0.08, **wear):
+def scene_of(method="constant_force", mu=0.08, balance="frictionless", **wear):
     base = replace(load_scene(scene_file("gyro_s1")), cage=None)
     limits = {"end_of_life": EndOfLife(ball_diameter_loss_um=0.3), "track_wander": 0.0}
     return replace(
@@ -29,7 +29,7 @@ def scene_of(method="constant_force", mu=0.08, **wear):
         operation=replace(base.operation, preload_method=method),
         friction=replace(base.friction, ball_race=mu),
         wear=replace(base.wear, **(limits | wear)),
-        model=replace(base.model, contact="worn", normal_balance="frictionless"),
+        model=replace(base.model, contact="worn", normal_balance=balance),
     )
 
 
@@ -37,8 +37,9 @@ METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"]
 
 
 @METHODS
-def test_a_groove_without_wear_is_hertz(method):
-    course = WornLife(scene_of(method))
+@pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
+def test_a_groove_without_wear_is_hertz(method, balance):
+    course = WornLife(scene_of(method, balance=balance))
     bearing = course.bearing
     point = bearing.solve(bearing.unworn())
     case, state = bearing.case, course.state(point)

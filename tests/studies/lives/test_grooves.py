@@ -1,0 +1,37 @@
+"""A life with worn grooves from the command line: its sheet and its figure."""
+
+import pytest
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.results.netcdf import load
+
+
+@pytest.mark.parametrize("track", ["spread", "bands"])
+def test_sheet_and_figure(track, tmp_path, capsys):
+    file = tmp_path / "life.nc"
+    changes = {
+        "model.contact": "worn",
+        "wear.ball_track": track,
+        "wear.end_of_life.ball_diameter_loss_um": 0.1,
+    }
+    sets = [f"--set={key}={value}" for key, value in changes.items()]
+    assert main(["life", str(scene_file("gyro_s1")), "-o", str(file), *sets]) == 0
+    shown = capsys.readouterr()
+    assert "deepest groove" in shown.out and "given way in all" in shown.out
+    assert "groove is not Hertz'" not in shown.err
+    assert main(["plot", str(file), "-o", str(tmp_path / "life.svg")]) == 0
+    drawn = (tmp_path / "life.svg").read_text()
+    assert "inner groove" in drawn and ("latitude" in drawn) == (track == "bands")
+    made = load(file)
+    assert made["groove_depth"].dims == ("groove_state", "race", "arc")
+    assert made["groove_depth"].sizes["groove_state"] == 5
+    assert ("band_depth" in made) == (track == "bands")
+
+
+def test_what_cannot_follow_grooves_is_refused_in_one_line(tmp_path, capsys):
+    sets = ["--set=model.contact=worn", "--set=wear.counts=ball"]
+    out = str(tmp_path / "life.nc")
+    assert main(["life", str(scene_file("gyro_s1")), "-o", out, *sets]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1 and "wear.counts: given ball" in told
