@@ -12,17 +12,18 @@ import bearingwear
 PACKAGE = Path(bearingwear.__file__).parent
 
 # A part may import itself and what is listed; `__init__` is the package itself.
-SOLVING = {"model", "scene", "kernels", "provenance"}
+SOLVING = {"model", "scene", "kernels", "provenance", "sides"}
 READING = {"results", "atomic", "__init__"} | SOLVING
 MAY_IMPORT = {
     "kernels": {"provenance"},
     "scene": {"kernels", "provenance", "atomic"},
-    "model": {"scene", "kernels", "provenance"},
+    "model": {"scene", "kernels", "provenance", "sides"},
     "results": READING,
     "plotting": READING,
     "studies": {"plotting", "console"} | READING,
     "page": {"plotting"} | READING,
     "provenance": set(),
+    "sides": set(),
     "atomic": set(),
     "console": set(),
     "__init__": {"api", "scene"},
@@ -51,6 +52,7 @@ LIBRARIES = {
     "kernels": {"numpy", "numba"},
     "model": {"numpy", "scipy", "numba"},
     "provenance": set(),
+    "sides": set(),
     "atomic": set(),
     "console": set(),
     "commands": set(),

@@ -16,8 +16,8 @@ from bearingwear.model.criterion import IN_WORDS, criterion_met
 from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence, evidence_of
 from bearingwear.model.fidelity import Choice, unwatched
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
-from bearingwear.model.sides import of_bearing
 from bearingwear.scene.scene import Scene
+from bearingwear.sides import of_bearing
 
 STEEL_YIELD = 4.2
 """Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""

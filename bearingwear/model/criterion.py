@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.model.sides import SHARED
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import Scene
+from bearingwear.sides import SHARED
 
 
 @dataclass(frozen=True)

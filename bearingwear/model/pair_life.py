@@ -36,9 +36,9 @@ from bearingwear.model.life_integrator import (
 )
 from bearingwear.model.pair import Pair, SteadySide
 from bearingwear.model.pair_case import stacked_sides
-from bearingwear.model.sides import SHARED
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, EndOfLife, Scene
+from bearingwear.sides import SHARED
 
 NO_CRITERION = len(CRITERIA) - 1
 LOOSER_LIFE = 30.0  # tolerance of the run that shows how well the life is integrated

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from bearingwear.model.sides import SHARED
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.arrangement import METHODS
+from bearingwear.sides import SHARED
 
 BEARINGS = ("first", "second")
 MODES = ("axial", "radial", "conical")

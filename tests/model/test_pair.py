@@ -15,9 +15,9 @@ from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.model.pair import Pair
 from bearingwear.model.pair_case import rotor_balance
 from bearingwear.model.rotor import natural_frequencies, rotor_stiffness
-from bearingwear.model.sides import SHARED, of_bearing
 from bearingwear.model.solve import solve
 from bearingwear.scene.arrangement import Arrangement
+from bearingwear.sides import SHARED, of_bearing
 
 POSITION = {"operation.preload_method": "fixed_position"}
 RIGID = {**POSITION, "arrangement.kind": "rigid_pair"}

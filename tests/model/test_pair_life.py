@@ -6,10 +6,10 @@ from numpy.testing import assert_allclose
 
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life
-from bearingwear.model.sides import SHARED, of_bearing
 from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import dataset
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.sides import SHARED, of_bearing
 
 POSITION = {"operation.preload_method": "fixed_position"}
 RIGID = {**POSITION, "arrangement.kind": "rigid_pair"}
