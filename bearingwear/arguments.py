@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -268,24 +269,22 @@ def _mapping(text: str) -> dict[str, Any]:
     return values
 
 
-def _positive(text: str) -> float:
+def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        value = -1.0
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number > 0")
+        value = math.nan  # within nothing
+    if not within(value):
+        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number {allowed}")
     return value
+
+
+def _positive(text: str) -> float:
+    return _number(text, lambda value: 0.0 < value < math.inf, "> 0")
 
 
 def _share(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0.0 <= value < 1.0:
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number >= 0 and < 1")
-    return value
+    return _number(text, lambda value: 0.0 <= value < 1.0, ">= 0 and < 1")
 
 
 def _file_name(text: str) -> Path:

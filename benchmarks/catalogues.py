@@ -21,6 +21,7 @@ from bearingwear.kernels.equilibrium import (
 )
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.stiffness import DOF, bearing_stiffness
+from bearingwear.model.mounted import groove_geometry
 from bearingwear.model.solve import solve
 from bearingwear.plotting.drawing import frame, key, new_figure, save
 from bearingwear.scene.scene import Scene
@@ -57,23 +58,11 @@ class Row:
 
 
 def grooved(
-    D: float, dm: float, angle: float, f_i: float, f_o: float, Z: int, E: float, R_i: float = 0.0
+    D: float, dm: float, angle: float, f_i: float, f_o: float, Z: int, E: float
 ) -> Geometry:
-    """A steel bearing; lengths in m, the angle in degrees, E in Pa; R_i if it is not its own."""
-    a = math.radians(angle)
-    return Geometry(
-        n_balls=Z,
-        D0=D,
-        dm=dm,
-        alpha0=a,
-        BD=(f_i + f_o - 1.0) * D,
-        R_o=0.5 * dm - (f_o - 0.5) * D * math.cos(a),
-        R_i=R_i or 0.5 * dm + (f_i - 0.5) * D * math.cos(a),
-        r_i=f_i * D,
-        r_o=f_o * D,
-        E_star=E / (2.0 * (1.0 - 0.3**2)),
-        rho=7800.0,
-    )
+    """A steel bearing; lengths in m, the angle in degrees, E in Pa."""
+    E_star = E / (2.0 * (1.0 - 0.3**2))
+    return groove_geometry(Z, D, dm, math.radians(angle), f_i, f_o, E_star, rho=7800.0)
 
 
 # Numbers of balls inferred from load ratings, groove factors the standard's.
@@ -97,7 +86,7 @@ def deep_groove(clearance: float) -> Geometry:
     """The bearing of the ISO 16281 examples; its program tilts about dm/2."""
     D, dm = 11.5 * MM, 43.5 * MM
     angle = math.degrees(math.acos(1.0 - clearance / (0.1 * D)))
-    return grooved(D, dm, angle, 0.52, 0.53, 7, 210e9, R_i=0.5 * dm)
+    return grooved(D, dm, angle, 0.52, 0.53, 7, 210e9)._replace(R_i=0.5 * dm)
 
 
 def static_place(g: Geometry, load: np.ndarray, start: np.ndarray) -> np.ndarray:

@@ -169,6 +169,40 @@ def strip_sums(contact, R, c, mu, v_r, t, weight):
     return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
 
 
+@inlined
+def store_slopes(scale, g, s, p, gradient, hessian):
+    """Fill gradient and second derivatives of Phi by c from their sums.
+
+    Parameters
+    ----------
+    scale : float
+        Of all sums.
+    g : tuple of 4 floats
+        Gradient.
+    s : tuple of 4 floats
+        Second derivatives by c_1 and each of (c_1, c_0, c_h, c_x).
+    p : tuple of 6 floats
+        Those by (c_0, c_h, c_x), row by row from the diagonal.
+    """
+    g_1, g_0, g_h, g_x = g
+    s_1, s_0, s_h, s_x = s
+    p_00, p_0h, p_0x, p_hh, p_hx, p_xx = p
+    gradient[0] = scale * g_1
+    gradient[1] = scale * g_0
+    gradient[2] = scale * g_h
+    gradient[3] = scale * g_x
+    hessian[0, 0] = scale * s_1
+    hessian[0, 1] = hessian[1, 0] = scale * s_0
+    hessian[0, 2] = hessian[2, 0] = scale * s_h
+    hessian[0, 3] = hessian[3, 0] = scale * s_x
+    hessian[1, 1] = scale * p_00
+    hessian[1, 2] = hessian[2, 1] = scale * p_0h
+    hessian[1, 3] = hessian[3, 1] = scale * p_0x
+    hessian[2, 2] = scale * p_hh
+    hessian[2, 3] = hessian[3, 2] = scale * p_hx
+    hessian[3, 3] = scale * p_xx
+
+
 @jit(fastmath=REORDER_SUMS)
 def strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
     """Gradient (4,) and second derivatives (4, 4) of Phi by c in the line model."""
@@ -199,20 +233,10 @@ def strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
         s_x += s * x
         s_1 += p_11 * hk * hk
     scale = mu * contact.Q
-    gradient[0] = scale * g_1
-    gradient[1] = scale * g_0
-    gradient[2] = scale * g_h
-    gradient[3] = scale * g_x
-    hessian[0, 0] = scale * s_1
-    hessian[0, 1] = hessian[1, 0] = scale * s_0
-    hessian[0, 2] = hessian[2, 0] = scale * s_h
-    hessian[0, 3] = hessian[3, 0] = scale * s_x
-    hessian[1, 1] = scale * p_00
-    hessian[1, 2] = hessian[2, 1] = scale * p_0h
-    hessian[1, 3] = hessian[3, 1] = scale * p_0x
-    hessian[2, 2] = scale * p_hh
-    hessian[2, 3] = hessian[3, 2] = scale * p_hx
-    hessian[3, 3] = scale * p_xx
+    store_slopes(
+        scale, (g_1, g_0, g_h, g_x), (s_1, s_0, s_h, s_x), (p_00, p_0h, p_0x, p_hh, p_hx, p_xx),
+        gradient, hessian,
+    )  # fmt: skip
 
 
 @jit(fastmath=REORDER_SUMS)
@@ -319,20 +343,10 @@ def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradi
         t_0 += q_12
         t_x += q_12 * x - q_11y
     scale = mu * contact.Q
-    gradient[0] = scale * g_1
-    gradient[1] = scale * g_0
-    gradient[2] = scale * g_h
-    gradient[3] = scale * g_x
-    hessian[0, 0] = scale * s_1
-    hessian[0, 1] = hessian[1, 0] = scale * s_0
-    hessian[0, 2] = hessian[2, 0] = scale * s_h
-    hessian[0, 3] = hessian[3, 0] = scale * s_x
-    hessian[1, 1] = scale * p_00
-    hessian[1, 2] = hessian[2, 1] = scale * p_0h
-    hessian[1, 3] = hessian[3, 1] = scale * p_0x
-    hessian[2, 2] = scale * p_hh
-    hessian[2, 3] = hessian[3, 2] = scale * p_hx
-    hessian[3, 3] = scale * p_xx
+    store_slopes(
+        scale, (g_1, g_0, g_h, g_x), (s_1, s_0, s_h, s_x), (p_00, p_0h, p_0x, p_hh, p_hx, p_xx),
+        gradient, hessian,
+    )  # fmt: skip
     if gradient.size > 4:
         gradient[4] = scale * g_t
         hessian[0, 4] = hessian[4, 0] = scale * t_1

@@ -97,6 +97,20 @@ def body_forces_at(g, D, load, A1, A2, X1, X2):
     return P_x, P_r
 
 
+@inlined
+def loaded_spring(Q, d, length, s, c):
+    """A closed contact as a spring, from its load, approach, length, sine and cosine."""
+    k, t = contact_stiffness(Q, d), Q / length
+    return Spring(
+        Q=Q,
+        s=s,
+        c=c,
+        k11=k * s * s + t * c * c,
+        k12=(k - t) * s * c,
+        k22=k * c * c + t * s * s,
+    )
+
+
 @jit
 def spring(K, X1, X2, free):
     """Contact of the Hertz factor K as a spring along (X1, X2), its length `free` without load.
@@ -111,15 +125,7 @@ def spring(K, X1, X2, free):
     if d <= 0.0:
         return Spring(Q=0.0, s=s, c=c, k11=0.0, k12=0.0, k22=0.0)
     Q = contact_load(K, d)
-    k, t = contact_stiffness(Q, d), Q / length
-    return Spring(
-        Q=Q,
-        s=s,
-        c=c,
-        k11=k * s * s + t * c * c,
-        k12=(k - t) * s * c,
-        k22=k * c * c + t * s * s,
-    )
+    return loaded_spring(Q, d, length, s, c)
 
 
 @jit

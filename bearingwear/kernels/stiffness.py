@@ -3,31 +3,23 @@
 import math
 
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.equilibrium import Spring, series_stiffness
+from bearingwear.kernels.equilibrium import Spring, loaded_spring, series_stiffness
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
-from bearingwear.kernels.profile import contact_approach, contact_stiffness
+from bearingwear.kernels.profile import contact_approach
 
 DOF = 5
 """Displacements: axial, along Y, along Z, tilt about Y, tilt about Z."""
 
 
 @jit
-def loaded_spring(g, side, D, Q, alpha):
+def spring_under(g, side, D, Q, alpha):
     """A contact under the load Q at its angle as a spring; without load it has no stiffness."""
     s, c = math.sin(alpha), math.cos(alpha)
     if not Q > 0.0:
         return Spring(Q=0.0, s=s, c=c, k11=0.0, k12=0.0, k22=0.0)
     d = contact_approach(race_contact(g, side, D, c, math.nan).K, Q)
-    k = contact_stiffness(Q, d)
-    t = Q / ((g.r_o if side > 0.0 else g.r_i) - 0.5 * D + d)
-    return Spring(
-        Q=Q,
-        s=s,
-        c=c,
-        k11=k * s * s + t * c * c,
-        k12=(k - t) * s * c,
-        k22=k * c * c + t * s * s,
-    )
+    length = (g.r_o if side > 0.0 else g.r_i) - 0.5 * D + d
+    return loaded_spring(Q, d, length, s, c)
 
 
 @jit
@@ -53,8 +45,8 @@ def bearing_stiffness(g, D, psi, Q, alpha, out):
         for q in range(DOF):
             out[p, q] = 0.0
     for j in range(D.size):
-        inner = loaded_spring(g, INNER, D[j], Q[j, 0], alpha[j, 0])
-        outer = loaded_spring(g, OUTER, D[j], Q[j, 1], alpha[j, 1])
+        inner = spring_under(g, INNER, D[j], Q[j, 0], alpha[j, 0])
+        outer = spring_under(g, OUTER, D[j], Q[j, 1], alpha[j, 1])
         S_xx, S_xr, S_rr = series_stiffness(inner, outer)
         s, c = math.sin(psi[j]), math.cos(psi[j])
         axial = (1.0, 0.0, 0.0, g.R_i * c, g.R_i * s)  # of the groove centre, for each displacement

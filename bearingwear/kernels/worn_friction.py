@@ -75,7 +75,7 @@ def friction_work(rule, n):
     ones[1] = -1.0
     return FrictionWork(
         t=np.empty(k), weight=np.empty(k), h=np.empty(k), width=np.zeros(k),
-        across=np.empty(m), share=np.empty(m), gradient=np.empty(5), hessian=np.empty((5, 5)),
+        across=np.zeros(m), share=np.ones(m), gradient=np.empty(5), hessian=np.empty((5, 5)),
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
         step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),

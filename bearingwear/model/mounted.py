@@ -17,16 +17,19 @@ def contact_modulus(first: Material, second: Material) -> float:
     return 1.0 / flexibility
 
 
-def mounted_geometry(scene: Scene) -> Geometry:
-    """Groove geometry and material pair of a scene, before anything has grown."""
-    b = scene.bearing
-    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
-    D0 = b.ball_diameter_mm * MM
-    dm = b.pitch_diameter_mm * MM
-    alpha0 = math.radians(b.contact_angle_deg)
-    f_i, f_o = float(b.inner_groove_factor), float(b.outer_groove_factor)
+def groove_geometry(
+    n_balls: int,
+    D0: float,
+    dm: float,
+    alpha0: float,
+    f_i: float,
+    f_o: float,
+    E_star: float,
+    rho: float,
+) -> Geometry:
+    """Geometry from diameters [m], angle [rad] and groove factors (theory.md section 2)."""
     return Geometry(
-        n_balls=int(b.ball_count),
+        n_balls=n_balls,
         D0=D0,
         dm=dm,
         alpha0=alpha0,
@@ -35,6 +38,22 @@ def mounted_geometry(scene: Scene) -> Geometry:
         R_i=0.5 * dm + (f_i - 0.5) * D0 * math.cos(alpha0),
         r_i=f_i * D0,
         r_o=f_o * D0,
+        E_star=E_star,
+        rho=rho,
+    )
+
+
+def mounted_geometry(scene: Scene) -> Geometry:
+    """Groove geometry and material pair of a scene, before anything has grown."""
+    b = scene.bearing
+    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
+    return groove_geometry(
+        n_balls=int(b.ball_count),
+        D0=b.ball_diameter_mm * MM,
+        dm=b.pitch_diameter_mm * MM,
+        alpha0=math.radians(b.contact_angle_deg),
+        f_i=float(b.inner_groove_factor),
+        f_o=float(b.outer_groove_factor),
         E_star=contact_modulus(ball, race),
         rho=float(ball.density_kg_m3),
     )
