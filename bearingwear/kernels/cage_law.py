@@ -36,7 +36,7 @@ class CageBuffers(NamedTuple):
     ball_force: np.ndarray  # (n, 3) on the ball: axial, along y, radially outward [N]
     ball_moment: np.ndarray  # (n, 3) on the ball in its azimuth frame [N m]
     approach: np.ndarray  # (n + 2,) interference; < 0: open [m]
-    normal: np.ndarray  # (n + 2,) normal forces [N]
+    normal: np.ndarray  # (n + 2,) normal forces, elastic and of damping: what rubs [N]
     power: np.ndarray  # (n + 2,) normal force times slip, for wear [W]
     race_velocity: np.ndarray  # (2,) of the inner race along Y, Z [m/s]
     race_force: np.ndarray  # (2,) of the land on the inner race along Y, Z [N]

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.contact import half_width, surface_height
 from bearingwear.kernels.profile import PEAK, base, pressure, profile
 
 EDGE = 0.5  # points across gather no nearer to the edge of the ellipse than this share
@@ -160,3 +161,25 @@ def place_across(rule, contact, R, c, across, share):
     scale = 1.0 / total
     for j in range(across.size):
         share[j] *= scale
+
+
+@jit
+def contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
+    """All points of a contact: `quadrature_points`, their heights, and where they lie across.
+
+    Parameters
+    ----------
+    h, width : ndarray (most_points(rule),)
+        Filled: `contact.surface_height`, `contact.half_width`. With one point across, `width`,
+        `across` and `share` are left at what they were made with.
+
+    Returns
+    -------
+    t, weight : ndarray (n,)
+    """
+    t, weight = quadrature_points(rule, contact, R, c, v_r, t, weight)
+    surface_height(contact, R, t, h)
+    if across.size > 1:
+        place_across(rule, contact, R, c, across, share)
+        half_width(contact, t, width)
+    return t, weight

@@ -9,13 +9,11 @@ from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.cage import inverse_inertia
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
-    half_width,
     slip_coefficients,
     slip_map,
-    surface_height,
     traction_slope,
 )
-from bearingwear.kernels.ellipse import place_across, quadrature_points
+from bearingwear.kernels.ellipse import contact_points
 from bearingwear.kernels.quasistatic import RACES_11, RACES_12, RACES_22
 from bearingwear.kernels.state import (
     BALL,
@@ -80,12 +78,11 @@ def ball_blocks(y, bearing, buf):
             if not contact.Q > 0.0:
                 continue
             c = slip_coefficients(contact, (y[i + W_X], w_y, w_z, Omega), r)
-            t, weight = quadrature_points(bearing.rule, contact, R, c, m.v_r, buf.t, buf.weight)
-            surface_height(contact, R, t, buf.h)
             across, share = buf.across, buf.share
-            if across.size > 1:
-                place_across(bearing.rule, contact, R, c, across, share)
-                half_width(contact, t, buf.width)
+            t, weight = contact_points(
+                bearing.rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, across,
+                share,
+            )  # fmt: skip
             traction_slope(
                 contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, across, share, buf.gradient, H
             )

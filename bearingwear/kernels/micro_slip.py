@@ -1,4 +1,4 @@
-"""Elastic micro-slip of one ball/race contact by FASTSIM (theory.md section 3).
+"""Elastic micro-slip of one ball/race contact by FASTSIM (theory.md section 20).
 
 Material that enters the contact sticks at first: the slip of rigid bodies strains it instead, and
 the traction grows from the leading edge on until friction's limit is reached. Kalker's simplified

@@ -73,8 +73,8 @@ class BallState(NamedTuple):
     S_xx: float  # stiffness of that force against race displacement, ball centre free [N/m]
     S_xr: float
     S_rr: float
-    P_x: float  # other forces on the ball, axial and radially outward [N]
-    P_r: float
+    P_x: float  # all forces on the ball but the two loads Q, traction among them: axial [N]
+    P_r: float  # and radially outward
     residual: float  # what is left of the ball's force balance [N]
 
 

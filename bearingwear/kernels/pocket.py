@@ -105,7 +105,7 @@ class PocketForce(NamedTuple):
 
     elastic: float  # [N]
     stiffness: float  # its derivative by approach [N/m]
-    drag: float  # damping force on the ball, along the orbit's y [N]
+    damping: float  # damping force on the ball, along the orbit's y [N]
     c_n: float  # its derivative by the speed along the orbit [N s/m]
     normal: float  # elastic force and the damping's normal part: what rubs [N]
     change: float  # derivative of `normal` by approach [N/m]
@@ -130,16 +130,16 @@ def pocket_force(cage, mass, approach, n_y, along_orbit):
     part = approach / (approach + cage.ramp_pocket)
     c_n = cage.damping_pocket * math.sqrt(m_eff * cage.K_pocket) * math.sqrt(root) * part
     c_n *= n_y * n_y
-    drag, stiffness = c_n * along_orbit, 1.5 * cage.K_pocket * root
-    change = stiffness - n_y * drag * (1.25 / approach - 1.0 / (approach + cage.ramp_pocket))
-    if drag * n_y > F * n_y * n_y:  # nothing pulls
-        drag, c_n, change = F * n_y, 0.0, stiffness * max(1.0 - n_y * n_y, 0.0)
+    damping, stiffness = c_n * along_orbit, 1.5 * cage.K_pocket * root
+    change = stiffness - n_y * damping * (1.25 / approach - 1.0 / (approach + cage.ramp_pocket))
+    if damping * n_y > F * n_y * n_y:  # nothing pulls
+        damping, c_n, change = F * n_y, 0.0, stiffness * max(1.0 - n_y * n_y, 0.0)
     return PocketForce(
         elastic=F,
         stiffness=stiffness,
-        drag=drag,
+        damping=damping,
         c_n=c_n,
-        normal=max(F - drag * n_y, 0.0),
+        normal=max(F - damping * n_y, 0.0),
         change=change,
     )
 
@@ -181,7 +181,7 @@ def store_pocket_slopes(cage, motion, force, n_y, y_axis, contacts, j):
     Friction sees the whole normal force, of which only the elastic part acts along the normal: the
     damping acts along `y_axis`, against the orbit.
     """
-    n, slip, drag = motion.n, motion.slip, force.c_n * motion.along_orbit
+    n, slip, damping = motion.n, motion.slip, force.c_n * motion.along_orbit
     rubbing = CageContact(
         n=n,
         slip=slip,
@@ -201,7 +201,7 @@ def store_pocket_slopes(cage, motion, force, n_y, y_axis, contacts, j):
             K[i, k] += (force.stiffness - force.change) * n[i] * n[k]
             C[i, k] += (force.c_n * y_axis[i] - less * slip[i]) * y_axis[k]
         heat[i] -= less * speed * speed * y_axis[i]
-        loss[i] = 2.0 * drag * y_axis[i]
+        loss[i] = 2.0 * damping * y_axis[i]
     return friction, speed
 
 
@@ -219,12 +219,12 @@ def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
     sp, cp, d, n = place.sin_psi, place.cos_psi, place.d, motion.n
     n_y = n[1] * cp + n[2] * sp
     whole = pocket_force(cage, bearing.mass[j], approach, n_y, motion.along_orbit)
-    F, drag = whole.elastic, whole.drag
+    F, damping = whole.elastic, whole.damping
     friction, speed = store_pocket_slopes(cage, motion, whole, n_y, (0.0, cp, sp), contacts, j)
     add_geometric_stiffness(cage, w, place, motion, whole, R_b, speed, contacts.K[j])
     # On the ball: pushed back along -n, dragged by the cage's slip.
     h = minus(friction, times(F, n))
-    store((h[0], h[1] * cp + h[2] * sp + drag, -h[1] * sp + h[2] * cp), contacts.ball_force[j])
+    store((h[0], h[1] * cp + h[2] * sp + damping, -h[1] * sp + h[2] * cp), contacts.ball_force[j])
     moment = cross(motion.reach, friction)
     store(
         (moment[0], moment[1] * cp + moment[2] * sp, -moment[1] * sp + moment[2] * cp),
@@ -236,10 +236,10 @@ def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
     store(motion.reach, contacts.reach[j])
     sums = contacts.sums
     sums[POCKET_HEAT] += dot(friction, motion.slip)
-    sums[POCKET_DAMPING] += drag * motion.along_orbit
+    sums[POCKET_DAMPING] += damping * motion.along_orbit
     sums[ELASTIC] += elastic_energy(F, approach)
     # Torque about the bearing axis, for the account of who tows whom.
-    q, e1, e2 = motion.arm, -drag * cp, -drag * sp
+    q, e1, e2 = motion.arm, -damping * cp, -damping * sp
     sums[POCKET_TORQUE] -= (z[CENTRE + 1] + q[1]) * h[2] - (z[CENTRE + 2] + q[2]) * h[1]
     sums[POCKET_TORQUE] += (z[CENTRE + 1] + d[1]) * e2 - (z[CENTRE + 2] + d[2]) * e1
     force, moment = load

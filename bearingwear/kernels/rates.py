@@ -19,13 +19,11 @@ from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
     ellipse_sums,
-    half_width,
     slip_coefficients,
     strip_sums,
-    surface_height,
 )
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
-from bearingwear.kernels.ellipse import place_across, quadrature_points
+from bearingwear.kernels.ellipse import contact_points, quadrature_points
 from bearingwear.kernels.quasistatic import COS_I, SIN_I
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
@@ -62,13 +60,13 @@ def with_friction(bearing, buf, contact, c, R, r, f):
         Slip coefficients.
     """
     m, rule = bearing.op, bearing.rule
-    t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
     if rule.across.size == 1:
+        t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
         g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, m.mu, m.v_r, t, weight)
     else:
-        surface_height(contact, R, t, buf.h)
-        place_across(rule, contact, R, c, buf.across, buf.share)
-        half_width(contact, t, buf.width)
+        t, weight = contact_points(
+            rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, buf.across, buf.share
+        )
         g_1, g_0, g_h, g_x, _, qv = ellipse_sums(
             contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
         )

@@ -17,15 +17,13 @@ from bearingwear.kernels.ball_response import shifted_state
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
-    half_width,
     race_contacts,
     slip_coefficients,
     slip_map,
-    surface_height,
     traction,
     traction_slope,
 )
-from bearingwear.kernels.ellipse import Rule, most_points, place_across, quadrature_points
+from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
@@ -195,6 +193,22 @@ def subtract_projected(L, H, J):
 
 
 @jit
+def add_gyration_and_drag(g, D, op, u, r, out, J, slope):
+    """Add the gyroscopic moment and the drag on a ball to `out`, and where asked to `J` by u."""
+    inertia = ball_inertia(ball_mass(g.rho, D), D)
+    out[1] += inertia * u[3] * u[2]
+    out[2] -= inertia * u[3] * u[1]
+    F_v, dF_v = drag_force(g, D, op.drag, u[3])
+    out[3] -= r * F_v
+    if slope:
+        J[1, 2] += inertia * u[3]
+        J[1, 3] += inertia * u[2]
+        J[2, 1] -= inertia * u[3]
+        J[2, 3] -= inertia * u[1]
+        J[3, 3] -= r * dF_v
+
+
+@jit
 def friction_balance(p, v_r, state, u, out, slope):
     """Moments and orbital moment on the ball: its equations of motion's right-hand side.
 
@@ -233,12 +247,10 @@ def friction_balance(p, v_r, state, u, out, slope):
             return OUTSIDE_HERTZ_RANGE
         h = p.h[k]
         c = slip_coefficients(contact, u, r)
-        t, weight = quadrature_points(rule, contact, R, c, v_r, p.t, p.weight)
-        surface_height(contact, R, t, h)
         across, share = p.across, p.share
-        if across.size > 1:
-            place_across(rule, contact, R, c, across, share)
-            half_width(contact, t, p.width)
+        t, weight = contact_points(
+            rule, contact, R, c, v_r, p.t, p.weight, h, p.width, across, share
+        )
         slip_map(contact, r, L)
         if slope:
             traction_slope(
@@ -255,17 +267,7 @@ def friction_balance(p, v_r, state, u, out, slope):
                 for j in range(4):
                     for q in range(4):
                         J[4 + k, j] += R * p.hessian[4, q] * L[q, j]
-    inertia = ball_inertia(ball_mass(g.rho, D), D)
-    out[1] += inertia * u[3] * u[2]
-    out[2] -= inertia * u[3] * u[1]
-    F_v, dF_v = drag_force(g, D, op.drag, u[3])
-    out[3] -= r * F_v
-    if slope:
-        J[1, 2] += inertia * u[3]
-        J[1, 3] += inertia * u[2]
-        J[2, 1] -= inertia * u[3]
-        J[2, 3] -= inertia * u[1]
-        J[3, 3] -= r * dF_v
+    add_gyration_and_drag(g, D, op, u, r, out, J, slope)
     return OK
 
 
@@ -318,11 +320,17 @@ def full_jacobian(p, v_r, seat, u):
 @jit
 def balance_size(bearing, state, out):
     """Largest unbalanced moment or orbital force, as a share of the friction forces [1]."""
-    capacity = friction_capacity(bearing.op.mu, state.Q_i, state.Q_o)
-    moment = max(abs(out[0]), abs(out[1]), abs(out[2])) / (0.5 * bearing.D)
+    r = bearing.g.R_o + state.X2
+    return balance_share(bearing.op, bearing.D, r, state.Q_i, state.Q_o, out)
+
+
+@jit
+def balance_share(op, D, r, Q_i, Q_o, out):
+    """`balance_size` of a ball of diameter D on the orbit r [m] under the loads Q_i, Q_o [N]."""
+    moment = max(abs(out[0]), abs(out[1]), abs(out[2])) / (0.5 * D)
     for i in range(4, out.size):
-        moment = max(moment, abs(out[i]) / (0.5 * bearing.D))
-    return max(moment, abs(out[3]) / (bearing.g.R_o + state.X2)) / capacity
+        moment = max(moment, abs(out[i]) / (0.5 * D))
+    return max(moment, abs(out[3]) / r) / friction_capacity(op.mu, Q_i, Q_o)
 
 
 @jit

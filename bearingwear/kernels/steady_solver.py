@@ -52,7 +52,7 @@ SKIDDING_START = 0.1  # share of the first speeds, for a ball that skids
 
 @jit
 def cold_seat(bearing, u):
-    """Ball and race at the orbit rate of u, found from nothing."""
+    """Ball and race at the motion u (4,), or (6,) with its tractions, found from nothing."""
     return motion_equilibrium(bearing, u, Seat(delta_a=bearing.preload.delta_a, state=cold_start()))
 
 
@@ -83,8 +83,8 @@ def predict(bearing, kept, before, ahead, seat, u):
 
     Parameters
     ----------
-    kept, before : ndarray (4,)
-        Motion at the last level and at the one before.
+    kept, before : ndarray (k,)
+        Motion at the last level and at the one before, with its tractions if it has them.
     ahead : float
         Distance to the new level, over that between the last two.
     seat : Seat

@@ -8,14 +8,13 @@ import numpy as np
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
     dissipation,
-    half_width,
     loaded_contact,
     race_contacts,
     slip_coefficients,
     slip_velocity,
     surface_height,
 )
-from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
+from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
@@ -44,8 +43,8 @@ def workspace(rule):
         weight=np.empty(n),
         h=np.empty((2, n)),
         width=np.zeros(n),
-        across=np.empty(m),
-        share=np.empty(m),
+        across=np.zeros(m),
+        share=np.ones(m),
     )
 
 
@@ -79,13 +78,12 @@ def contact_summary(g, D, op, state, u, r, rule, work, out):
             1.5 * contact.Q / (math.pi * row[MAJOR] * row[MINOR]) if contact.Q > 0.0 else 0.0
         )
         c = slip_coefficients(contact, u, r)
-        t, weight = quadrature_points(rule, contact, R, c, op.v_r, work.t, work.weight)
-        h = work.h[k]
-        surface_height(contact, R, t, h)
-        place_across(rule, contact, R, c, work.across, work.share)
-        half_width(contact, t, work.width)
+        h, width, across, share = work.h[k], work.width, work.across, work.share
+        t, weight = contact_points(
+            rule, contact, R, c, op.v_r, work.t, work.weight, h, width, across, share
+        )
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = dissipation(
-            contact, c, op.mu, op.v_r, r, t, weight, h, work.width, work.across, work.share
+            contact, c, op.mu, op.v_r, r, t, weight, h, width, across, share
         )
         # Angular velocity of the ball against the race, along the normal and in the contact plane.
         w_rel = u[0] - contact.omega

@@ -176,7 +176,7 @@ def unsolved(p, s, u, contacts):
         T_i=nan,
         T_o=nan,
         r=p.bearing.g.R_o + state.X2,
-        P_r=state.P_r,
+        P_r=nan,
         S_xx=nan,
         skid=nan,
         branch=SKIDDING,

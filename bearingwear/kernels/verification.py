@@ -56,8 +56,8 @@ def friction_check(g, D, op, state, u, rule, bears):
 
     Parameters
     ----------
-    u : ndarray (4,)
-        (w_x, w_y, w_z, Omega) [rad/s].
+    u : ndarray (4,) or (6,)
+        (w_x, w_y, w_z, Omega) [rad/s], and what else is unknown.
     rule : Rule
         Any for the ellipse.
     bears : bool

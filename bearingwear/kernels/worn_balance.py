@@ -10,7 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.compile import jit
+from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.linear import solve_in_place
 from bearingwear.kernels.params import Hertz
@@ -247,7 +249,6 @@ def improve_stiffness(k, sigma, dy1, dy2, dF1, dF2):
 class BallPush(NamedTuple):
     """What else than the contacts' pressures pushes a ball."""
 
-    mass: float  # [kg]
     Omega: float  # orbit rate [rad/s]
     F_i: float  # friction of the inner race along its first axis [N]
     F_o: float  # and of the outer one
@@ -315,15 +316,15 @@ def worn_seat(g, D, races, reference, preload, push, start):
     X1, X2, delta_a = start.X1, start.X2, start.delta_a
     if not preload.constant_force:
         delta_a = preload.delta_a
-    A1, A2 = g.BD * math.sin(g.alpha0), g.BD * math.cos(g.alpha0)
-    share = preload.F_x / g.n_balls
+    mass, share = ball_mass(g.rho, D), preload.F_x / g.n_balls
     matrix, step = np.empty((3, 3)), np.empty(3)  # `step` first holds what is left
     k_i, k_o = inner_race.stiffness, outer_race.stiffness
     inner = outer = start.inner
     size = math.inf
     i_x = i_r = o_x = o_r = d1 = d2 = dd = 0.0
     for place in range(MOST_PLACES):
-        y1, y2 = A1 + delta_a - X1, A2 - X2
+        A1, A2 = groove_distance(g, 0.0, delta_a, 0.0, 0.0, 0.0)
+        y1, y2 = A1 - X1, A2 - X2
         unknown = not min(k_i[0, 0] + k_i[1, 1], k_o[0, 0] + k_o[1, 1]) > 0.0
         if unknown or (place > 0 and place % SLOW_PLACES == 0):
             find_stiffness(g, D, inner_race, INNER, reference[0], y1, y2, push.beta)
@@ -340,7 +341,7 @@ def worn_seat(g, D, races, reference, preload, push, start):
             improve_stiffness(k_i, INNER, dd - d1, -d2, i_x - before[0], i_r - before[1])
             improve_stiffness(k_o, OUTER, d1, d2, o_x - before[2], o_r - before[3])
         step[0] = i_x + o_x
-        step[1] = i_r + o_r + push.mass * (g.R_o + X2) * push.Omega * push.Omega
+        step[1] = i_r + o_r + mass * (g.R_o + X2) * push.Omega * push.Omega
         step[2] = i_x - share if preload.constant_force else 0.0
         size = max(abs(step[0]), abs(step[1]), abs(step[2])) / max(inner.Q, outer.Q)
         if size <= WORN_BALANCE:

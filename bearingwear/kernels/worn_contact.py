@@ -127,23 +127,14 @@ def contact_cells(log_kappa, low, high, n, m):
     # p_0 a/(pi E*) over the approach, and the rectangle in units of a
     scale = kappa / (math.pi * K)
     c, d = 0.5 * dX, 0.5 * dY / kappa
+    by_rows = np.empty(2 * m)  # by a cell so many rows away
     for q in range(n):
         for r in range(2 * m):
-            value = scale * rectangle(q * 2.0 * c, r * 2.0 * d, c, d)
-            for j in range(m):
-                for k in range(m):
-                    for side in (n - 1 - q, n - 1 + q):
-                        if r < m and abs(j - k) == r:
-                            influence[j, k, side] = value
-    for q in range(n):
-        for r in range(1, 2 * m):
-            value = scale * rectangle(q * 2.0 * c, r * 2.0 * d, c, d)
-            for j in range(m):
-                k = r - 1 - j
-                if 0 <= k < m:
-                    influence[j, k, n - 1 - q] += value
-                    if q > 0:
-                        influence[j, k, n - 1 + q] += value
+            by_rows[r] = scale * rectangle(q * 2.0 * c, r * 2.0 * d, c, d)
+        for j in range(m):
+            for k in range(m):  # and by its mirror image
+                value = by_rows[abs(j - k)] + by_rows[j + k + 1]
+                influence[j, k, n - 1 - q] = influence[j, k, n - 1 + q] = value
     fresh = np.zeros((m, n))
     for j in range(m):
         for i in range(n):

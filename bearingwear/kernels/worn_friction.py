@@ -9,25 +9,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.ball import ball_inertia, drag_force
+from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
     dissipation,
-    half_width,
-    loaded_contact,
+    hertz_contact,
+    point_slip,
     slip_coefficients,
     slip_map,
     surface_height,
     traction_slope,
 )
-from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
-from bearingwear.kernels.friction import friction_capacity
+from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.profile import contact_load
 from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
-from bearingwear.kernels.steady_balance import subtract_gradient, subtract_projected
+from bearingwear.kernels.steady_balance import (
+    add_gyration_and_drag,
+    balance_share,
+    subtract_gradient,
+    subtract_projected,
+)
 from bearingwear.kernels.worn_balance import BallPush, worn_seat
 
 FRICTION_LEFT = 1e-12  # as a share of the friction forces, where Newton ends [1]
@@ -61,10 +65,9 @@ class FrictionWork(NamedTuple):
     trial: np.ndarray
     ones: np.ndarray  # (2,) the two sides of the cells: places,
     halves: np.ndarray  # (2,) and shares
-    row_h: np.ndarray  # (most cells along,)
-    row_width: np.ndarray
+    cell_h: np.ndarray  # (2, most cells along) heights of the cells, unworn and worn
+    row_width: np.ndarray  # (most cells along,)
     row_weight: np.ndarray
-    row_t: np.ndarray
 
 
 @jit
@@ -79,7 +82,7 @@ def friction_work(rule, n):
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
         step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),
-        row_h=np.empty(n), row_width=np.empty(n), row_weight=np.empty(n), row_t=np.empty(n),
+        cell_h=np.empty((2, n)), row_width=np.empty(n), row_weight=np.empty(n),
     )  # fmt: skip
 
 
@@ -87,13 +90,21 @@ def friction_work(rule, n):
 def unworn_contact(g, op, k, force):
     """The Hertz contact that a worn one is counted from."""
     Q = contact_load(force.hertz.K, force.approach)
-    s, c = math.sin(force.alpha), math.cos(force.alpha)
-    return loaded_contact(g, op, k, Q, force.a, force.b, s, c)
+    return hertz_contact(g, op, k, Q, force.alpha, force.hertz)
 
 
 @jit
-def cell_row(race, contact, R, j, worn, total, work):
-    """Weights, heights and widths of a row of cells into `work`; whether it carries any load.
+def cell_heights(race, contact, R, work):
+    """Heights of the cells along the major axis, unworn and worn, into `work.cell_h`."""
+    unworn, worn = work.cell_h
+    surface_height(contact, R, race.cells.X, unworn)
+    for i in range(race.rise.size):
+        worn[i] = unworn[i] + race.rise[i]
+
+
+@jit
+def cell_row(race, contact, j, worn, total, work):
+    """Weights and widths of a row of cells into `work`; whether it carries any load.
 
     Parameters
     ----------
@@ -102,41 +113,35 @@ def cell_row(race, contact, R, j, worn, total, work):
     total : float
         Sum of the unworn pressure.
     """
-    n = race.cells.X.size
-    t, h, width, weight = work.row_t[:n], work.row_h[:n], work.row_width[:n], work.row_weight[:n]
     loaded = False
-    surface_height(contact, R, race.cells.X, h)
-    for i in range(n):
+    for i in range(race.cells.X.size):
         p = race.pressure[j, i] if worn else race.cells.fresh[j, i]
         loaded = loaded or p != 0.0
-        t[i] = race.cells.X[i]
-        weight[i] = p / total
-        width[i] = contact.b * race.cells.Y[j]
-        if worn:
-            h[i] += race.rise[i]
+        work.row_weight[i] = p / total
+        work.row_width[i] = contact.b * race.cells.Y[j]
     return loaded
 
 
 @jit
 def worn_slope(race, contact, R, c, op, v_r, rule, work):
     """Gradient and second derivatives of the friction potential of a worn contact, into `work`."""
-    t, weight = quadrature_points(rule, contact, R, c, v_r, work.t, work.weight)
-    surface_height(contact, R, t, work.h)
     across, share = work.across, work.share
-    if across.size > 1:
-        place_across(rule, contact, R, c, across, share)
-        half_width(contact, t, work.width)
+    t, weight = contact_points(
+        rule, contact, R, c, v_r, work.t, work.weight, work.h, work.width, across, share
+    )
     traction_slope(
         contact, c, op.mu, v_r, t, weight, work.h, work.width, across, share, work.gradient,
         work.hessian,
     )  # fmt: skip
+    cell_heights(race, contact, R, work)
     total = race.cells.fresh.sum()
     for worn in (True, False):
         for j in range(race.cells.Y.size):
-            if cell_row(race, contact, R, j, worn, total, work):
+            if cell_row(race, contact, j, worn, total, work):
                 traction_slope(
-                    contact, c, op.mu, v_r, race.cells.X, work.row_weight, work.row_h,
-                    work.row_width, work.ones, work.halves, work.part_gradient, work.part_hessian,
+                    contact, c, op.mu, v_r, race.cells.X, work.row_weight,
+                    work.cell_h[1 if worn else 0], work.row_width, work.ones,
+                    work.halves, work.part_gradient, work.part_hessian,
                 )  # fmt: skip
                 sign = 1.0 if worn else -1.0
                 for i in range(5):
@@ -146,11 +151,17 @@ def worn_slope(race, contact, R, c, op, v_r, rule, work):
 
 
 @jit
-def worn_friction_balance(g, op, D, races, seat, mass, v_r, rule, work, u, out):
+def worn_friction_balance(g, op, D, races, seat, v_r, rule, work, u, out):
     """Moments and orbital moment on a ball, and their derivatives by u into `work.jacobian`.
 
     As `steady_balance.friction_balance`, with worn contacts.
+
+    Returns
+    -------
+    F_i, F_o : float
+        Friction of the races on the ball along the first contact axes [N].
     """
+    F_i = 0.0
     r, R = g.R_o + seat.X2, 0.5 * D
     out[:] = 0.0
     work.jacobian[:, :] = 0.0
@@ -162,53 +173,42 @@ def worn_friction_balance(g, op, D, races, seat, mass, v_r, rule, work, u, out):
         slip_map(contact, r, work.L)
         subtract_projected(work.L, work.hessian, work.jacobian)
         subtract_gradient(work.L, work.gradient, out)
-    inertia = ball_inertia(mass, D)
-    F_v, dF_v = drag_force(g, D, op.drag, u[3])
-    out[1] += inertia * u[3] * u[2]
-    out[2] -= inertia * u[3] * u[1]
-    out[3] -= r * F_v
-    J = work.jacobian
-    J[1, 2] += inertia * u[3]
-    J[1, 3] += inertia * u[2]
-    J[2, 1] -= inertia * u[3]
-    J[2, 3] -= inertia * u[1]
-    J[3, 3] -= r * dF_v
+        if k == 0:
+            F_i = work.gradient[4]
+    add_gyration_and_drag(g, D, op, u, r, out, work.jacobian, True)
+    return F_i, work.gradient[4]
 
 
 @jit
-def friction_size(g, op, D, seat, out):
-    """Largest unbalanced moment or orbital force, over the friction forces [1]."""
-    capacity = friction_capacity(op.mu, seat.inner.Q, seat.outer.Q)
-    moment = max(abs(out[0]), abs(out[1]), abs(out[2])) / (0.5 * D)
-    return max(moment, abs(out[3]) / (g.R_o + seat.X2)) / capacity
-
-
-@jit
-def friction_newton(g, op, D, races, seat, mass, v_r, rule, work, u):
+def friction_newton(g, op, D, races, seat, v_r, rule, work, u):
     """The ball's motion with the loads held, by damped Newton; u is improved in place.
 
     Returns
     -------
-    status, size
+    status, F_i, F_o
+        Friction as in `worn_friction_balance`.
     """
-    worn_friction_balance(g, op, D, races, seat, mass, v_r, rule, work, u, work.residual)
-    size = friction_size(g, op, D, seat, work.residual)
+    r, Q_i, Q_o = g.R_o + seat.X2, seat.inner.Q, seat.outer.Q
+    out = work.residual
+    F_i, F_o = worn_friction_balance(g, op, D, races, seat, v_r, rule, work, u, out)
+    size = balance_share(op, D, r, Q_i, Q_o, out)
     for _ in range(NEWTON_STEPS):
         if size <= FRICTION_LEFT:
-            return OK, size
+            return OK, F_i, F_o
         copy(work.jacobian, work.matrix)
         for i in range(4):
             work.step[i] = -work.residual[i]
         if not solve_in_place(work.matrix, work.step, 4):
-            return NOT_CONVERGED, size
+            return NOT_CONVERGED, F_i, F_o
         damping, found, new = 1.0, False, size
+        T_i, T_o = F_i, F_o
         for _ in range(HALVINGS):
             for i in range(4):
                 work.trial[i] = u[i] + damping * work.step[i]
-            worn_friction_balance(
-                g, op, D, races, seat, mass, v_r, rule, work, work.trial, work.residual
+            T_i, T_o = worn_friction_balance(
+                g, op, D, races, seat, v_r, rule, work, work.trial, out
             )
-            new = friction_size(g, op, D, seat, work.residual)
+            new = balance_share(op, D, r, Q_i, Q_o, out)
             if new < (1.0 - DESCENT * damping) * size or new <= FRICTION_LEFT:
                 found = True
                 break
@@ -216,41 +216,30 @@ def friction_newton(g, op, D, races, seat, mass, v_r, rule, work, u):
             if size <= STALLED:
                 break
         if not found:
-            return (OK if size <= STALLED else NOT_CONVERGED), size
+            break
         copy(work.trial, u)
-        size = new
-    return (OK if size <= STALLED else NOT_CONVERGED), size
+        size, F_i, F_o = new, T_i, T_o
+    return (OK if size <= STALLED else NOT_CONVERGED), F_i, F_o
 
 
 @jit
-def settled_motion(g, op, D, races, seat, mass, rule, work, u):
+def settled_motion(g, op, D, races, seat, rule, work, u):
     """`friction_newton` at the wanted v_r; where that fails from u, down from a larger one."""
     kept = u.copy()
-    status, size = friction_newton(g, op, D, races, seat, mass, op.v_r, rule, work, u)
-    if status == OK:
-        return status, size
+    found = friction_newton(g, op, D, races, seat, op.v_r, rule, work, u)
+    if found[0] == OK:
+        return found
     copy(kept, u)
     for level in range(LEVELS, -1, -1):
         v_r = op.v_r * LEVEL_RATIO**level
-        status, size = friction_newton(g, op, D, races, seat, mass, v_r, rule, work, u)
-    return status, size
+        found = friction_newton(g, op, D, races, seat, v_r, rule, work, u)
+    return found
 
 
 @jit
 def pitch(u):
     """Pitch of the ball's axis from the bearing's [rad]."""
     return math.atan2(u[2], u[3] - u[0])
-
-
-@jit
-def across_friction(g, op, D, races, seat, rule, work, u, k):
-    """Friction of race k on the ball along the first contact axis [N]."""
-    r, R = g.R_o + seat.X2, 0.5 * D
-    race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)
-    contact = unworn_contact(g, op, k, force)
-    c = slip_coefficients(contact, u, r)
-    worn_slope(race, contact, R, c, op, op.v_r, rule, work)
-    return work.gradient[4]
 
 
 @jit
@@ -297,26 +286,23 @@ def worn_state(g, op, D, races, reference, preload, traction, rule, work, seat, 
 
     Returns
     -------
-    status, seat, size, rounds
+    status, seat
     """
-    mass = g.rho * math.pi / 6.0 * D**3
-    push = BallPush(mass=mass, Omega=u[3], F_i=seat.F_i, F_o=seat.F_o, beta=pitch(u))
-    size = math.inf
+    mass = ball_mass(g.rho, D)
+    push = BallPush(Omega=u[3], F_i=seat.F_i, F_o=seat.F_o, beta=pitch(u))
     tried = off = 0.0  # pitch of the last round, and how far the motion's own was from it
     low, high = -math.inf, math.inf  # of the pitch
     for rounds in range(WORN_ROUNDS):
         seat = worn_seat(g, D, races, reference, preload, push, seat)
         if seat.status != OK:
-            return seat.status, seat, size, rounds
+            return seat.status, seat
         if max(seat.inner.a, seat.outer.a) >= LARGEST_AXIS * 0.5 * D:
-            return OUTSIDE_HERTZ_RANGE, seat, size, rounds
-        status, size = settled_motion(g, op, D, races, seat, mass, rule, work, u)
+            return OUTSIDE_HERTZ_RANGE, seat
+        status, F_i, F_o = settled_motion(g, op, D, races, seat, rule, work, u)
         if status != OK:
-            return status, seat, size, rounds
-        F_i = F_o = 0.0
-        if traction:
-            F_i = across_friction(g, op, D, races, seat, rule, work, u, 0)
-            F_o = across_friction(g, op, D, races, seat, rule, work, u, 1)
+            return status, seat
+        if not traction:
+            F_i = F_o = 0.0
         beta = pitch(u)
         r = g.R_o + seat.X2
         change = mass * r * abs(u[3] ** 2 - push.Omega**2)
@@ -331,10 +317,10 @@ def worn_state(g, op, D, races, reference, preload, traction, rule, work, seat, 
                 high = min(high, push.beta)
             beta = next_pitch(push.beta, away, tried, off, low, high, rounds > 0)
             tried, off = push.beta, away
-        push = BallPush(mass=mass, Omega=u[3], F_i=F_i, F_o=F_o, beta=beta)
+        push = BallPush(Omega=u[3], F_i=F_i, F_o=F_o, beta=beta)
         if change <= ROUND_LEFT * max(seat.inner.Q, seat.outer.Q):
-            return OK, seat, size, rounds + 1
-    return NOT_CONVERGED, seat, size, WORN_ROUNDS
+            return OK, seat
+    return NOT_CONVERGED, seat
 
 
 @jit
@@ -353,25 +339,25 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
         race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)
         contact = unworn_contact(g, op, k, force)
         c = slip_coefficients(contact, u, r)
-        t, weight = quadrature_points(rule, contact, R, c, op.v_r, work.t, work.weight)
-        surface_height(contact, R, t, work.h)
         across, share = work.across, work.share
-        if across.size > 1:
-            place_across(rule, contact, R, c, across, share)
-            half_width(contact, t, work.width)
+        t, weight = contact_points(
+            rule, contact, R, c, op.v_r, work.t, work.weight, work.h, work.width, across, share
+        )
         qv, heat, gyro, torque = dissipation(
             contact, c, op.mu, op.v_r, r, t, weight, work.h, work.width, across, share
         )
         gyro *= qv
+        cell_heights(race, contact, R, work)
         X, total = race.cells.X, race.cells.fresh.sum()
         n = X.size
         rates[k, :] = 0.0
         for worn in (True, False):
             for j in range(race.cells.Y.size):
-                if cell_row(race, contact, R, j, worn, total, work):
+                if cell_row(race, contact, j, worn, total, work):
+                    h = work.cell_h[1 if worn else 0]
                     part = dissipation(
-                        contact, c, op.mu, op.v_r, r, X, work.row_weight, work.row_h,
-                        work.row_width, work.ones, work.halves,
+                        contact, c, op.mu, op.v_r, r, X, work.row_weight, h, work.row_width,
+                        work.ones, work.halves,
                     )  # fmt: skip
                     sign = 1.0 if worn else -1.0
                     qv += sign * part[0]
@@ -380,8 +366,8 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
                     torque += sign * part[3]
                     if worn:
                         for i in range(n):
-                            v2 = c[1] + c[2] * work.row_h[i] + c[3] * race.x[i]
-                            v1, spin = c[0] * work.row_h[i], c[3] * work.row_width[i]
+                            v1, v2 = point_slip(c, h[i], race.x[i])
+                            spin = c[3] * work.row_width[i]
                             slip = math.hypot(v1 - spin, v2) + math.hypot(v1 + spin, v2)
                             rates[k, i] += 0.5 * work.row_weight[i] * slip
         out[k, 0], out[k, 1] = qv, heat

@@ -11,6 +11,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import drag_force
+from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.params import Hertz
 from bearingwear.kernels.profile import contact_approach, contact_load, middle_height, profile
@@ -187,7 +188,7 @@ class WornBearing:
             work = friction_work(self.problem.rule, max(r.x.size for r in races))
             u = self.u.copy()
             p = self.problem
-            status, seat, _, _ = worn_state(
+            status, seat = worn_state(
                 p.g, p.op, D, races, self.reference, p.preload, self.traction, p.rule, work,
                 self.seat, u,
             )  # fmt: skip
@@ -263,8 +264,7 @@ class WornBearing:
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
         g, seat, R = self.problem.g, point.seat, 0.5 * (self.D - point.wear.ball)
-        A1 = g.BD * np.sin(g.alpha0) + seat.delta_a
-        A2 = g.BD * np.cos(g.alpha0)
+        A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
         return np.array([inner, np.hypot(seat.X1, seat.X2) - (g.r_o - R)])
 
@@ -300,8 +300,8 @@ class WornBearing:
     def _axial_stiffness(self, races, seat: WornSeat, D: float) -> float:
         """N times the axial stiffness of one ball, its centre free [N/m]."""
         g, beta = self.problem.g, pitch(self.u)
-        A1 = g.BD * np.sin(g.alpha0) + seat.delta_a
-        places = ((A1 - seat.X1, g.BD * np.cos(g.alpha0) - seat.X2), (seat.X1, seat.X2))
+        A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
+        places = ((A1 - seat.X1, A2 - seat.X2), (seat.X1, seat.X2))
         for race, sigma, reference, y in zip(races, SIDES, self.reference, places, strict=True):
             find_stiffness(g, D, race, sigma, reference, *y, beta)
         k_i, k_o = (race.stiffness for race in races)
