@@ -139,7 +139,7 @@ def deep_groove_rows() -> Iterator[Row]:
         q = static_place(g, np.array(load, dtype=float), np.array(start, dtype=float))
         found = q[k] + (g.BD * math.sin(g.alpha0) if k == 0 else 0.0)  # counted from one plane
         words = "um" if unit == UM else "mrad"
-        yield Row("ISO 16281 examples", name, words, expected, found / unit, 1e-3)
+        yield Row("ISO 16281", name, words, expected, found / unit, 1e-3)
 
 
 def lift_off_rows() -> Iterator[Row]:

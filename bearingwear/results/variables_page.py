@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -23,7 +24,8 @@ INTRODUCTION = """\
 What `bearingwear solve` and `life` write, and what `bearingwear.solve` and `life` return in Python.
 Each variable carries its meaning and unit as `long_name` and `units`; so do those of the studies'
 files, which are not listed here.
-Signs and axes: [conventions.md](conventions.md)."""
+Signs and axes: [conventions.md](conventions.md). An item gives the name, (dimensions), [unit] and
+meaning."""
 
 COORDINATES_SAID = (
     "In a file those with names are whole numbers 0, 1, ... with `flag_meanings`; in Python they "
@@ -53,18 +55,22 @@ def page_of_variables() -> str:
     )
     parts = [INTRODUCTION]
     for heading, text, variables in sections:
-        parts += [f"## {heading}", *filter(None, [text]), _table(variables)]
-    rows = (f"| {k} | `{name}` | {STATUS_SENTENCES[name]} |" for k, name in enumerate(STATUS_NAMES))
-    parts += ["## Status", "\n".join(["| code | name | meaning |", "| --- | --- | --- |", *rows])]
+        parts += [f"## {heading}", *filter(None, [textwrap.fill(text, 100)]), _list(variables)]
+    statuses = (f"{k} `{name}`: {STATUS_SENTENCES[name]}" for k, name in enumerate(STATUS_NAMES))
+    parts += ["## Status", "\n".join(map(_item, statuses))]
     return "\n\n".join(parts) + "\n"
 
 
-def _table(variables: Iterable[Variable]) -> str:
-    lines = ["| variable | dimensions | unit | meaning |", "| --- | --- | --- | --- |"]
-    return "\n".join([*lines, *map(_row, variables)])
+def _list(variables: Iterable[Variable]) -> str:
+    return "\n".join(map(_item, map(_sentence, variables)))
 
 
-def _row(variable: Variable) -> str:
+def _item(text: str) -> str:
+    """An item of a list, in lines of at most 100 columns."""
+    return textwrap.fill(text, 100, initial_indent="- ", subsequent_indent="  ")
+
+
+def _sentence(variable: Variable) -> str:
     meaning = variable.long_name
     if variable.flags == STATUS_NAMES:
         meaning += ": see [status](#status)"
@@ -72,8 +78,9 @@ def _row(variable: Variable) -> str:
         told = f"; {variable.comment}" if variable.comment else ""
         named = f": {', '.join(variable.flags)}" if variable.flags else ""
         meaning += named + told
-    cells = (f"`{variable.name}`", ", ".join(variable.dims), variable.units, meaning)
-    return f"| {' | '.join(cells)} |"
+    dims = f" ({', '.join(variable.dims)})" if variable.dims else ""
+    units = f" [{variable.units}]" if variable.units else ""
+    return f"`{variable.name}`{dims}{units}: {meaning}"
 
 
 if __name__ == "__main__":

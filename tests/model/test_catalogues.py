@@ -21,9 +21,9 @@ def rows():
     ("source", "what", "count"),
     [
         ("GMN", "S 6208 C", 3),
-        ("ISO 16281 examples", "radial", 1),
-        ("ISO 16281 examples", "axial", 1),
-        ("ISO 16281 examples", "moment", 2),
+        ("ISO 16281", "radial", 1),
+        ("ISO 16281", "axial", 1),
+        ("ISO 16281", "moment", 2),
         ("SNFA", "lift-off", 3),
         ("SNFA", "axial deflection", 10),
         ("SKF", "218", 3),

@@ -221,7 +221,7 @@ def test_every_caution_is_tested_and_documented():
     told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
     known = {caution.id for caution in CAUTIONS}
     assert len(known) == len(CAUTIONS)
-    assert set(re.findall(r"^\| `(\w+)` \|", told, re.MULTILINE)) == known
+    assert set(re.findall(r"^- `(\w+)`: ", told, re.MULTILINE)) == known
     tested = set().union(*(expected for _, expected in ABSURD.values()))
     of_lives_and_cages = {"over_limit_when_new", "criterion_not_watched", "cage_weightless"}
     assert known - tested == of_lives_and_cages

@@ -16,15 +16,12 @@ def test_the_page_is_up_to_date():
 
 def test_every_variable_stands_on_the_page():
     text = variables_page.page_of_variables()
-    assert all(f"| `{name}` |" in text for name in (*CASE, *LIFE, *COORDINATES))
-    assert "| `contact_angle` | ball, race | degree | contact angle |" in text
-    assert "| `race` | race |  | race: inner, outer |" in text
+    assert all(f"- `{name}`" in text for name in (*CASE, *LIFE, *COORDINATES))
+    assert "- `contact_angle` (ball, race) [degree]: contact angle\n" in text
+    assert "- `race` (race): race: inner, outer\n" in text
 
 
 def test_a_changed_meaning_changes_the_page(monkeypatch):
     other = {"status": replace(LIFE["status"], long_name="something else")}
     monkeypatch.setattr(variables_page, "LIFE", LIFE | other)
-    assert (
-        "| `status` |  |  | something else: see [status](#status) |"
-        in variables_page.page_of_variables()
-    )
+    assert "- `status`: something else: see" in variables_page.page_of_variables()

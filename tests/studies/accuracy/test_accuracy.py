@@ -293,7 +293,7 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     assert check() == 3
     said = capsys.readouterr().err
     assert said.count("\n") == 2 and said.endswith("accuracy.md: 1 numbers differ\n")
-    assert "50 equal strips: total QV, median: says 0.03, a run gives 0.01" in said
+    assert "50 equal strips: QV, median: says 0.03, a run gives 0.01" in said
     docs.write_text(once.replace("| 50 equal strips | 5 | 0.01 ", "| 50 equal strips | 5 | 0.019 "))
     assert check() == 0
     docs.write_text(once.replace("| 50 equal strips |", "| 51 equal strips |"))

@@ -1,0 +1,75 @@
+"""The pages of docs/: short lines, links that lead somewhere, equations and sections that exist."""
+
+import re
+from pathlib import Path
+
+import pytest
+from support import ROOT
+
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+READ = [*PAGES, ROOT / "README.md"]
+CITED = re.compile(r"\bEqs?\.\s*\(?(\d+a?)\)?(?:\s*(?:-|to|and)\s*\(?(\d+a?)\)?)?")
+SECTION = re.compile(r"theory(?:\.md)?\W{0,3}\s*sections?\s+(\d+)")
+LINK = re.compile(r"\]\(([^)#\s]+)?(?:#([\w-]+))?\)")
+
+
+def sources():
+    """Every file that may cite an equation or a section."""
+    folders = ("bearingwear", "tests", "benchmarks", "config", "docs", "workflow")
+    for folder in folders:
+        for suffix in ("py", "md", "yaml", "smk", "rst"):
+            yield from (ROOT / folder).rglob(f"*.{suffix}")
+
+
+def without_code(text: str) -> str:
+    """Markdown without its code and formulas."""
+    text = re.sub(r"^(```|\$\$).*?^\1", "", text, flags=re.M | re.S)
+    return re.sub(r"`[^`]*`", "", text)
+
+
+def anchors(page: Path) -> set[str]:
+    """What a link to a heading of a page may say behind #."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
+def test_no_line_is_over_100_columns(page):
+    lines = page.read_text(encoding="utf-8").splitlines()
+    assert not [f"{k}: {line}" for k, line in enumerate(lines, 1) if len(line) > 100]
+
+
+@pytest.mark.parametrize("page", READ, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page):
+    for target, anchor in LINK.findall(without_code(page.read_text(encoding="utf-8"))):
+        if "://" in target:
+            continue
+        file = (page.parent / target).resolve() if target else page
+        assert file.exists(), target
+        assert not anchor or file.suffix != ".md" or anchor in anchors(file), (target, anchor)
+
+
+def test_cited_equations_and_sections_exist():
+    tags, numbers = [], []
+    for page in (DOCS / "theory").glob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        tags += re.findall(r"\\tag\{(\d+a?)\}", text)
+        numbers += re.findall(r"^# (\d+) ", text, re.M)
+    assert len(tags) == len(set(tags)) and {str(k) for k in range(1, 78)} - {"57"} <= set(tags)
+    overview = (DOCS / "theory.md").read_text(encoding="utf-8")
+    assert sorted(numbers, key=int) == re.findall(r"^\| (\d+) \| \[", overview, re.M)
+    cited = []
+    for path in sources():
+        text = path.read_text(encoding="utf-8")
+        cited += [(path, e) for pair in CITED.findall(text) for e in pair if e]
+        assert set(SECTION.findall(text)) <= set(numbers), path
+    assert len(cited) > 25
+    assert not [(path, number) for path, number in cited if number not in tags]
+
+
+def test_every_formula_becomes_mathml():
+    convert = pytest.importorskip("latex2mathml.converter").convert
+    for page in (DOCS / "theory").glob("*.md"):
+        for formula in re.findall(r"^\$\$\n(.*?)^\$\$", page.read_text("utf-8"), re.M | re.S):
+            assert "merror" not in convert(re.sub(r"\\tag\{\w+\}", "", formula), display="block")
