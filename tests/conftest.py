@@ -3,6 +3,7 @@
 import fcntl
 import os
 import shutil
+import signal
 from pathlib import Path
 
 import pytest
@@ -12,9 +13,18 @@ SPREAD_OUT = ROOT / "tests" / "workflow"
 """Tests of one file here need not run in one process: what they share is made once for all."""
 
 
+def pytest_configure():
+    """Let the programs that tests start heed Ctrl-C, also where pytest runs in the background."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Keep the tests of a file in one process of pytest-xdist: they share its fixtures."""
+    """Keep the tests of a file in one process of pytest-xdist: they share its fixtures.
+
+    What runs other programs comes first, since the longest tests are among it.
+    """
+    items.sort(key=lambda item: SPREAD_OUT not in item.path.parents)
     for item in items:
         if SPREAD_OUT not in item.path.parents:
             item.add_marker(pytest.mark.xdist_group(item.path.relative_to(ROOT).as_posix()))

@@ -137,6 +137,7 @@ def checked(p, seat, u, fine_rule):
     u : ndarray (4,)
         (w_x, w_y, w_z, Omega) [rad/s].
     fine_rule : Rule
+        With as many points as the solver's it is the same.
 
     Returns
     -------
@@ -147,7 +148,9 @@ def checked(p, seat, u, fine_rule):
     A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
     bears = p.bearing.traction
     residual, power, scale, qv = friction_check(g, D, op, state, u, p.rule, bears)
-    fine_residual, _, _, fine_qv = friction_check(g, D, op, state, u, fine_rule, bears)
+    fine_residual, fine_qv = residual, qv
+    if fine_rule.t.size != p.rule.t.size or fine_rule.across.size != p.rule.across.size:
+        fine_residual, _, _, fine_qv = friction_check(g, D, op, state, u, fine_rule, bears)
     noise = rounding(p.bearing, state, u, p.jacobian)
     return Residuals(
         equilibrium=polygon_residual(g, D, state, A1, A2, max(state.Q_i, state.Q_o)),

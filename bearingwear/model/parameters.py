@@ -64,8 +64,13 @@ def operating_point(scene: Scene) -> OperatingPoint:
 
 def ball_diameters(scene: Scene) -> np.ndarray:
     """Worn diameter of every ball as it runs (n_balls,) [m]."""
+    return worn_diameters(scene, geometry(scene))
+
+
+def worn_diameters(scene: Scene, g: Geometry) -> np.ndarray:
+    """The same, from the scene's `geometry`."""
     loss = np.array(scene.wear.ball_diameter_loss_um, dtype=float) * UM
-    return np.broadcast_to(geometry(scene).D0 - loss, (scene.bearing.ball_count,)).copy()
+    return np.broadcast_to(g.D0 - loss, (scene.bearing.ball_count,)).copy()
 
 
 @functools.cache

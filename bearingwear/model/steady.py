@@ -109,7 +109,7 @@ class ThrustProblem:
         twice = parameters.quadrature(scene, refined=2)
         return (
             replace(self, op=halved, fine_rule=self.rule),
-            replace(self, rule=twice, fine_rule=self.rule),
+            replace(self, rule=twice, fine_rule=twice),
         )
 
     def undetermined(self) -> int:
@@ -126,13 +126,18 @@ class ThrustProblem:
         inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
 
-    def stable(self, D: float, case: ThrustCase) -> bool:
+    def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
         """Whether a small disturbance of the state dies out.
 
         With a tiny v_r the slowest motions are damped in narrow places where the slip turns round,
         which few points may miss. What seems unstable is looked at again with many.
+
+        Parameters
+        ----------
+        scales : ndarray (4,), optional
+            The state's `time_scales`, if they are known.
         """
-        if self.time_scales(D, case).real.max() < 0.0:
+        if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
             return True
         many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
         again = replace(self, rule=many, fine_rule=many).solve(D, start=case.u)
@@ -184,7 +189,7 @@ def solve_steady(
         Its state, if it is known.
     """
     problem = problem or ThrustProblem.of(scene)
-    D = float(parameters.ball_diameters(scene)[0])
+    D = float(parameters.worn_diameters(scene, problem.g)[0])
     values: dict = {
         "status": problem.undetermined(),
         "ball_diameter_loss": np.array([problem.g.D0 - D]),
@@ -196,12 +201,15 @@ def solve_steady(
     values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):
-        stable = {id(case): problem.stable(D, case)}
+        scales = problem.time_scales(D, case)
+        stable = {id(case): problem.stable(D, case, scales)}
         others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)
         stable |= {id(c): problem.stable(D, c) for c in others}
         # the one reached first, if it is stable
         every = sorted([case, *others], key=lambda c: not stable[id(c)])
-        case = every[0]
+        if every[0] is not case:
+            case = every[0]
+            scales = problem.time_scales(D, case)
         attrs["residual"] = residual_sentence(case)
         values |= error_estimates(scene, problem, D, case)
         if case.held:
@@ -210,10 +218,9 @@ def solve_steady(
         if scene.model.micro_slip:
             place = case.u, case.r, case.contacts
             values |= micro_slip_values(scene, problem.g, problem.op, D, *place)
-        eigenvalues = problem.time_scales(D, case)
         values |= {
-            "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
-            "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
+            "fast_time_scale": 1.0 / np.abs(scales).max(),
+            "slow_time_scale": 1.0 / np.abs(scales.real).min(),
             "stable": int(stable[id(case)]),
             "steady_state_count": len(every),
             "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
