@@ -45,7 +45,8 @@ STATUS_SENTENCES = {
     "not_converged": "the iteration did not converge; no number of this case may be used",
     "contact_lost": "centrifugal force lifts a ball off the inner race, or so nearly that no state "
     "was found",
-    "no_steady_state": "no stable steady state was found: the balls do not settle",
+    "no_steady_state": "no stable steady state was found: the balls, or the rotor of a pair, do "
+    "not settle",
     "preload_gone": "wear or load has taken the preload: a ball carries no load at all",
     "undetermined": "without friction the ball's rotation is undetermined",
     "outside_hertz_range": "a contact ellipse is too large for its ball for Hertz' small contacts",
@@ -54,8 +55,8 @@ STATUS_SENTENCES = {
     "beyond_groove": "a contact angle is not between 0 and 90 degrees: the ball leaves its groove",
     "below_rounding": "slip is smoothed so finely (slip_regularisation_m_s), or a slip or load is "
     "so small beside the others, that rounding hides it",
-    "no_race_control": "neither race can hold the balls against their gyroscopic moments: race "
-    "control has no equilibrium",
+    "no_race_control": "race control has no equilibrium: neither race can hold the balls against "
+    "their gyroscopic moments, or the rotor of a pair has no place where the control changes",
     "race_unseated": "load or tilt lifts the inner race off some of its balls, and the preload "
     "does not seat it on the others",
     "too_stiff": "the motion asks for far more steps than its turns are worth; no average was "

@@ -7,9 +7,10 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.model.life import life_history, steady_states
 from bearingwear.model.life_integrator import LifeHistory, WearState
-from bearingwear.model.pair import Pair
-from bearingwear.model.pair_life import PairHistory, PairLife
+from bearingwear.model.pair_life import PairHistory, PairLife, PairStates, pair_states
 from bearingwear.scene.scene import COUNTS, Scene
+
+WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a life's tolerance
 
 
 class WearCourses:
@@ -23,14 +24,15 @@ class WearCourses:
 
     def __init__(self, scene: Scene):
         self._known: dict[float, WearState] = {}
-        self._unlike = scene.pair is not None and not scene.pair.is_symmetric
-        self._solve = None if self._unlike else steady_states(scene)
+        unlike = scene.pair is not None and not scene.pair.is_symmetric
+        self._both = pair_states(scene, "steady", WELL_BALANCED) if unlike else None
+        self._solve = None if unlike else steady_states(scene)
         self.solves, self.failed = 0, 0
 
     def __call__(self, scene: Scene) -> LifeHistory:
         """The life of the scene, which may have another end."""
-        if self._unlike:
-            return self._of_pair(scene)
+        if self._both is not None:
+            return self._of_pair(scene, self._both)
         history = life_history(scene, self._state)
         self.solves = len(self._known)
         self.failed = sum(state.status != code.OK for state in self._known.values())
@@ -42,12 +44,12 @@ class WearCourses:
             self._known[loss] = self._solve(loss)
         return self._known[loss]
 
-    def _of_pair(self, scene: Scene) -> LifeHistory:
+    def _of_pair(self, scene: Scene, states: PairStates) -> LifeHistory:
         runs = [
-            PairLife(Pair.of(scene, "steady"), counts, scene.model.tolerance).integrate()
+            PairLife(states, scene, counts, scene.model.tolerance, between=(0.5,)).integrate()
             for counts in range(len(COUNTS))
         ]
-        self.solves += sum(run.solves for run in runs)
+        self.solves, self.failed = states.solves, states.failed
         own = runs[COUNTS.index(scene.wear.counts)]
         ends = [run.times[-1] if run.status == own.status else np.nan for run in runs]
         return LifeHistory(

@@ -5,8 +5,9 @@ single bearing, solved by the same model as ever at the place or under the force
 (theory.md section 19).
 """
 
+import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -22,7 +23,9 @@ from bearingwear.model.heat import SteadyHeat, race_control_heat, warmth_of
 from bearingwear.model.life import race_control_wear_state, steady_wear_state
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.pair_balance import (
+    ROTOR_BALANCED,
     USABLE,
+    Nearby,
     RotorTrial,
     SideState,
     balanced,
@@ -30,7 +33,7 @@ from bearingwear.model.pair_balance import (
 )
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.steady import ThrustProblem, axial_force, solve_steady
-from bearingwear.model.thermal import HeatFlow, Warmed, warmed
+from bearingwear.model.thermal import HEAT_BALANCED, HeatFlow, Warmed, warmed
 from bearingwear.scene.scene import Scene
 
 _ROUNDED = 1e-15  # a step below this, over the distance of the groove centres, changes nothing
@@ -38,6 +41,7 @@ NEAR_START = 1e-4  # of the range: how well the start is found
 _NEWTON_STEPS = 6
 _SAME_MOTION = 1e-12
 _WIDEST = 60  # doublings of the range in which the rotor is looked for
+WARM_BALANCED = 0.1 * HEAT_BALANCED  # force left while temperatures are found, no better than that
 N_UM = 1e6  # in N/m
 
 
@@ -49,6 +53,10 @@ class Side(Protocol):
     """Axial displacement when mounted: at rest, unworn, under the preload [m]."""
     loss: float
     """Of ball diameter at the start [m]."""
+    unsteady: int
+    """Status where the rotor finds no place in which it stays."""
+    kept_warm: bool
+    """Whether the temperatures that a network has found last are kept."""
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         """The bearing without friction, its balls orbiting as they roll or at `Omega` [rad/s]."""
@@ -72,10 +80,13 @@ class Side(Protocol):
 class SteadySide:
     """One bearing by the steady model; each solve starts from the last one."""
 
+    unsteady = code.NO_STEADY_STATE
+
     def __init__(self, scene: Scene):
         self.scene, self.problem = scene, ThrustProblem.of(scene)
         self.mounted = self.problem.preload.delta_a
         self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
+        self.kept_warm = False
         self._u: np.ndarray | None = None
         self._warmed: Warmed | None = None
 
@@ -94,7 +105,7 @@ class SteadySide:
         problem = replace(self.problem, preload=self.problem.preload._replace(**held))
         if problem.undetermined() != code.OK:
             return SideState(problem.undetermined())
-        if self.scene.thermal is None:
+        if self.scene.thermal is None or self.kept_warm:
             case: ThrustCase = problem.solve(problem.g.D0 - loss, self._u)
         else:
             heat = SteadyHeat(loss, problem, self._u)
@@ -137,10 +148,13 @@ class SteadySide:
 class RaceControlSide:
     """One bearing by race control, also under radial load, which each bearing has as its own."""
 
+    unsteady = code.NO_RACE_CONTROL
+
     def __init__(self, scene: Scene):
         self.scene, self.problem = scene, RaceControlProblem.of(scene)
         self.mounted = self.problem.delta_a
         self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
+        self.kept_warm = False
         self._warmed: Warmed | None = None
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
@@ -167,7 +181,9 @@ class RaceControlSide:
             return race_control_heat(scene, problem_of(scene))
 
         scene = self.scene
-        if scene.thermal is not None:
+        if self.kept_warm and self._warmed is not None:
+            scene = self._warmed.scene
+        elif scene.thermal is not None:
             found = warmed(scene, heats, self._warmed)
             if found.status != code.OK:
                 return SideState(found.status)
@@ -226,12 +242,14 @@ class Pair:
 
     scene: Scene
     sides: Sequence[Side]
-    near: float = field(default=math.nan)  # what was found last, the start of the next solve [m]
+    tolerance: float = ROTOR_BALANCED  # force left on the rotor, over the larger one
+    nearby: Nearby = field(default_factory=Nearby)
 
     @classmethod
-    def of(cls, scene: Scene, tier: str) -> "Pair":
+    def of(cls, scene: Scene, tier: str, tolerance: float = ROTOR_BALANCED) -> "Pair":
         made = SteadySide if tier == "steady" else RaceControlSide
-        return cls(scene, tuple(made(one) for one in scene.sides))
+        sides = tuple(made(one) for one in scene.sides)
+        return cls(scene, sides, tolerance)
 
     @property
     def losses(self) -> tuple[float, float]:
@@ -245,9 +263,25 @@ class Pair:
         assert a is not None
         if self.scene.operation.preload_N == 0.0:
             return PairState(code.PRELOAD_GONE)
-        return self._rigid(losses) if a.kind == "rigid_pair" else self._spring(losses)
+        balance = self._rigid if a.kind == "rigid_pair" else self._spring
+        if all(side.scene.thermal is None for side in self.sides):
+            return balance(losses, self.tolerance)
+        found = balance(losses, max(self.tolerance, WARM_BALANCED))
+        if found.status in USABLE:
+            # what is left is balanced at temperatures that are known as well as they need to be
+            with self._kept_warm():
+                found = balance(losses, self.tolerance)
+        return found
 
-    def _rigid(self, losses: tuple[float, float]) -> PairState:
+    @contextlib.contextmanager
+    def _kept_warm(self) -> Iterator[None]:
+        for side in self.sides:
+            side.kept_warm = True
+        yield
+        for side in self.sides:
+            side.kept_warm = False
+
+    def _rigid(self, losses: tuple[float, float], tolerance: float) -> PairState:
         """F_1(d_1 + x) - F_2(d_2 - x) = F_ext, the unknown x."""
         one, two = self.sides
         F_ext = self.scene.pair.external_axial_N  # type: ignore[union-attr]
@@ -261,18 +295,26 @@ class Pair:
             slope = states[0].stiffness + states[1].stiffness
             return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
 
-        x = self._start(losses, F_ext) if math.isnan(self.near) else self.near
-        x, found = balanced(trial, x, _ROUNDED * one.mechanics(0.0).g.BD)
-        return self._state(x, found, lambda states: (x, states[0].stiffness + states[1].stiffness))
+        x = self.nearby.at(losses) if self.nearby.known else self._start(losses, F_ext)
+        rounded = _ROUNDED * one.mechanics(0.0).g.BD
+        x, found = balanced(trial, x, rounded, self.nearby, tolerance)
+        return self._state(
+            losses, x, found, lambda states: (x, states[0].stiffness + states[1].stiffness)
+        )
 
     def _state(
-        self, at: float, found: RotorTrial | int, system: Callable[[Sequence[SideState]], Any]
+        self,
+        losses: tuple[float, float],
+        at: float,
+        found: RotorTrial | int,
+        system: Callable[[Sequence[SideState]], Any],
     ) -> PairState:
         """The state of what was found at a place, or why there is none."""
-        self.near = math.nan
         if isinstance(found, int):
-            return PairState(found)
-        self.near = at
+            self.nearby.forget()
+            lost = self.sides[0].unsteady if found == code.NO_STEADY_STATE else found
+            return PairState(lost)
+        self.nearby.found(losses, at)
         shift, stiffness = system(found.states)
         return PairState(worse_status(found.states), found.states, shift, stiffness)
 
@@ -304,7 +346,7 @@ class Pair:
             reach *= 2.0
         return 0.0
 
-    def _spring(self, losses: tuple[float, float]) -> PairState:
+    def _spring(self, losses: tuple[float, float], tolerance: float) -> PairState:
         """The spring's extension e is what both bearings give way; F_2 = F_s - k_s e."""
         a, F_s = self.scene.pair, float(self.scene.operation.preload_N)
         assert a is not None
@@ -325,8 +367,9 @@ class Pair:
             k_1, k_2 = states[0].stiffness, states[1].stiffness
             return states[0].place - one.mounted, k_1 + k_s * k_2 / (k_s + k_2)
 
-        e, found = balanced(trial, 0.0 if math.isnan(self.near) else self.near, 0.0)
-        return self._state(e, found, system)
+        e = self.nearby.at(losses) if self.nearby.known else 0.0
+        e, found = balanced(trial, e, 0.0, self.nearby, tolerance)
+        return self._state(losses, e, found, system)
 
     def lift_off(self, losses: tuple[float, float]) -> float:
         """Least axial force on the rotor that takes a bearing at rest out of contact [N]."""

@@ -2,15 +2,19 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model.thermal import Warmed
 
 ROTOR_BALANCED = 1e-12  # force left on the rotor, over the larger one, where its place is found
-_MOST_STEPS = 30
+_MOST_STEPS = 40
 _STEEPER = 1e3  # a secant within this of the slope at held orbits is believed
+_FASTER = 2.0  # steps of a rotor that runs away are so many times as long
+_NARROW = 1e-9  # of a place: a range in which a force does not change but jumps
 _STALLED = 3  # trials without gain after which it is rounding that is left, where that is
 _LIGHT = 1e-5  # of the forces at the most
 GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
@@ -40,8 +44,87 @@ class RotorTrial:
     scale: float  # of the forces [N]
 
 
+@dataclass
+class Nearby:
+    """What the balances found so far tell the next one.
+
+    Attributes
+    ----------
+    steeper : float
+        Slope of what is left over that at held orbits.
+    """
+
+    steeper: float = 1.0
+    place: float = math.nan  # that was found last [m]
+    losses: np.ndarray = field(default_factory=lambda: np.zeros(2))  # there [m]
+    slope: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the place by the losses
+
+    @property
+    def known(self) -> bool:
+        """Whether a place was found."""
+        return not math.isnan(self.place)
+
+    def at(self, losses: tuple[float, float]) -> float:
+        """The place to expect [m]."""
+        return self.place + float(self.slope @ (losses - self.losses))
+
+    def found(self, losses: tuple[float, float], place: float) -> None:
+        """Learn a place; its slope by Broyden's rule."""
+        moved = losses - self.losses
+        if self.known and moved.any():
+            self.slope += (place - self.at(losses)) / (moved @ moved) * moved
+        self.losses, self.place = np.array(losses), place
+
+    def forget(self) -> None:
+        """Start anew after a balance that was not found."""
+        self.place, self.steeper, self.slope = math.nan, 1.0, np.zeros(2)
+
+
+@dataclass
+class _Secants:
+    """Steps of the rotor towards its balance.
+
+    What is left rises with the place where the rotor stays. Orbits that follow it make it rise more
+    steeply than held ones, or fall: then the rotor runs away, and the steps run with it.
+    """
+
+    nearby: Nearby
+    runs_away: bool = False
+    before: tuple[float, float] | None = None
+    low: float = -math.inf  # nearest places where too little, and too much, is left
+    high: float = math.inf
+
+    @property
+    def jumps(self) -> bool:
+        """Whether too little turns into too much with nothing in between."""
+        return 0.0 <= self.high - self.low <= _NARROW * max(abs(self.low), abs(self.high))
+
+    def step(self, x: float, found: RotorTrial) -> float:
+        """From a trial at a place [m]."""
+        left, slope = found.left, self.nearby.steeper * found.slope
+        if self.before is not None and x != self.before[0]:
+            secant = (left - self.before[1]) / (x - self.before[0])
+            nearer, turned = abs(left) < abs(self.before[1]), left * self.before[1] < 0.0
+            self.runs_away = secant < 0.0 and not nearer
+            if nearer or turned:
+                near = found.slope / _STEEPER < secant < _STEEPER * found.slope
+                slope = secant if near else found.slope
+        self.nearby.steeper = slope / found.slope
+        self.before = x, left
+        self.low, self.high = (self.low, x) if left > 0.0 else (x, self.high)
+        if self.runs_away:
+            return -_FASTER * left / found.slope
+        if not self.low < x - left / slope < self.high and self.low < self.high:
+            return 0.5 * (self.low + self.high) - x
+        return -left / slope
+
+
 def balanced(
-    trial: Callable[[float], RotorTrial | int], x: float, rounded: float
+    trial: Callable[[float], RotorTrial | int],
+    x: float,
+    rounded: float,
+    nearby: Nearby,
+    tolerance: float = ROTOR_BALANCED,
 ) -> tuple[float, RotorTrial | int]:
     """Where nothing is left: Newton's method with the slope of a trial, then secants.
 
@@ -55,36 +138,39 @@ def balanced(
         The start [m].
     rounded : float
         Step that changes nothing [m].
+    nearby : Nearby
+        Its steepness is taken for the first step, and renewed.
+    tolerance : float
+        Force left, over the larger one.
 
     Returns
     -------
     x, found
         The place, and the trial there or the status of what failed.
     """
-    before: tuple[float, float] | None = None
-    best, stalled = None, 0
+    secants, stalled = _Secants(nearby), 0
+    best: tuple[float, RotorTrial] | None = None
     for _ in range(_MOST_STEPS):
         found = trial(x)
-        if isinstance(found, int):
+        lost = found if isinstance(found, int) else failed_status(found.states)
+        if isinstance(found, int) or lost != code.OK:
+            return x, code.NO_STEADY_STATE if secants.runs_away else lost
+        if best is None or abs(found.left) < abs(best[1].left):
+            best, stalled = (x, found), 0
+        else:
+            stalled += 1
+        if abs(found.left) <= tolerance * found.scale:
             return x, found
-        if any(state.status not in USABLE for state in found.states):
-            return x, failed_status(found.states)
-        left, slope = found.left, found.slope
-        if before is not None and x != before[0] and abs(left) < abs(before[1]):
-            secant = (left - before[1]) / (x - before[0])
-            slope = secant if slope / _STEEPER < secant < _STEEPER * slope else slope
-        better = best is None or abs(left) < abs(best[1].left)
-        best, stalled = ((x, found), 0) if better else (best, stalled + 1)
-        if abs(left) <= ROTOR_BALANCED * found.scale:
-            return x, found
-        before, step = (x, left), -left / slope
-        if abs(step) <= rounded or stalled >= _STALLED:
+        step = secants.step(x, found)
+        good = abs(best[1].left) <= _LIGHT * best[1].scale
+        if abs(step) <= rounded or (good and stalled >= _STALLED):
             break
         x += step
     assert best is not None
-    if abs(best[1].left) > _LIGHT * best[1].scale:
-        return x, code.NOT_CONVERGED
-    return best
+    if abs(best[1].left) <= _LIGHT * best[1].scale:
+        return best
+    nowhere = secants.runs_away or secants.jumps
+    return x, code.NO_STEADY_STATE if nowhere else code.NOT_CONVERGED
 
 
 def worse_status(states: Sequence[SideState]) -> int:
@@ -94,6 +180,8 @@ def worse_status(states: Sequence[SideState]) -> int:
 def failed_status(states: Sequence[SideState]) -> int:
     """Why there is no balance: a side that alone has lost its contact has lifted off."""
     failed = [state.status for state in states if state.status not in USABLE]
+    if not failed:
+        return code.OK
     if len(failed) < len(states) and failed[0] in GONE:
         return code.LIFTED_OFF
     return failed[0]

@@ -7,7 +7,7 @@ The state depends on both losses, so the life is an initial-value problem over t
 which an explicit Runge-Kutta method of SciPy follows. Ways of counting wear take different paths.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -42,6 +42,7 @@ from bearingwear.sides import SHARED
 
 NO_CRITERION = len(CRITERIA) - 1
 LOOSER_LIFE = 30.0  # tolerance of the run that shows how well the life is integrated
+LIFE_BALANCED = 1e-9  # force left on the rotor in a state of a life, over the larger one
 _MOST_STEPS = 2000
 
 Both = tuple[WearState, WearState]
@@ -63,31 +64,40 @@ class PairHistory:
     times: list[float] = field(default_factory=lambda: [0.0])  # [s]
     criterion: int = NO_CRITERION
     status: int = code.CRITERION_NOT_REACHED
-    solves: int = 0
 
 
-def wear_states(pair: Pair) -> Callable[[tuple[float, float]], Both]:
-    """Function from the losses of both bearings [m] to what a life wants of them."""
-    known: dict[tuple[float, float], Both] = {}
+class PairStates:
+    """What a life wants of both bearings, by their losses [m]; nothing is solved twice."""
 
-    def states(losses: tuple[float, float]) -> Both:
-        if losses not in known:
-            found = pair.solve(losses)
-            if found.status != code.OK:
-                first, second = (WearState(loss, found.status) for loss in losses)
-            else:
-                system: dict[str, Any] = {
-                    "system_stiffness": found.stiffness,
-                    "shift": found.shift,
-                }
-                first, second = (
-                    replace(side.wear_state(loss, state), **system)
-                    for side, loss, state in zip(pair.sides, losses, found.sides, strict=True)
-                )
-            known[losses] = first, second
-        return known[losses]
+    def __init__(self, pair: Pair):
+        self.pair = pair
+        self._known: dict[tuple[float, float], Both] = {}
 
-    return states
+    @property
+    def solves(self) -> int:
+        return len(self._known)
+
+    @property
+    def failed(self) -> int:
+        """How many of them were not found."""
+        return sum(first.status != code.OK for first, _ in self._known.values())
+
+    def __call__(self, losses: tuple[float, float]) -> Both:
+        if losses not in self._known:
+            self._known[losses] = self._solved(losses)
+        return self._known[losses]
+
+    def _solved(self, losses: tuple[float, float]) -> Both:
+        found = self.pair.solve(losses)
+        if found.status != code.OK:
+            first, second = (WearState(loss, found.status) for loss in losses)
+            return first, second
+        system: dict[str, Any] = {"system_stiffness": found.stiffness, "shift": found.shift}
+        first, second = (
+            replace(side.wear_state(loss, state), **system)
+            for side, loss, state in zip(self.pair.sides, losses, found.sides, strict=True)
+        )
+        return first, second
 
 
 class PairLife:
@@ -95,23 +105,32 @@ class PairLife:
 
     Parameters
     ----------
-    pair : Pair
+    states : PairStates
+    scene : Scene
+        Of the pair; its end of life may be another one.
     counts : int
         Index into `COUNTS`.
     tolerance : float
         Relative, of a step.
+    between : sequence of float
+        Shares of each step after which a state is kept, too.
     """
 
-    def __init__(self, pair: Pair, counts: int, tolerance: float):
-        self.pair, self.counts, self.tolerance = pair, counts, tolerance
-        self.scene = pair.scene
-        self.states = wear_states(pair)
-        self.end = self.scene.wear.end_of_life or EndOfLife()
+    def __init__(
+        self,
+        states: PairStates,
+        scene: Scene,
+        counts: int,
+        tolerance: float,
+        between: Sequence[float] = (0.25, 0.5, 0.75),
+    ):
+        self.states, self.pair, self.scene = states, states.pair, scene
+        self.counts, self.tolerance, self.between = counts, tolerance, between
+        self.end = scene.wear.end_of_life or EndOfLife()
         self.largest = [
             LARGEST_LOSS * side.scene.bearing.ball_diameter_mm * parameters.MM
-            for side in pair.sides
+            for side in self.pair.sides
         ]
-        self.solves = 0
 
     def at(self, y: np.ndarray) -> Both:
         """States at (L_1, L_2, t); raises `Unsolved`."""
@@ -123,7 +142,6 @@ class PairLife:
 
     def rates(self, s: float, y: np.ndarray) -> np.ndarray:
         """Derivative of (L_1, L_2, t) by the sum of the losses."""
-        self.solves += 1
         r = np.array([one.rate[self.counts] for one in self.at(y)])
         return np.append(r, 1.0) / r.sum()
 
@@ -148,7 +166,6 @@ class PairLife:
                 history.criterion, history.status = _ended(int(met[0]))
             else:
                 self._follow(history, y)
-        history.solves = self.solves
         return history
 
     def _solver(self, s: float, y: np.ndarray, bound: float, step: float) -> RK45:
@@ -172,9 +189,8 @@ class PairLife:
             try:
                 solver.step()
                 crossing = self._crossing(solver)
-                dense = solver.dense_output()
                 end = solver.t if crossing is None else crossing[0]
-                between = [dense(one) for one in _quarters(s, end)]
+                between = [_within(solver, s + share * (end - s)) for share in self.between]
                 for one in between:
                     self.at(one)
             except Unsolved as failure:
@@ -188,8 +204,7 @@ class PairLife:
                 continue
             self._keep(history, between)
             if crossing is not None:
-                y = self._exactly(s, y, crossing[0], step)
-                self._keep(history, [y])
+                self._keep(history, [self._exactly(s, y, crossing[0])])
                 history.criterion, history.status = _ended(crossing[1])
                 return
             s, y, step = float(solver.t), solver.y.copy(), float(solver.h_abs)
@@ -203,16 +218,15 @@ class PairLife:
 
     def _crossing(self, solver: RK45) -> tuple[float, int] | None:
         """Where the first criterion is met in the last step, and which; looks at its middle too."""
-        dense = solver.dense_output()
-        a = solver.t_old
-        for b in (0.5 * (solver.t_old + solver.t), solver.t):
-            before, after = self.margin(dense(a)), self.margin(dense(b))
+        a, middle = solver.t_old, solver.t_old + 0.5 * (solver.t - solver.t_old)
+        for b in (middle, solver.t):
+            before, after = (self.margin(_within(solver, s)) for s in (a, b))
             roots = []
             for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
 
                 def value(s: float, k: int = int(k)) -> float:
                     try:
-                        return float(self.margin(dense(s))[k])
+                        return float(self.margin(_within(solver, s))[k])
                     except Unsolved:
                         return -1.0
 
@@ -223,19 +237,19 @@ class PairLife:
             a = b
         return None
 
-    def _exactly(self, s: float, y: np.ndarray, end: float, step: float) -> np.ndarray:
-        """(L_1, L_2, t) at the end of a shortened step."""
+    def _exactly(self, s: float, y: np.ndarray, end: float) -> np.ndarray:
+        """(L_1, L_2, t) at the end of a shortened step: within it they are known less well."""
         if not end > s:
             return y
-        solver = self._solver(s, y, end, step)
+        solver = self._solver(s, y, end, end - s)
         while solver.status == "running":
             solver.step()
         return solver.y.copy()
 
 
-def _quarters(a: float, b: float) -> np.ndarray:
-    """Places between the ends of a step, for the history."""
-    return a + (b - a) * np.array([0.25, 0.5, 0.75])
+def _within(solver: RK45, s: float) -> np.ndarray:
+    """(L_1, L_2, t) within the last step, at its ends as they were solved."""
+    return solver.y if s == solver.t else solver.dense_output()(s)
 
 
 def _ended(criterion: int) -> tuple[int, int]:
@@ -262,19 +276,23 @@ def pair_life(scene: Scene, tier: str, worn: bool = False) -> tuple[dict, dict]:
     return _unequal_life(scene, tier)
 
 
+def pair_states(scene: Scene, tier: str, balance: float = LIFE_BALANCED) -> PairStates:
+    """States of a pair, balanced as well as a life needs."""
+    return PairStates(Pair.of(scene, tier, balance))
+
+
 def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:
     tolerance, own = scene.model.tolerance, COUNTS.index(scene.wear.counts)
-    runs = [PairLife(Pair.of(scene, tier), c, tolerance).integrate() for c in range(len(COUNTS))]
+    state = pair_states(scene, tier)
+    runs = [PairLife(state, scene, c, tolerance).integrate() for c in range(len(COUNTS))]
     history = runs[own]
-    solves = sum(run.solves for run in runs)
     values: dict = {"status": history.status, "end_criterion": history.criterion}
     start = history.states[0]
     if any(one.status != code.OK or not one.rate.min() > 0.0 for one in start):
-        return values, {"solves": solves}
+        return values, {"solves": state.solves}
     factor, _ = parameters.wear_factors(scene)
     lives = np.array([run.times[-1] if run.status == history.status else np.nan for run in runs])
-    loose = PairLife(Pair.of(scene, tier), own, min(LOOSER_LIFE * tolerance, 1e-2)).integrate()
-    solves += loose.solves
+    loose = PairLife(state, scene, own, min(LOOSER_LIFE * tolerance, 1e-2)).integrate()
     bound = np.full(len(COUNTS), np.nan)
     bound[own] = abs(loose.times[-1] - lives[own])
     times = np.full((len(history.times), len(COUNTS)), np.nan)
@@ -293,7 +311,7 @@ def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:
     values |= of_both(*each)
     if tier == "steady" and history.status == code.OK and lives[own] > 0.0:
         values |= _error_estimate(scene, own, history, bound[own] / lives[own])
-    return values, {"solves": solves}
+    return values, {"solves": state.solves}
 
 
 def of_both(first: dict, second: dict) -> dict:
@@ -308,11 +326,11 @@ def _error_estimate(scene: Scene, own: int, history: PairHistory, integration: f
     total = np.full(len(COUNTS), np.nan)
     total[own] = ROUNDING + integration
     for weight, k in ((HALVED, 0), (DOUBLED, 1)):
-        pair = Pair.of(scene, "steady")
-        for side in pair.sides:
+        state = pair_states(scene, "steady")
+        for side in state.pair.sides:
             assert isinstance(side, SteadySide)
             side.problem = side.problem.perturbed(side.scene)[k]
-        other = PairLife(pair, own, scene.model.tolerance).integrate()
+        other = PairLife(state, scene, own, scene.model.tolerance).integrate()
         if (other.status, other.criterion) != (history.status, history.criterion):
             return {}
         now = np.array(history.times[-1])
