@@ -1,5 +1,6 @@
 """Lives by the steady model for who wants many: of a bearing, or of a pair as its worse half."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -53,7 +54,7 @@ class WearCourses:
         own = runs[COUNTS.index(scene.wear.counts)]
         ends = [run.times[-1] if run.status == own.status else np.nan for run in runs]
         return LifeHistory(
-            states=worse_halves(own),
+            states=worse_halves(own, scene.pair.tandem),  # type: ignore[union-attr]
             times=[np.zeros(2)] * (len(own.times) - 1) + [np.array(ends)],
             error=np.full(2, np.nan),
             criterion=own.criterion,
@@ -62,13 +63,17 @@ class WearCourses:
         )
 
 
-def worse_halves(history: PairHistory) -> list[WearState]:
-    """For each state of a pair, what limits look at, of the bearing that is worse in it."""
+def worse_halves(history: PairHistory, tandem: Sequence[int]) -> list[WearState]:
+    """For each state of a pair, what limits look at, of the bearing that is worse in it.
+
+    The preload is that of the worse side, with all its bearings in tandem.
+    """
+    n_1, n_2 = tandem
     return [
         replace(
             first,
             loss=max(first.loss, second.loss),
-            preload=min(first.preload, second.preload),
+            preload=min(n_1 * first.preload, n_2 * second.preload),
             share=np.maximum(first.share, second.share),
             skid=max(first.skid, second.skid, key=abs),
             pressure=max(first.pressure, second.pressure),

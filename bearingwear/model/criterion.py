@@ -54,12 +54,16 @@ def _at(name: str, factor: float = 1.0) -> Callable[[Mapping[str, Any], int, Sce
     return lambda life, k, scene: factor * float(np.max(np.abs(_step(life, name, k, scene))))
 
 
+def _kept(life: Mapping[str, Any], k: int, scene: Scene) -> float:
+    """Residual preload over the initial one, of the bearing that has least."""
+    initial = [side.operation.preload_N for side in scene.sides]
+    return float(np.min(_step(life, "residual_preload", k, scene) / initial))
+
+
 IN_WORDS = {
     "preload_fraction": Criterion(
         "residual preload",
-        lambda life, k, s: (
-            float(_step(life, "residual_preload", k, s).min()) / s.operation.preload_N
-        ),
+        lambda life, k, s: _kept(life, k, s),
         "more preload, lower speed, or a spring",
         falls=True,
     ),

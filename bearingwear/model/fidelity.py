@@ -343,6 +343,9 @@ def _pair(scene: Scene) -> list[str]:
         told = "each bearing at its own place, the rotor in balance between them"
     held = "their distance is kept" if a.kind == "rigid_pair" else "a spring loads the second"
     both = [f"{a.kind.replace('_', ' ')}: {told}; {held}"]
+    if max(a.tandem) > 1:
+        each = " and ".join(map(str, a.tandem))
+        both.append(f"tandem: {each} bearings on the two sides, alike; each bears its share")
     if asymmetries(scene):
         both.append("radial load and tilt: each bearing has its own, as the scene gives them")
     if a.rotor_mass_kg is not None and a.span_mm is not None:

@@ -46,9 +46,11 @@ N_UM = 1e6  # in N/m
 
 
 class Side(Protocol):
-    """One bearing of a pair, by any model; losses are those of ball diameter [m]."""
+    """One side of a pair, by any model; losses are those of ball diameter [m]."""
 
     scene: Scene
+    tandem: int
+    """Bearings that are this one; forces and stiffness are those of all of them."""
     mounted: float
     """Axial displacement when mounted: at rest, unworn, under the preload [m]."""
     loss: float
@@ -78,12 +80,12 @@ class Side(Protocol):
 
 
 class SteadySide:
-    """One bearing by the steady model; each solve starts from the last one."""
+    """One side by the steady model; each solve starts from the last one."""
 
     unsteady = code.NO_STEADY_STATE
 
-    def __init__(self, scene: Scene):
-        self.scene, self.problem = scene, ThrustProblem.of(scene)
+    def __init__(self, scene: Scene, tandem: int = 1):
+        self.scene, self.tandem, self.problem = scene, tandem, ThrustProblem.of(scene)
         self.mounted = self.problem.preload.delta_a
         self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
         self.kept_warm = False
@@ -93,13 +95,14 @@ class SteadySide:
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         if Omega is None:
             Omega = float(self.problem.kinematic_start(OUTER_CONTROL)[3])
-        return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
+        g = self.problem.g
+        return Mechanics(g._replace(n_balls=self.tandem * g.n_balls), g.D0 - loss, Omega)
 
     def at_place(self, loss: float, delta_a: float) -> SideState:
         return self._solved(loss, constant_force=False, delta_a=delta_a)
 
     def under(self, loss: float, F_x: float) -> SideState:
-        return self._solved(loss, constant_force=True, F_x=F_x)
+        return self._solved(loss, constant_force=True, F_x=F_x / self.tandem)
 
     def _solved(self, loss: float, **held: Any) -> SideState:
         problem = replace(self.problem, preload=self.problem.preload._replace(**held))
@@ -117,7 +120,7 @@ class SteadySide:
         if case.status not in USABLE:
             return SideState(case.status)
         self._u = case.u
-        n = problem.g.n_balls
+        n = self.tandem * problem.g.n_balls
         return SideState(
             status=case.status,
             force=axial_force(case, n),
@@ -146,12 +149,12 @@ class SteadySide:
 
 
 class RaceControlSide:
-    """One bearing by race control, also under radial load, which each bearing has as its own."""
+    """One side by race control, also under radial load, which each bearing has as its own."""
 
     unsteady = code.NO_RACE_CONTROL
 
-    def __init__(self, scene: Scene):
-        self.scene, self.problem = scene, RaceControlProblem.of(scene)
+    def __init__(self, scene: Scene, tandem: int = 1):
+        self.scene, self.tandem, self.problem = scene, tandem, RaceControlProblem.of(scene)
         self.mounted = self.problem.delta_a
         self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
         self.kept_warm = False
@@ -164,13 +167,15 @@ class RaceControlSide:
                 OUTER_CONTROL, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0
             )
             Omega = float(kinematics.Omega)
-        return Mechanics(g, float(self.problem.D.mean()) - (loss - self.loss), Omega)
+        D = float(self.problem.D.mean()) - (loss - self.loss)
+        return Mechanics(g._replace(n_balls=self.tandem * g.n_balls), D, Omega)
 
     def at_place(self, loss: float, delta_a: float) -> SideState:
         return self._solved(loss, constant_force=False, delta_a=delta_a)
 
     def under(self, loss: float, F_x: float) -> SideState:
-        return self._solved(loss, constant_force=True, F=np.array([F_x, *self.problem.F[1:]]))
+        F = np.array([F_x / self.tandem, *self.problem.F[1:]])
+        return self._solved(loss, constant_force=True, F=F)
 
     def _solved(self, loss: float, **held: Any) -> SideState:
         def problem_of(scene: Scene) -> RaceControlProblem:
@@ -196,8 +201,8 @@ class RaceControlSide:
             return SideState(values["status"])
         return SideState(
             status=values["status"],
-            force=float(values["residual_preload"]),
-            stiffness=float(values["axial_stiffness"]),
+            force=self.tandem * float(values["residual_preload"]),
+            stiffness=self.tandem * float(values["axial_stiffness"]),
             place=float(values["axial_displacement"]),
             problem=problem,
             answer=answer,
@@ -248,7 +253,8 @@ class Pair:
     @classmethod
     def of(cls, scene: Scene, tier: str, tolerance: float = ROTOR_BALANCED) -> "Pair":
         made = SteadySide if tier == "steady" else RaceControlSide
-        sides = tuple(made(one) for one in scene.sides)
+        assert scene.pair is not None
+        sides = tuple(made(one, n) for one, n in zip(scene.sides, scene.pair.tandem, strict=True))
         return cls(scene, sides, tolerance)
 
     @property

@@ -101,7 +101,7 @@ def system_values(
         "rotor_balance_residual": rotor_balance(scene, pair, each),
     }
     if "stiffness_matrix" in each[0]:
-        K = np.array([side["stiffness_matrix"] for side in each])
+        K = np.array([n * side["stiffness_matrix"] for n, side in zip(a.tandem, each, strict=True)])
         found = natural_frequencies(a, K, state.stiffness)
         if found is not None:
             values["natural_frequency"] = found
@@ -116,7 +116,8 @@ def rotor_balance(scene: Scene, pair: Pair, each: Sequence[Mapping[str, Any]]) -
     """
     a = scene.pair
     assert a is not None
-    F = np.array([float(side["residual_preload"]) for side in each])
+    tandem = np.array(a.tandem)
+    F = tandem * np.array([float(side["residual_preload"]) for side in each])
     moved = np.array(
         [
             float(values["axial_displacement"]) - side.mounted
@@ -125,7 +126,8 @@ def rotor_balance(scene: Scene, pair: Pair, each: Sequence[Mapping[str, Any]]) -
     )
     left = [abs(F[0] - F[1] - a.external_axial_N)]
     if a.kind == "rigid_pair":
-        left.append(abs(moved.sum()) * max(float(side["axial_stiffness"]) for side in each))
+        k = tandem * np.array([float(side["axial_stiffness"]) for side in each])
+        left.append(abs(moved.sum()) * k.max())
     else:
         given = scene.operation.preload_N - a.spring_stiffness_N_um * N_UM * moved.sum()
         left.append(abs(F[1] - given))

@@ -147,8 +147,9 @@ class PairLife:
 
     def margin(self, y: np.ndarray) -> np.ndarray:
         """How far each criterion, and the largest loss that is followed, is from being met."""
-        preload = self.scene.operation.preload_N
-        worst = np.min([margins(one, self.end, preload) for one in self.at(y)], axis=0)
+        each = zip(self.at(y), self.pair.sides, strict=True)
+        left = [margins(one, self.end, s.scene.operation.preload_N) for one, s in each]
+        worst = np.min(left, axis=0)
         room = min(1.0 - loss / most for loss, most in zip(y, self.largest, strict=False))
         return np.append(worst, room)
 

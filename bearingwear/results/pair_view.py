@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,13 @@ class OfBearing:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._file, name)
+
+    @property
+    def scene(self) -> str:
+        """The scene as this bearing has it: in tandem, with its share of the preload."""
+        scene = json.loads(self._file.scene)
+        scene["operation"]["preload_N"] /= scene["arrangement"].get("tandem", (1, 1))[self._k]
+        return json.dumps(scene)
 
     def __getitem__(self, name: str) -> Any:
         variable = self._file[name]

@@ -75,6 +75,8 @@ def _pair_words(a: Mapping[str, Any]) -> list[str]:
     if a.get("kind", "single") == "single":
         return []
     words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
+    if max(a.get("tandem", [1])) > 1:
+        words.append("{} and {} in tandem".format(*a["tandem"]))
     if a["external_axial_N"]:
         words.append(f"external axial force {a['external_axial_N']:g} N")
     if a["spring_stiffness_N_um"]:

@@ -19,6 +19,11 @@ ARRANGEMENTS = ("single", "rigid_pair", "spring_pair")
 METHODS = {"rigid_pair": "fixed_position", "spring_pair": "constant_force"}
 """The preload method that each pair is made by."""
 
+PAIRS = {method: kind for kind, method in METHODS.items()}
+"""The pair that is made by each preload method."""
+
+MOST_IN_TANDEM = 8
+
 SHARED_KEYS = frozenset({"shaft_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"})
 """Keys of `operation` that both bearings of a pair have in common."""
 
@@ -84,6 +89,18 @@ class Arrangement:
             "(0, 1e12]",
         ),
     ] = None
+    tandem: Annotated[
+        tuple[int, ...],
+        Key(
+            "Bearings in tandem on the first and on the second side of a pair: alike, and each "
+            "bears its share of the side's axial force",
+            each=f"Whole number in [1, {MOST_IN_TANDEM}]",
+            least=2,
+            most=2,
+            minimum=1,
+            maximum=MOST_IN_TANDEM,
+        ),
+    ] = (1, 1)
     second: Annotated[
         Mapping[str, Any],
         Key(
@@ -109,7 +126,8 @@ class Arrangement:
         _check_kind(self)
 
     def __hash__(self) -> int:
-        return hash((self.kind, self.orientation, self.external_axial_N, repr(dict(self.second))))
+        given = self.kind, self.orientation, self.tandem, self.external_axial_N
+        return hash((*given, repr(dict(self.second))))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy can be neither pickled nor copied
@@ -124,7 +142,8 @@ class Arrangement:
     def is_symmetric(self) -> bool:
         """Whether each of the two is the single bearing: alike, and no force but the preload."""
         free = self.kind == "rigid_pair" or self.spring_stiffness_N_um == 0.0
-        return free and not self.second and self.external_axial_N == 0.0
+        alone = max(self.tandem) == 1
+        return free and alone and not self.second and self.external_axial_N == 0.0
 
 
 def _rebuilt(values: dict[str, Any]) -> Arrangement:
@@ -146,6 +165,7 @@ def _check_kind(a: Arrangement) -> None:
     given = {
         "external_axial_N": a.external_axial_N,
         "spring_stiffness_N_um": a.spring_stiffness_N_um,
+        "tandem": list(a.tandem) if max(a.tandem) > 1 else None,
         "second": dict(a.second),
     }
     for name, value in given.items():
@@ -156,7 +176,9 @@ def _check_kind(a: Arrangement) -> None:
 
 
 def sides_of(scene: Scene) -> tuple[Scene, ...]:
-    """Each bearing of the arrangement as a single one, which knows span and orientation.
+    """A bearing of each side as a single one, which knows span and orientation.
+
+    One in tandem has its share of the preload.
 
     Raises
     ------
@@ -166,12 +188,15 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
     a = scene.arrangement
     if a is None or not a.is_pair:
         return (scene,)
-    alone = replace(a, kind="single", external_axial_N=0.0, spring_stiffness_N_um=0.0, second={})
-    first = replace(scene, arrangement=alone)
-    if not a.second:
-        return first, first
+    nothing: dict[str, Any] = {"external_axial_N": 0.0, "spring_stiffness_N_um": 0.0, "second": {}}
+    alone = replace(a, kind="single", tandem=(1, 1), **nothing)
+    preload = scene.operation.preload_N
+    first, second = (
+        replace(scene, arrangement=alone, operation=replace(scene.operation, preload_N=preload / n))
+        for n in a.tandem
+    )
     try:
-        return first, first.with_(a.second)
+        return first, second.with_(a.second) if a.second else second
     except SceneError as error:
         key = ".".join(filter(None, ("arrangement.second", error.source or error.key)))
         raise SceneError(key, error.problem, error.involved) from None
@@ -210,7 +235,7 @@ def held_by(scene: Scene, method: str, preload_N: float | None = None, **operati
     """
     a = scene.arrangement
     if a is not None and a.is_pair:
-        kind = next(kind for kind, made_by in METHODS.items() if made_by == method)
+        kind = PAIRS[method]
         spring = a.spring_stiffness_N_um if kind == "spring_pair" else 0.0
         a = replace(a, kind=kind, spring_stiffness_N_um=spring)
     preload = scene.operation.preload_N if preload_N is None else preload_N
@@ -230,10 +255,9 @@ def check_arrangement(scene: Scene) -> None:
         return
     method = scene.operation.preload_method
     if METHODS[a.kind] != method:
-        other = next(kind for kind, made_by in METHODS.items() if made_by == method)
         raise SceneError(
             "arrangement.kind",
-            f"given {a.kind} with operation.preload_method {method}; allowed {other}, or "
+            f"given {a.kind} with operation.preload_method {method}; allowed {PAIRS[method]}, or "
             f"preload_method {METHODS[a.kind]}",
             ("operation.preload_method",),
         )

@@ -127,8 +127,13 @@ def _points(
     from bearingwear.model.fidelity import choice, choice_for_life
 
     found = []
+    bearings = {}
     for point in itertools.product(*axes.values()):
         scene = base.with_(dict(zip(axes, point, strict=True)))
+        bearings[len(scene.sides)] = scene.arrangement.kind if scene.arrangement else "single"
+        if len(bearings) > 1:
+            problem = f"given {' and '.join(bearings.values())}; allowed pairs, or single, alone"
+            raise SceneError("arrangement.kind", problem, source=base.name)
         if what == "life":
             found.append((for_life(scene), choice_for_life(scene, fidelity).tier))
         else:
@@ -258,7 +263,7 @@ def _axis(key: str, dim: str, values: list[Any]) -> xr.Variable:
     import numpy as np
     import xarray as xr
 
-    part = key_of_scene(key)
+    part = key_of_scene(key.removeprefix("arrangement.second."))
     assert part is not None  # a scene with it was built
     attrs = {"long_name": part.key.meaning}
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):

@@ -210,3 +210,25 @@ def test_profiles_of_unlike_length_have_no_places():
     assert "strip_position" not in found.coords
     same = bearingwear.sweep(bearingwear.example(), {"friction.ball_race": [0.05, 0.08]}, workers=1)
     assert same["strip_position"].dims == ("strip",)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_pairs(coarse):
+    """Each point holds both bearings; a key of the second alone may be swept."""
+    pair = coarse.with_({METHOD: "fixed_position", "arrangement.kind": "rigid_pair"})
+    loss = "arrangement.second.wear.ball_diameter_loss_um"
+    made = bearingwear.sweep(pair, {loss: [0.0, 0.1], PRELOAD: [5, 7]}, workers=1)
+    assert made.residual_preload.dims == ("ball_diameter_loss_um", "preload_N", "bearing")
+    assert made.ball_diameter_loss_um.attrs["units"] == "um"
+    assert made.rotor_axial_shift.dims == ("ball_diameter_loss_um", "preload_N")
+    point = made.sel(preload_N=7, ball_diameter_loss_um=0.1)
+    alone = bearingwear.solve(pair.with_({loss: 0.1}))
+    for name in ("residual_preload", "rotor_axial_shift", "total_qv"):
+        np.testing.assert_array_equal(point[name].values, alone[name].values, err_msg=name)
+
+
+@pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
+def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
+    monkeypatch.setattr(module, "_solved", not_to_be_solved)
+    with pytest.raises(SceneError, match="arrangement.kind: given .*single"):
+        bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

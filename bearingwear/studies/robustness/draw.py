@@ -8,7 +8,7 @@ from typing import Any
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.model import parameters
 from bearingwear.model.mounted import mounted_geometry
-from bearingwear.scene.arrangement import METHODS
+from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import Scene, most_balls
@@ -98,7 +98,7 @@ def _pair(data: dict[str, Any], drawn: Mapping[str, Any], D: float) -> dict[str,
     scene, preload = scene_from_dict(data), data["operation"]["preload_N"]
     approach = elastic_approach(scene)
     method = scene.operation.preload_method
-    kind = next(kind for kind, made_by in METHODS.items() if made_by == method)
+    kind = PAIRS[method]
     made: dict[str, Any] = {
         "kind": kind,
         "orientation": drawn["pair"],
