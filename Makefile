@@ -6,7 +6,7 @@ BIN := .venv/bin
 ALL_CORES := -n auto --dist loadgroup --no-loadscope-reorder
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test quick test-long test-slurm test-faults fuzz always accuracy-docs bench venv clean
+.PHONY: study test quick docs gallery test-long test-slurm test-faults fuzz always accuracy-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -15,6 +15,7 @@ test: $(STAMP) # on all cores
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/codespell
 	$(BIN)/mypy
 	$(BIN)/python -m pytest $(ALL_CORES)
 
@@ -51,6 +52,13 @@ results/fuzz/%.nc: always
 
 accuracy-docs: $(STAMP) # after `snakemake accuracy`: its numbers into docs/accuracy.md
 	$(BIN)/bearingwear step studies.accuracy.tables.docs_with_block trade=results/accuracy/accuracy.nc plan=config/accuracy.yaml docs=docs/accuracy.md -o docs/accuracy.md
+
+docs: $(STAMP) # the site, into build/site; opens from disk, needs no network
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict -q
+
+gallery: $(STAMP) # the figures of docs/gallery, drawn again; minutes
+	$(BIN)/python docs/site/gallery.py
 
 bench: $(STAMP) # times against the plain SciPy program
 	$(BIN)/python benchmarks/speed.py

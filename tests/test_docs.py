@@ -1,14 +1,18 @@
 """The pages of docs/: short lines, links that lead somewhere, equations and sections that exist."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+import yaml
 from support import ROOT
 
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
-READ = [*PAGES, ROOT / "README.md"]
+READ = [*PAGES, *ROOT.glob("*.md"), ROOT / "config/README.md"]
 CITED = re.compile(r"\bEqs?\.\s*\(?(\d+a?)\)?(?:\s*(?:-|to|and)\s*\(?(\d+a?)\)?)?")
 SECTION = re.compile(r"theory(?:\.md)?\W{0,3}\s*sections?\s+(\d+)")
 LINK = re.compile(r"\]\(([^)#\s]+)?(?:#([\w-]+))?\)")
@@ -32,6 +36,38 @@ def anchors(page: Path) -> set[str]:
     """What a link to a heading of a page may say behind #."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
     return {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+
+
+def test_readme_is_one_screen():
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 70
+
+
+def test_every_page_is_in_the_navigation():
+    def leaves(entry):
+        if isinstance(entry, str):
+            return [entry]
+        return [
+            leaf
+            for below in (entry.values() if isinstance(entry, dict) else entry)
+            for leaf in leaves(below)
+        ]
+
+    site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    made = {"reference/keys.md", "reference/commands.md", "contributing.md", "changelog.md"}
+    pages = {page.relative_to(DOCS).as_posix() for page in PAGES}
+    assert sorted(leaves(site["nav"])) == sorted(pages | made)
+
+
+@pytest.mark.long
+def test_the_site_builds_without_a_warning_or_a_network(tmp_path):
+    pytest.importorskip("mkdocs")
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-d", str(tmp_path)]
+    environment = os.environ | {"NO_MKDOCS_2_WARNING": "1", "https_proxy": "http://0.0.0.0:1"}
+    done = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    for page in tmp_path.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r'(?:<script[^>]*src|<link[^>]*stylesheet[^>]*href)="https?:', text)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())

@@ -1,0 +1,195 @@
+"""Every block of commands in the docs and the README is run, and prints what stands below it.
+
+Blocks marked `sh` and `python` are run here, page by page and in order; blocks marked `bash` take
+minutes and are run by `make test-long`. Blocks marked `console` show lines that other tests run.
+Of each block marked `text` the lines must stand in what was printed before it, numbers to a part
+in a thousand.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from support import ROOT
+
+NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+PAGES = sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("*.md"), ROOT / "config/README.md"])
+SAID_BEFORE = {"README.md": "docs/quickstart.md"}
+"""Pages whose lines stand in another page as well, which is run."""
+
+SHOWN = {
+    r"pip install -c constraints.txt \.$": "tests/test_installed.py::installed",
+    r"pip install .*\[slurm\]": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
+    r"python3 -m venv": "tests/test_installed.py::installed",
+    r"make study|snakemake -j2( --rerun-incomplete)?$": (
+        "tests/workflow/test_study.py::test_a_run_makes_everything_and_then_nothing"
+    ),
+    r"snakemake -n": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
+    r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
+    r"snakemake -f results": "tests/workflow/test_study.py::test_one_point_again",
+    r"snakemake --unlock": "tests/workflow/test_study.py::test_a_killed_run_goes_on",
+    r"snakemake --report": "tests/workflow/test_study.py::test_the_report_of_the_jobs",
+    r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
+    r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
+    r"python benchmarks/\w+\.py$": "benchmarks",
+}
+"""Lines of `console` blocks, and the test or the program that runs them."""
+
+
+def blocks(path):
+    """(language, text) of every fenced block of a Markdown file."""
+    return re.findall(r"^```(\w+)\n(.*?)^```$", path.read_text(encoding="utf-8"), re.M | re.S)
+
+
+def commands(path, languages=("sh", "bash")):
+    """Lines of a page's blocks, without comments, with continued lines joined."""
+    text = "".join(text for language, text in blocks(path) if language in languages)
+    lines = (line.partition(" #")[0].strip() for line in text.replace("\\\n", " ").splitlines())
+    return [line for line in lines if line]
+
+
+def agree(said: str, printed: str) -> bool:
+    """Whether two lines are the same but for the last digits of their numbers."""
+    words, others = said.split(), printed.split()
+    if len(words) != len(others):
+        return False
+    return all(
+        float(a) == pytest.approx(float(b), rel=1e-3)
+        if NUMBER.fullmatch(a) and NUMBER.fullmatch(b)
+        else a == b
+        for a, b in zip(words, others, strict=True)
+    )
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Function (language, text) -> what it prints, in a folder of its own."""
+    command = tmp_path / "bin" / "bearingwear"
+    command.parent.mkdir()
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bearingwear "$@"\n')
+    command.chmod(0o755)
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    shutil.copytree(ROOT / "config", folder / "config")
+    shutil.copytree(ROOT / "docs/gallery", folder / "docs/gallery")
+    environment = os.environ | {
+        "PATH": f"{command.parent}:{os.environ['PATH']}",
+        "PYTHONPATH": str(ROOT),
+        "MPLBACKEND": "agg",
+    }
+
+    def run(language, text):
+        argv = {"sh": ["bash", "-eu", "-c"], "python": [sys.executable, "-c"]}[language]
+        done = subprocess.run(
+            [*argv, text], cwd=folder, env=environment, capture_output=True, text=True, timeout=900
+        )
+        assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
+        return done.stdout
+
+    run.folder = folder
+    return run
+
+
+def typed(run, page, languages):
+    """Run the blocks of a page in these languages; the number of lines that were compared."""
+    printed, script, compared = "", "", 0
+    if page.name == "python.md":  # which loads a file of the reader's
+        shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", run.folder / "mine.yaml")
+    ran = False
+    for language, text in blocks(page):
+        if language == "text" and ran:
+            lines = printed.splitlines()
+            for said in text.splitlines():
+                assert any(agree(said, line) for line in lines), f"{said!r} is not in\n{printed}"
+                compared += 1
+        elif language == "python" and language in languages:
+            script += text  # a block goes on from the ones before it
+            printed = run("python", script)
+        elif language in languages:
+            printed = run("sh", text)
+        if language in ("sh", "bash", "python"):
+            ran = language in languages
+    return compared
+
+
+def named(page):
+    return page.relative_to(ROOT).as_posix()
+
+
+def holding(*languages):
+    """Pages that are run, with a block in one of these languages."""
+    found = (page for page in PAGES if named(page) not in SAID_BEFORE)
+    return [page for page in found if any(name in languages for name, _ in blocks(page))]
+
+
+@pytest.mark.parametrize("page", holding("sh", "python"), ids=named)
+def test_page(run, page):
+    compared = typed(run, page, ("sh", "python"))
+    made = {path.name for path in run.folder.iterdir()}
+    if page.name == "tutorial.md":
+        assert compared > 40
+        drawn = (run.folder / "life_against_preload.svg").read_text(encoding="utf-8")
+        assert "</svg>" in drawn
+    if page.name == "python.md":
+        assert compared >= 3
+        assert made == {
+            "config",
+            "mine.yaml",
+            "stiffer.yaml",
+            "case.nc",
+            "case.svg",
+            "life.svg",
+            "docs",
+        }
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", holding("bash"), ids=named)
+def test_page_that_takes_minutes(run, page):
+    typed(run, page, ("sh", "bash", "python"))
+
+
+@pytest.mark.parametrize("page, other", SAID_BEFORE.items())
+def test_lines_stand_in_a_page_that_is_run(page, other):
+    here, there = commands(ROOT / page), commands(ROOT / other)
+    assert here and [line for line in there if line in here] == here
+    said = [
+        line for name, text in blocks(ROOT / other) if name == "text" for line in text.split("\n")
+    ]
+    shown = [
+        line for name, text in blocks(ROOT / page) if name == "text" for line in text.split("\n")
+    ]
+    assert set(shown) <= set(said)
+
+
+def test_no_line_overwrites_what_another_one_made():
+    for page in PAGES:
+        outputs = re.findall(r" -o (\S+)", "\n".join(commands(page)))
+        assert len(outputs) == len(set(outputs)), page
+
+
+def test_every_line_shown_is_run_somewhere():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for page in PAGES:
+        for line in commands(page, ("console",)):
+            (where,) = {SHOWN[p] for p in SHOWN if re.match(p, line)} or {None}
+            assert where, f"{named(page)}: {line}"
+            if where == "Makefile":
+                assert re.search(rf"^{line.split()[1]}:", makefile, re.M), line
+            elif where == "benchmarks":
+                assert (ROOT / line.split()[1]).exists(), line
+            else:
+                file, _, name = where.partition("::")
+                assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), where
+
+
+def test_commands_are_in_blocks_with_a_language():
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r"^ {4}(bearingwear|snakemake|make|python3?|pip) ", text, re.M), page
+        assert {name for name, _ in blocks(page)} <= {
+            "sh", "bash", "python", "console", "text", "yaml"
+        }, page  # fmt: skip
