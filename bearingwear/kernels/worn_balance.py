@@ -1,4 +1,4 @@
-"""A ball between two worn grooves: forces of its contacts and their balance (theory.md section 21).
+"""The force of a ball's contact with a worn groove (theory.md section 21).
 
 The force of a contact is Hertz' at the present angle times what its cells carry worn over unworn.
 Its centre lies off the line of the centres, so that it has a part T across that line. Both derive
@@ -10,21 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.equilibrium import groove_distance
-from bearingwear.kernels.hertz import INNER, OUTER, race_contact
-from bearingwear.kernels.linear import solve_in_place
+from bearingwear.kernels.hertz import race_contact
 from bearingwear.kernels.params import Hertz
 from bearingwear.kernels.profile import contact_load, semi_axis
-from bearingwear.kernels.status import CONTACT_LOST, NOT_CONVERGED, OK
-from bearingwear.kernels.worn_contact import Cells, ContactBuffers, worn_pressure
+from bearingwear.kernels.status import CONTACT_LOST, OK
+from bearingwear.kernels.worn_cells import Cells, ContactBuffers
+from bearingwear.kernels.worn_contact import worn_pressure
 
-MOST_PLACES = 40  # of a ball and race, tried for one balance
-SLOW_PLACES = 8  # after so many the stiffness is found anew
-WORN_BALANCE = 1e-8  # force left, as a share of the load [1]
-STIFFNESS_QUOTIENT = 1e-3  # of the approach: the step that the first stiffness is found with
-LONGEST_MOVE = 0.5  # of the approach, in one step
+STIFFNESS_QUOTIENT = 1e-3  # of the approach: the step that a stiffness is found with
 
 
 class Arc(NamedTuple):
@@ -47,7 +41,6 @@ class WornRace(NamedTuple):
     groove: Arc  # over S [m]
     band: Arc  # of the ball, over latitude; no intervals: the ball wears evenly
     alpha_ref: float  # contact angle at which S = x [rad]
-    stiffness: np.ndarray  # (2, 2) of the force by the ball's place, kept from solve to solve [N/m]
 
 
 class WornForce(NamedTuple):
@@ -62,20 +55,6 @@ class WornForce(NamedTuple):
     b: float
     peak: float  # largest pressure [Pa]
     hertz: Hertz
-
-
-class WornSeat(NamedTuple):
-    """Where ball and race stand, and the forces there."""
-
-    status: int
-    delta_a: float  # axial displacement of the race [m]
-    X1: float  # ball centre from the outer groove centre [m]
-    X2: float
-    inner: WornForce
-    outer: WornForce
-    residual: float  # force left, over the larger load [1]
-    F_i: float  # friction of the races along their first axes that the balance counts [N]
-    F_o: float
 
 
 @jit
@@ -215,10 +194,15 @@ def race_parts(sigma, force, F_1):
 
 
 @jit
-def find_stiffness(g, D, race, sigma, reference, y1, y2, beta):
-    """Fill `race.stiffness` by differences: how the force falls as y moves towards the ball.
+def find_stiffness(g, D, race, sigma, reference, y1, y2, beta, stiffness):
+    """Fill a stiffness (2, 2) by differences: how the force falls as y moves towards the ball.
 
-    For both races -d(force on the ball)/d(ball centre).
+    For both races -d(force on the ball)/d(ball centre) [N/m].
+
+    Returns
+    -------
+    int
+        Status where it was asked for.
     """
     middle = worn_force(g, D, race, sigma, reference, y1, y2, beta)
     h = STIFFNESS_QUOTIENT * max(middle.approach, STIFFNESS_QUOTIENT**2 * D)
@@ -228,128 +212,6 @@ def find_stiffness(g, D, race, sigma, reference, y1, y2, beta):
         up_x, up_r = race_parts(sigma, up, 0.0)
         down = worn_force(g, D, race, sigma, reference, y1 - u1, y2 - u2, beta)
         down_x, down_r = race_parts(sigma, down, 0.0)
-        race.stiffness[0, j] = -sigma * (up_x - down_x) / (2.0 * h)
-        race.stiffness[1, j] = -sigma * (up_r - down_r) / (2.0 * h)
+        stiffness[0, j] = -sigma * (up_x - down_x) / (2.0 * h)
+        stiffness[1, j] = -sigma * (up_r - down_r) / (2.0 * h)
     return middle.status
-
-
-@jit
-def improve_stiffness(k, sigma, dy1, dy2, dF1, dF2):
-    """Broyden's update of a stiffness by a step dy and the change of force that it brought."""
-    size = dy1 * dy1 + dy2 * dy2
-    if size > 0.0:
-        e1 = -sigma * dF1 - (k[0, 0] * dy1 + k[0, 1] * dy2)
-        e2 = -sigma * dF2 - (k[1, 0] * dy1 + k[1, 1] * dy2)
-        k[0, 0] += e1 * dy1 / size
-        k[0, 1] += e1 * dy2 / size
-        k[1, 0] += e2 * dy1 / size
-        k[1, 1] += e2 * dy2 / size
-
-
-class BallPush(NamedTuple):
-    """What else than the contacts' pressures pushes a ball."""
-
-    Omega: float  # orbit rate [rad/s]
-    F_i: float  # friction of the inner race along its first axis [N]
-    F_o: float  # and of the outer one
-    beta: float  # pitch of the ball's axis [rad]
-
-
-@jit
-def seat_step(k_i, k_o, race_moves, matrix, step):
-    """Newton's step of ball and race; `step` holds what is left of their balances, and gets it.
-
-    Parameters
-    ----------
-    k_i, k_o : ndarray (2, 2)
-        Stiffness of the contacts [N/m].
-    race_moves : bool
-        Else it is held.
-    matrix : ndarray (3, 3)
-        Buffer.
-
-    Returns
-    -------
-    bool
-        False where the stiffness is singular.
-    """
-    for i in range(2):
-        for j in range(2):
-            matrix[i, j] = k_i[i, j] + k_o[i, j]
-            matrix[2, j] = k_i[0, j]
-        matrix[i, 2] = -k_i[i, 0]
-    matrix[2, 2] = -k_i[0, 0]
-    solved = solve_in_place(matrix, step, 3 if race_moves else 2)
-    if not race_moves:
-        step[2] = 0.0
-    return solved
-
-
-@jit
-def step_share(approach, d1, d2, dd):
-    """Share of a step of ball (d1, d2) and race dd that is short against the approach."""
-    length = max(math.hypot(d1, d2), math.hypot(dd - d1, d2))
-    longest = LONGEST_MOVE * approach
-    return longest / length if length > longest else 1.0
-
-
-@jit
-def worn_seat(g, D, races, reference, preload, push, start):
-    """Balance of a ball and the race between two worn grooves, by Broyden's method.
-
-    Parameters
-    ----------
-    races : tuple of 2 WornRace
-        Inner, outer.
-    reference : ndarray (2,)
-        As in `worn_force`.
-    preload : Preload
-    push : BallPush
-    start : WornSeat
-        Of which the places are taken.
-
-    Returns
-    -------
-    WornSeat
-    """
-    inner_race, outer_race = races
-    X1, X2, delta_a = start.X1, start.X2, start.delta_a
-    if not preload.constant_force:
-        delta_a = preload.delta_a
-    mass, share = ball_mass(g.rho, D), preload.F_x / g.n_balls
-    matrix, step = np.empty((3, 3)), np.empty(3)  # `step` first holds what is left
-    k_i, k_o = inner_race.stiffness, outer_race.stiffness
-    inner = outer = start.inner
-    size = math.inf
-    i_x = i_r = o_x = o_r = d1 = d2 = dd = 0.0
-    for place in range(MOST_PLACES):
-        A1, A2 = groove_distance(g, 0.0, delta_a, 0.0, 0.0, 0.0)
-        y1, y2 = A1 - X1, A2 - X2
-        unknown = not min(k_i[0, 0] + k_i[1, 1], k_o[0, 0] + k_o[1, 1]) > 0.0
-        if unknown or (place > 0 and place % SLOW_PLACES == 0):
-            find_stiffness(g, D, inner_race, INNER, reference[0], y1, y2, push.beta)
-            find_stiffness(g, D, outer_race, OUTER, reference[1], X1, X2, push.beta)
-        inner = worn_force(g, D, inner_race, INNER, reference[0], y1, y2, push.beta)
-        outer = worn_force(g, D, outer_race, OUTER, reference[1], X1, X2, push.beta)
-        status = inner.status if inner.status != OK else outer.status
-        if status != OK:
-            return WornSeat(status, delta_a, X1, X2, inner, outer, size, push.F_i, push.F_o)
-        before = (i_x, i_r, o_x, o_r)
-        i_x, i_r = race_parts(INNER, inner, push.F_i)
-        o_x, o_r = race_parts(OUTER, outer, push.F_o)
-        if place > 0:
-            improve_stiffness(k_i, INNER, dd - d1, -d2, i_x - before[0], i_r - before[1])
-            improve_stiffness(k_o, OUTER, d1, d2, o_x - before[2], o_r - before[3])
-        step[0] = i_x + o_x
-        step[1] = i_r + o_r + mass * (g.R_o + X2) * push.Omega * push.Omega
-        step[2] = i_x - share if preload.constant_force else 0.0
-        size = max(abs(step[0]), abs(step[1]), abs(step[2])) / max(inner.Q, outer.Q)
-        if size <= WORN_BALANCE:
-            return WornSeat(OK, delta_a, X1, X2, inner, outer, size, push.F_i, push.F_o)
-        if not seat_step(k_i, k_o, preload.constant_force, matrix, step):
-            break
-        d1, d2, dd = step[0], step[1], step[2]
-        part = step_share(max(inner.approach, outer.approach), d1, d2, dd)
-        d1, d2, dd = part * d1, part * d2, part * dd
-        X1, X2, delta_a = X1 + d1, X2 + d2, delta_a + dd
-    return WornSeat(NOT_CONVERGED, delta_a, X1, X2, inner, outer, size, push.F_i, push.F_o)

@@ -9,10 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import (
-    LARGEST_AXIS,
     dissipation,
     hertz_contact,
     point_slip,
@@ -25,23 +23,21 @@ from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.profile import contact_load
-from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.status import NOT_CONVERGED, OK
 from bearingwear.kernels.steady_balance import (
     add_gyration_and_drag,
     balance_share,
     subtract_gradient,
     subtract_projected,
 )
-from bearingwear.kernels.worn_balance import BallPush, worn_seat
 
 FRICTION_LEFT = 1e-12  # as a share of the friction forces, where Newton ends [1]
-WORN_ROUNDS = 60  # of normal and friction balance
-ROUND_LEFT = 1e-8  # change of the ball's other forces from round to round, over the load [1]
-SHALLOW = 0.05  # least slope that a secant on the pitch of the axis is taken with
-NARROW = 1e-11  # bracket of the pitch that is none [rad]
-LARGEST_TURN = 0.02  # of the axis from round to round [rad]
 LEVELS = 5  # of v_r, each
 LEVEL_RATIO = 4.0  # times the next, where Newton fails from the last motion
+OF_UNWORN, OF_WORN = range(2)
+# Rows of the cells written down: place x/a, share of the load, height and place across [m], number
+# of the cell along the major axis, how many cells there are.
+CELL_X, CELL_WEIGHT, CELL_HEIGHT, CELL_WIDTH, CELL_COLUMN, CELL_COUNT = range(6)
 
 
 class FrictionWork(NamedTuple):
@@ -65,14 +61,13 @@ class FrictionWork(NamedTuple):
     trial: np.ndarray
     ones: np.ndarray  # (2,) the two sides of the cells: places,
     halves: np.ndarray  # (2,) and shares
-    cell_h: np.ndarray  # (2, most cells along) heights of the cells, unworn and worn
-    row_width: np.ndarray  # (most cells along,)
-    row_weight: np.ndarray
+    h_along: np.ndarray  # (most cells along,) heights of the cells unworn
+    cells: np.ndarray  # (race, unworn or worn, row as below, most cells)
 
 
 @jit
-def friction_work(rule, n):
-    """Buffers for a rule and n cells along the major axis."""
+def friction_work(rule, n, m_cells):
+    """Buffers for a rule and n by m_cells cells at the most."""
     k, m = most_points(rule), rule.across.size
     ones = np.ones(2)
     ones[1] = -1.0
@@ -82,7 +77,7 @@ def friction_work(rule, n):
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
         step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),
-        cell_h=np.empty((2, n)), row_width=np.empty(n), row_weight=np.empty(n),
+        h_along=np.empty(n), cells=np.zeros((2, 2, 6, n * m_cells)),
     )  # fmt: skip
 
 
@@ -94,36 +89,51 @@ def unworn_contact(g, op, k, force):
 
 
 @jit
-def cell_heights(race, contact, R, work):
-    """Heights of the cells along the major axis, unworn and worn, into `work.cell_h`."""
-    unworn, worn = work.cell_h
-    surface_height(contact, R, race.cells.X, unworn)
-    for i in range(race.rise.size):
-        worn[i] = unworn[i] + race.rise[i]
+def place_cells(g, D, op, races, seat, work):
+    """Write down the cells with load of both contacts, worn and unworn, for the sums over them."""
+    for k in range(2):
+        race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)
+        contact = unworn_contact(g, op, k, force)
+        surface_height(contact, 0.5 * D, race.cells.X, work.h_along)
+        total = race.cells.fresh.sum()
+        for worn in range(2):
+            pressure = race.pressure if worn == OF_WORN else race.cells.fresh
+            fill_cells(race, pressure, worn, contact.b, total, work, work.cells[k, worn])
 
 
 @jit
-def cell_row(race, contact, j, worn, total, work):
-    """Weights and widths of a row of cells into `work`; whether it carries any load.
-
-    Parameters
-    ----------
-    worn : bool
-        Its pressure worn, or unworn.
-    total : float
-        Sum of the unworn pressure.
-    """
-    loaded = False
-    for i in range(race.cells.X.size):
-        p = race.pressure[j, i] if worn else race.cells.fresh[j, i]
-        loaded = loaded or p != 0.0
-        work.row_weight[i] = p / total
-        work.row_width[i] = contact.b * race.cells.Y[j]
-    return loaded
+def fill_cells(race, pressure, worn, b, total, work, cells):
+    """The cells of one contact into the rows of `cells`."""
+    n, count = race.cells.X.size, 0
+    for j in range(race.cells.Y.size):
+        for i in range(n):
+            if pressure[j, i] != 0.0:  # NaN too
+                cells[CELL_X, count] = race.cells.X[i]
+                cells[CELL_WEIGHT, count] = pressure[j, i] / total
+                cells[CELL_HEIGHT, count] = work.h_along[i] + (
+                    race.rise[i] if worn == OF_WORN else 0.0
+                )
+                cells[CELL_WIDTH, count] = b * race.cells.Y[j]
+                cells[CELL_COLUMN, count] = i
+                count += 1
+    cells[CELL_COUNT, 0] = count
 
 
 @jit
-def worn_slope(race, contact, R, c, op, v_r, rule, work):
+def loaded_cells(cells):
+    """Places, weights, heights, widths and columns of cells that `fill_cells` wrote down."""
+    n = int(cells[CELL_COUNT, 0])
+    return (
+        cells[CELL_X, :n],
+        cells[CELL_WEIGHT, :n],
+        cells[CELL_HEIGHT, :n],
+        cells[CELL_WIDTH, :n],
+        cells[CELL_COLUMN, :n],
+    )
+
+
+@jit
+def worn_slope(cells, contact, R, c, op, v_r, rule, work):
     """Gradient and second derivatives of the friction potential of a worn contact, into `work`."""
     across, share = work.across, work.share
     t, weight = contact_points(
@@ -133,28 +143,24 @@ def worn_slope(race, contact, R, c, op, v_r, rule, work):
         contact, c, op.mu, v_r, t, weight, work.h, work.width, across, share, work.gradient,
         work.hessian,
     )  # fmt: skip
-    cell_heights(race, contact, R, work)
-    total = race.cells.fresh.sum()
-    for worn in (True, False):
-        for j in range(race.cells.Y.size):
-            if cell_row(race, contact, j, worn, total, work):
-                traction_slope(
-                    contact, c, op.mu, v_r, race.cells.X, work.row_weight,
-                    work.cell_h[1 if worn else 0], work.row_width, work.ones,
-                    work.halves, work.part_gradient, work.part_hessian,
-                )  # fmt: skip
-                sign = 1.0 if worn else -1.0
-                for i in range(5):
-                    work.gradient[i] += sign * work.part_gradient[i]
-                    for k in range(5):
-                        work.hessian[i, k] += sign * work.part_hessian[i, k]
+    for worn in range(2):
+        t, weight, h, width, _ = loaded_cells(cells[worn])
+        traction_slope(
+            contact, c, op.mu, v_r, t, weight, h, width, work.ones, work.halves,
+            work.part_gradient, work.part_hessian,
+        )  # fmt: skip
+        sign = 1.0 if worn == OF_WORN else -1.0
+        for i in range(5):
+            work.gradient[i] += sign * work.part_gradient[i]
+            for k in range(5):
+                work.hessian[i, k] += sign * work.part_hessian[i, k]
 
 
 @jit
-def worn_friction_balance(g, op, D, races, seat, v_r, rule, work, u, out):
+def worn_friction_balance(g, op, D, seat, v_r, rule, work, u, out):
     """Moments and orbital moment on a ball, and their derivatives by u into `work.jacobian`.
 
-    As `steady_balance.friction_balance`, with worn contacts.
+    As `steady_balance.friction_balance`, with worn contacts: those of `place_cells`.
 
     Returns
     -------
@@ -166,10 +172,9 @@ def worn_friction_balance(g, op, D, races, seat, v_r, rule, work, u, out):
     out[:] = 0.0
     work.jacobian[:, :] = 0.0
     for k in range(2):
-        race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)
-        contact = unworn_contact(g, op, k, force)
+        contact = unworn_contact(g, op, k, seat.inner if k == 0 else seat.outer)
         c = slip_coefficients(contact, u, r)
-        worn_slope(race, contact, R, c, op, v_r, rule, work)
+        worn_slope(work.cells[k], contact, R, c, op, v_r, rule, work)
         slip_map(contact, r, work.L)
         subtract_projected(work.L, work.hessian, work.jacobian)
         subtract_gradient(work.L, work.gradient, out)
@@ -180,7 +185,7 @@ def worn_friction_balance(g, op, D, races, seat, v_r, rule, work, u, out):
 
 
 @jit
-def friction_newton(g, op, D, races, seat, v_r, rule, work, u):
+def friction_newton(g, op, D, seat, v_r, rule, work, u):
     """The ball's motion with the loads held, by damped Newton; u is improved in place.
 
     Returns
@@ -190,7 +195,7 @@ def friction_newton(g, op, D, races, seat, v_r, rule, work, u):
     """
     r, Q_i, Q_o = g.R_o + seat.X2, seat.inner.Q, seat.outer.Q
     out = work.residual
-    F_i, F_o = worn_friction_balance(g, op, D, races, seat, v_r, rule, work, u, out)
+    F_i, F_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, u, out)
     size = balance_share(op, D, r, Q_i, Q_o, out)
     for _ in range(NEWTON_STEPS):
         if size <= FRICTION_LEFT:
@@ -205,9 +210,7 @@ def friction_newton(g, op, D, races, seat, v_r, rule, work, u):
         for _ in range(HALVINGS):
             for i in range(4):
                 work.trial[i] = u[i] + damping * work.step[i]
-            T_i, T_o = worn_friction_balance(
-                g, op, D, races, seat, v_r, rule, work, work.trial, out
-            )
+            T_i, T_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, work.trial, out)
             new = balance_share(op, D, r, Q_i, Q_o, out)
             if new < (1.0 - DESCENT * damping) * size or new <= FRICTION_LEFT:
                 found = True
@@ -223,104 +226,17 @@ def friction_newton(g, op, D, races, seat, v_r, rule, work, u):
 
 
 @jit
-def settled_motion(g, op, D, races, seat, rule, work, u):
+def settled_motion(g, op, D, seat, rule, work, u):
     """`friction_newton` at the wanted v_r; where that fails from u, down from a larger one."""
     kept = u.copy()
-    found = friction_newton(g, op, D, races, seat, op.v_r, rule, work, u)
+    found = friction_newton(g, op, D, seat, op.v_r, rule, work, u)
     if found[0] == OK:
         return found
     copy(kept, u)
     for level in range(LEVELS, -1, -1):
         v_r = op.v_r * LEVEL_RATIO**level
-        found = friction_newton(g, op, D, races, seat, v_r, rule, work, u)
+        found = friction_newton(g, op, D, seat, v_r, rule, work, u)
     return found
-
-
-@jit
-def pitch(u):
-    """Pitch of the ball's axis from the bearing's [rad]."""
-    return math.atan2(u[2], u[3] - u[0])
-
-
-@jit
-def next_pitch(beta, away, tried, off, low, high, known):
-    """Pitch of the ball's axis to try next, by secants within a bracket.
-
-    The axis moves the bands, and the bands the axis, further than it was moved: turns by turns
-    they would part.
-
-    Parameters
-    ----------
-    beta, away : float
-        Pitch tried last, and how far that of the motion was from it [rad].
-    tried, off : float
-        The same of the try before, if `known`.
-    low, high : float
-        Bracket [rad].
-    """
-    turned = beta - tried
-    slope = (away - off) / turned if known and turned != 0.0 else -1.0
-    step = away / max(-slope, SHALLOW)
-    new = beta + min(max(step, -LARGEST_TURN), LARGEST_TURN)
-    return new if low < new < high else 0.5 * (low + high)
-
-
-@jit
-def worn_state(g, op, D, races, reference, preload, traction, rule, work, seat, u):
-    """Steady state of a ball between two worn grooves.
-
-    Normal balance with the ball's motion held and friction balance with the loads held, in turns:
-    the one hardly follows the other.
-
-    Parameters
-    ----------
-    races : tuple of 2 WornRace
-    reference : ndarray (2,)
-        Depths from which the approaches are counted [m].
-    traction : bool
-        Whether friction along the major axes takes part in the balance of normal forces.
-    seat : WornSeat
-        The start.
-    u : ndarray (4,)
-        The start of the motion; improved in place [rad/s].
-
-    Returns
-    -------
-    status, seat
-    """
-    mass = ball_mass(g.rho, D)
-    push = BallPush(Omega=u[3], F_i=seat.F_i, F_o=seat.F_o, beta=pitch(u))
-    tried = off = 0.0  # pitch of the last round, and how far the motion's own was from it
-    low, high = -math.inf, math.inf  # of the pitch
-    for rounds in range(WORN_ROUNDS):
-        seat = worn_seat(g, D, races, reference, preload, push, seat)
-        if seat.status != OK:
-            return seat.status, seat
-        if max(seat.inner.a, seat.outer.a) >= LARGEST_AXIS * 0.5 * D:
-            return OUTSIDE_HERTZ_RANGE, seat
-        status, F_i, F_o = settled_motion(g, op, D, races, seat, rule, work, u)
-        if status != OK:
-            return status, seat
-        if not traction:
-            F_i = F_o = 0.0
-        beta = pitch(u)
-        r = g.R_o + seat.X2
-        change = mass * r * abs(u[3] ** 2 - push.Omega**2)
-        change = max(change, abs(F_i - push.F_i), abs(F_o - push.F_o))
-        if races[0].band.c.shape[1] > 0:
-            away = beta - push.beta
-            if high - low > NARROW:
-                change = max(change, abs(away) * max(seat.inner.Q, seat.outer.Q))
-            if away > 0.0:
-                low = max(low, push.beta)
-            else:
-                high = min(high, push.beta)
-            beta = next_pitch(push.beta, away, tried, off, low, high, rounds > 0)
-            tried, off = push.beta, away
-        push = BallPush(Omega=u[3], F_i=F_i, F_o=F_o, beta=beta)
-        if change <= ROUND_LEFT * max(seat.inner.Q, seat.outer.Q):
-            return OK, seat
-    return NOT_CONVERGED, seat
 
 
 @jit
@@ -335,6 +251,7 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
         Filled: QV per length along the cells [W/m], scaled to the sum of `out`.
     """
     r, R = g.R_o + seat.X2, 0.5 * D
+    place_cells(g, D, op, races, seat, work)
     for k in range(2):
         race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)
         contact = unworn_contact(g, op, k, force)
@@ -347,34 +264,27 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
             contact, c, op.mu, op.v_r, r, t, weight, work.h, work.width, across, share
         )
         gyro *= qv
-        cell_heights(race, contact, R, work)
-        X, total = race.cells.X, race.cells.fresh.sum()
-        n = X.size
+        for worn in range(2):
+            t, weight, h, width, column = loaded_cells(work.cells[k, worn])
+            part = dissipation(
+                contact, c, op.mu, op.v_r, r, t, weight, h, width, work.ones, work.halves
+            )
+            sign = 1.0 if worn == OF_WORN else -1.0
+            qv += sign * part[0]
+            heat += sign * part[1]
+            gyro += sign * part[2] * part[0]
+            torque += sign * part[3]
         rates[k, :] = 0.0
-        for worn in (True, False):
-            for j in range(race.cells.Y.size):
-                if cell_row(race, contact, j, worn, total, work):
-                    h = work.cell_h[1 if worn else 0]
-                    part = dissipation(
-                        contact, c, op.mu, op.v_r, r, X, work.row_weight, h, work.row_width,
-                        work.ones, work.halves,
-                    )  # fmt: skip
-                    sign = 1.0 if worn else -1.0
-                    qv += sign * part[0]
-                    heat += sign * part[1]
-                    gyro += sign * part[2] * part[0]
-                    torque += sign * part[3]
-                    if worn:
-                        for i in range(n):
-                            v1, v2 = point_slip(c, h[i], race.x[i])
-                            spin = c[3] * work.row_width[i]
-                            slip = math.hypot(v1 - spin, v2) + math.hypot(v1 + spin, v2)
-                            rates[k, i] += 0.5 * work.row_weight[i] * slip
+        for p in range(t.size):  # of the worn cells
+            v1, v2 = point_slip(c, h[p], contact.a * t[p])
+            spin = c[3] * width[p]
+            slip = math.hypot(v1 - spin, v2) + math.hypot(v1 + spin, v2)
+            rates[k, int(column[p])] += 0.5 * weight[p] * slip
         out[k, 0], out[k, 1] = qv, heat
         out[k, 2] = gyro / qv if qv > 0.0 else 0.0
         out[k, 3] = torque
         found = 0.0
-        step = race.x[1] - race.x[0]
+        n, step = race.x.size, race.x[1] - race.x[0]
         for i in range(n):
             found += rates[k, i]
         if found > 0.0:

@@ -15,24 +15,21 @@ from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.params import Hertz
 from bearingwear.kernels.profile import contact_approach, contact_load, middle_height, profile
+from bearingwear.kernels.steady_balance import ThrustBearing
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.worn_balance import (
     Arc,
     WornForce,
     WornRace,
-    WornSeat,
     arc_shift,
     find_stiffness,
     latitude,
 )
-from bearingwear.kernels.worn_contact import contact_buffers, contact_cells
-from bearingwear.kernels.worn_friction import (
-    friction_work,
-    pitch,
-    worn_dissipation,
-    worn_state,
-)
+from bearingwear.kernels.worn_cells import contact_buffers
+from bearingwear.kernels.worn_contact import contact_cells
+from bearingwear.kernels.worn_friction import friction_work, worn_dissipation
+from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
 from bearingwear.kernels.worn_verification import contact_check
 from bearingwear.model.steady import ThrustProblem
 
@@ -49,7 +46,7 @@ WIDER = 1.2  # of the cells, where the contact has grown to their ends
 
 _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
 _NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
-NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, _NO_FORCE, _NO_FORCE, 0.0, 0.0, 0.0)
+NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, _NO_FORCE, _NO_FORCE, 0.0, 0.0)
 """Of a point that was not solved."""
 
 
@@ -127,17 +124,18 @@ class WornBearing:
         hertz = race_contact(g, OUTER, self.D, np.cos(self.angle[1]), np.nan)
         length = g.r_o - 0.5 * self.D + contact_approach(hertz.K, c[1, LOAD])
         self.seat = WornSeat(
-            code.OK,
-            float(self.case.delta_a),
-            float(length * np.sin(self.angle[1])),
-            float(length * np.cos(self.angle[1])),
-            _NO_FORCE,
-            _NO_FORCE,
-            0.0,
-            float(self.case.T_i),
-            float(self.case.T_o),
+            status=code.OK,
+            X1=float(length * np.sin(self.angle[1])),
+            X2=float(length * np.cos(self.angle[1])),
+            delta_a=float(self.case.delta_a),
+            beta=float(pitch(self.case.u)),
+            inner=_NO_FORCE,
+            outer=_NO_FORCE,
+            F_i=float(self.case.T_i),
+            F_o=float(self.case.T_o),
         )
         self.u = self.case.u[:4].copy()
+        self.state = state_work()
 
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
@@ -160,7 +158,6 @@ class WornBearing:
             groove=self._spline(self.arc[k], self.arc_step[k], np.zeros(self.arc[k].size)),
             band=self._spline(self.latitude, self.band_step, np.zeros(self.latitude.size)),
             alpha_ref=float(self.angle[k]),
-            stiffness=np.zeros((2, 2)),
         )
 
     @staticmethod
@@ -185,19 +182,19 @@ class WornBearing:
                 )
                 for k, race in enumerate(self.races)
             )
-            work = friction_work(self.problem.rule, max(r.x.size for r in races))
-            u = self.u.copy()
-            p = self.problem
-            status, seat = worn_state(
-                p.g, p.op, D, races, self.reference, p.preload, self.traction, p.rule, work,
-                self.seat, u,
-            )  # fmt: skip
+            n, m = max(r.x.size for r in races), self.cell_numbers[1]
+            work, u, p = friction_work(self.problem.rule, n, m), self.u.copy(), self.problem
+            bearing = ThrustBearing(p.g, D, p.op, p.preload, self.traction)
+            seat = worn_state(
+                bearing, races, self.reference, p.rule, work, self.state, self.seat, u
+            )
+            status = seat.status
             if status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(races):
                 break
         if status != code.OK:
             for race in races:  # nothing to start from
                 np.copyto(race.pressure, race.cells.fresh)
-                race.stiffness.fill(0.0)
+            self.state.slope.fill(0.0)
             return WornPoint(status, wear)
         self.seat, self.u = seat, u
         slip = np.empty((2, 4))
@@ -302,9 +299,11 @@ class WornBearing:
         g, beta = self.problem.g, pitch(self.u)
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         places = ((A1 - seat.X1, A2 - seat.X2), (seat.X1, seat.X2))
-        for race, sigma, reference, y in zip(races, SIDES, self.reference, places, strict=True):
-            find_stiffness(g, D, race, sigma, reference, *y, beta)
-        k_i, k_o = (race.stiffness for race in races)
+        k_i, k_o = found = np.empty((2, 2, 2))
+        for race, sigma, reference, y, k in zip(
+            races, SIDES, self.reference, places, found, strict=True
+        ):
+            find_stiffness(g, D, race, sigma, reference, *y, beta, k)
         series = k_i - k_i @ np.linalg.solve(k_i + k_o, k_i)
         return float(g.n_balls * series[0, 0])
 

@@ -7,7 +7,8 @@ import pytest
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.hertz import elliptic_integrals, point_contact
-from bearingwear.kernels.worn_contact import contact_buffers, contact_cells, worn_pressure
+from bearingwear.kernels.worn_cells import contact_buffers
+from bearingwear.kernels.worn_contact import contact_cells, worn_pressure
 from bearingwear.kernels.worn_verification import contact_check
 
 KAPPA = 3.07  # a/b of gyro_s1's outer contact

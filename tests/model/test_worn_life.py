@@ -14,7 +14,7 @@ from bearingwear.model.life import life, life_history, steady_states
 from bearingwear.model.worn_life import WornLife
 from bearingwear.model.worn_outputs import half_lengths, wear_over_gap
 from bearingwear.model.worn_states import WornDepths
-from bearingwear.scene.blocks import EndOfLife
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 
 HOUR = 3600.0
@@ -170,6 +170,24 @@ def test_the_numbers_of_other_programs_for_even_wear(method, times, fraction):
     if fraction is not None:
         left = np.array([s.preload for s in history.states])
         assert CubicSpline(-left, hours)(-0.4 * 7.0) == pytest.approx(fraction, rel=1e-3)
+
+
+@METHODS
+@pytest.mark.parametrize("track", ["spread", "bands"])
+def test_lives_with_traction_reach_their_criterion(method, track):
+    """At a fixed position the bands leave the axis no state nearby, and it turns to another."""
+    end = EndOfLife(preload_fraction=0.4, ball_diameter_loss_um=0.7)
+    scene = scene_of(
+        method, balance="with_traction", ball_track=track, track_wander=0.1, end_of_life=end
+    )
+    found = WornLife(scene).march()
+    assert found.history.status == code.OK
+    assert found.history.criterion == CRITERIA.index(
+        "preload_fraction" if method == "fixed_position" else "ball_diameter_loss_um"
+    )
+    coarse = WornLife(scene, cells=(32, 8)).march()
+    last, other = found.history.times[-1][1], coarse.history.times[-1][1]
+    assert other == pytest.approx(last, rel=0.02)
 
 
 def test_a_life_with_worn_grooves_and_its_file():
