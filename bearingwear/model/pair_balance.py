@@ -163,7 +163,7 @@ def balanced(
             return x, found
         step = secants.step(x, found)
         good = abs(best[1].left) <= _LIGHT * best[1].scale
-        if abs(step) <= rounded or (good and stalled >= _STALLED):
+        if abs(step) <= rounded or secants.jumps or (good and stalled >= _STALLED):
             break
         x += step
     assert best is not None
