@@ -97,7 +97,8 @@ class _Secants:
     @property
     def jumps(self) -> bool:
         """Whether too little turns into too much with nothing in between."""
-        return 0.0 <= self.high - self.low <= _NARROW * max(abs(self.low), abs(self.high))
+        largest = max(abs(self.low), abs(self.high))
+        return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
     def step(self, x: float, found: RotorTrial) -> float:
         """From a trial at a place [m]."""
