@@ -97,7 +97,8 @@ class _Secants:
     @property
     def jumps(self) -> bool:
         """Whether too little turns into too much with nothing in between."""
-        return 0.0 <= self.high - self.low <= _NARROW * max(abs(self.low), abs(self.high))
+        largest = max(abs(self.low), abs(self.high))
+        return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
     def step(self, x: float, found: RotorTrial) -> float:
         """From a trial at a place [m]."""
@@ -163,7 +164,7 @@ def balanced(
             return x, found
         step = secants.step(x, found)
         good = abs(best[1].left) <= _LIGHT * best[1].scale
-        if abs(step) <= rounded or (good and stalled >= _STALLED):
+        if abs(step) <= rounded or secants.jumps or (good and stalled >= _STALLED):
             break
         x += step
     assert best is not None

@@ -34,8 +34,15 @@ TRADE_FIDELITIES = (
 STARTS = ("steady", "race_control", "kinematic")
 HERTZ = ("exact", "fit")
 WARMTHS = ("mounted", "at_speed", "warm_ring", "network")
+MACHINES = ("alone", "alike", "pushed", "worn_apart")
 
-_SPECIAL = {"fidelity": TRADE_FIDELITIES, "start": STARTS, "hertz": HERTZ, "warmth": WARMTHS}
+_SPECIAL = {
+    "fidelity": TRADE_FIDELITIES,
+    "start": STARTS,
+    "hertz": HERTZ,
+    "warmth": WARMTHS,
+    "machine": MACHINES,
+}
 """Settings of a point that are no keys of a scene, and what they take."""
 
 PRESET_KEYS: dict[str, Mapping[str, Any]] = {
@@ -60,8 +67,9 @@ class SweepPoint:
         The same as a number, NaN where it is none.
     fidelity : str
         Model to solve.
-    start, hertz, warmth : str
-        How it starts, its Hertz factors, what has grown; empty where they are the usual ones.
+    start, hertz, warmth, machine : str
+        How it starts, its Hertz factors, what has grown, what stands beside it on the rotor; empty
+        where they are the usual ones.
     settings : sequence of str
         As `--set` takes them.
     text : str
@@ -74,6 +82,7 @@ class SweepPoint:
     start: str = ""
     hertz: str = ""
     warmth: str = ""
+    machine: str = ""
     settings: tuple[str, ...]
     text: str
 

@@ -32,6 +32,8 @@ from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.sides import of_bearing
+from bearingwear.studies.accuracy.machine import on_a_rotor
 from bearingwear.studies.accuracy.plan import SweepPoint
 from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
 from bearingwear.studies.accuracy.warmth import grown_scene
@@ -114,7 +116,8 @@ def _variables(solves: Sequence[SweepPoint], rows: Sequence[Mapping[str, float]]
 
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
     """What a point gives and what it takes, by the names of the variables."""
-    scene = grown_scene(scene, point.warmth)
+    grown = grown_scene(scene, point.warmth)
+    scene = on_a_rotor(grown, point.machine)
     run = runner(scene, point)
     short = replace(scene, model=replace(scene.model, simulated_turns=0.25, evaluated_turns=None))
     runner(short, point)()  # compiles
@@ -132,13 +135,15 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
         row[name] = float(values.get(name, np.nan))
     counted = COUNTS.index(scene.wear.counts)
     if "qv_error_estimate" in values:
-        row["estimate_total_qv"] = float(values["qv_error_estimate"])
-        row["estimate_residual_preload"] = float(values["residual_preload_error_estimate"])
-        row["estimate_wear_rate"] = float(values["wear_rate_error_estimate"][counted])
+        own = values if scene.pair is None else of_bearing(values, 0)
+        row["estimate_total_qv"] = float(own["qv_error_estimate"])
+        row["estimate_residual_preload"] = float(own["residual_preload_error_estimate"])
+        row["estimate_wear_rate"] = float(own["wear_rate_error_estimate"][counted])
     fidelity = point.fidelity
     symmetric = not asymmetries(scene) or fidelity == "race_control"
     if fidelity in ("steady", "race_control") and symmetric and scene.wear.end_of_life:
-        fresh = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=(0.0,)))
+        fresh = replace(grown, wear=replace(grown.wear, ball_diameter_loss_um=(0.0,)))
+        fresh = on_a_rotor(fresh, point.machine)
         lived, wall = timed(lambda: life(fresh, fidelity).values, repeats, seconds)
         if lived["status"] == code.OK:
             row["life"] = float(lived["life"][counted]) * HOURS_PER_SECOND
@@ -160,7 +165,9 @@ def timed(run: Callable[[], dict], repeats: int, seconds: float) -> tuple[dict, 
 
 
 def quantities(scene: Scene, values: dict) -> dict[str, float]:
-    """The numbers that errors are asked of."""
+    """The numbers that errors are asked of, of the first bearing of two."""
+    if scene.pair is not None:
+        values = of_bearing(values, 0)
     qv = values["qv"].mean(axis=0)
     row = {
         "total_qv": float(values["total_qv"]),

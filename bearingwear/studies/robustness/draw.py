@@ -54,8 +54,9 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
     temperatures, or those found by the network; `bore_ratio`, `outside_ratio` (over the diameter of
     the groove's bottom), `fit_ratio` (interference over the most that is accepted); `pair` (one of
     two bearings, or none), with `external_ratio` (force on the rotor over the preload),
-    `spring_ratio` (stiffness of the spring times the elastic approach, over the preload) and
-    `second_loss_ratio` (as `loss_ratio`, in the second one).
+    `spring_ratio` (stiffness of the spring times the elastic approach, over the preload),
+    `second_loss_ratio` (as `loss_ratio`, in the second one) and `in_tandem` (bearings on the first
+    side).
 
     Raises
     ------
@@ -105,6 +106,7 @@ def _pair(data: dict[str, Any], drawn: Mapping[str, Any], D: float) -> dict[str,
         "external_axial_N": drawn.get("external_ratio", 0.0) * preload,
         "rotor_mass_kg": 0.03,
         "span_mm": 5.0 * D,
+        "tandem": [drawn.get("in_tandem", 1), 1],
     }
     if kind == "spring_pair":
         stiffness = 1e-6 * drawn.get("spring_ratio", 0.0) * preload / approach

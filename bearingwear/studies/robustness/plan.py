@@ -41,6 +41,7 @@ STAND_INS = (
     "external_ratio",
     "spring_ratio",
     "second_loss_ratio",
+    "in_tandem",
 )
 """Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
 

@@ -12,8 +12,9 @@ from bearingwear.kernels.hertz import point_contact
 from bearingwear.model import parameters
 from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.model.solve import solve
-from bearingwear.studies.accuracy.plan import WARMTHS
-from bearingwear.studies.accuracy.run import first_motion, in_time, three_balls
+from bearingwear.studies.accuracy.machine import on_a_rotor
+from bearingwear.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
+from bearingwear.studies.accuracy.run import first_motion, in_time, point_values, three_balls
 from bearingwear.studies.accuracy.warmth import grown_scene
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
@@ -65,6 +66,20 @@ def test_the_fit_moves_the_answer_a_little(scene):
     assert fit["status"] == 0
     assert 1e-5 < abs(fit["total_qv"] / exact["total_qv"] - 1.0) < 0.03
     assert_allclose(fit["residual_preload"], exact["residual_preload"], rtol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["fixed_position", "constant_force"])
+def test_what_stands_on_the_rotor(scene, method):
+    held = scene("gyro_s1", {"operation.preload_method": method})
+    alone, alike, pushed, apart = (on_a_rotor(held, machine) for machine in MACHINES)
+    assert alone is held and alike.pair.is_symmetric and pushed.pair.external_axial_N == 3.5
+    assert apart.sides[1].wear.ball_diameter_loss_um == pytest.approx((0.04,))
+    points = [SweepPoint(label=m, value=0.0, fidelity="steady", machine=m, settings=(), text=m)
+              for m in MACHINES]  # fmt: skip
+    rows = [point_values(held, point, 1, 1.0) for point in points]
+    assert rows[1]["total_qv"] == rows[0]["total_qv"] and rows[1]["life"] == rows[0]["life"]
+    assert rows[2]["residual_preload"] > 1.1 * rows[0]["residual_preload"]
+    assert rows[2]["life"] < 0.8 * rows[0]["life"] and rows[3]["life"] < rows[0]["life"]
 
 
 def test_what_has_grown_is_a_step_further_each_time(scene):

@@ -46,6 +46,8 @@ def of_class(name, seed):
         ("race_control_stress", 0.02),
         ("steady_warm", 0.01),
         ("race_control_warm", 0.02),
+        ("steady_pair", 0.01),
+        ("race_control_pair", 0.02),
     ],
 )
 def test_random_scenes_are_never_wrong(name, unexplained):
