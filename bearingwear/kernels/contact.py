@@ -15,7 +15,7 @@ friction.py, the shape of the contact in profile.py.
 import math
 
 from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
-from bearingwear.kernels.friction import force_per_slip, force_slope
+from bearingwear.kernels.friction import force_per_slip, force_slope, friction_coefficient
 from bearingwear.kernels.hertz import INNER, OUTER
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, pressure, profile, semi_axis
@@ -35,6 +35,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
     sine, cosine : float
         Of the contact angle.
     """
+    S, mu = (op.S_i, op.mu_i) if k == 0 else (op.S_o, op.mu_o)
     return Contact(
         sigma=INNER if k == 0 else OUTER,
         Q=Q,
@@ -44,6 +45,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
         cos_a=cosine,
         r_g=g.r_i if k == 0 else g.r_o,
         omega=op.omega_i if k == 0 else op.omega_o,
+        mu=friction_coefficient(S, mu, Q, a, b),
     )
 
 
@@ -61,6 +63,19 @@ def race_contacts(g, op, state):
         hertz_contact(g, op, 0, state.Q_i, state.alpha_i, state.hertz_i),
         hertz_contact(g, op, 1, state.Q_o, state.alpha_o, state.hertz_o),
     )
+
+
+@jit
+def friction_coefficients(op, state):
+    """Friction coefficients (inner, outer) of a ball in equilibrium [1]."""
+    mu_i, mu_o = op.mu_i, op.mu_o
+    if op.S_i > 0.0:
+        a, b = semi_axis(state.hertz_i.c_a, state.Q_i), semi_axis(state.hertz_i.c_b, state.Q_i)
+        mu_i = friction_coefficient(op.S_i, mu_i, state.Q_i, a, b)
+    if op.S_o > 0.0:
+        a, b = semi_axis(state.hertz_o.c_a, state.Q_o), semi_axis(state.hertz_o.c_b, state.Q_o)
+        mu_o = friction_coefficient(op.S_o, mu_o, state.Q_o, a, b)
+    return mu_i, mu_o
 
 
 @jit

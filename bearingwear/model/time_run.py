@@ -22,9 +22,9 @@ from bearingwear.kernels.record import (
     empty_history,
     empty_sums,
 )
-from bearingwear.kernels.wear import archard_rate
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
+from bearingwear.model.films import Archard
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.values import strip_centres
 from bearingwear.scene.scene import Scene
@@ -93,7 +93,7 @@ class Trend:
 def wear_per_joule(scene: Scene, material: str) -> float:
     """Worn volume per normal force times slip [m3/J]."""
     m = scene.materials[material]
-    return archard_rate(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA, 1.0)
+    return Archard(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA).rate(1.0)
 
 
 def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
