@@ -66,19 +66,6 @@ def race_contacts(g, op, state):
 
 
 @jit
-def friction_coefficients(op, state):
-    """Friction coefficients (inner, outer) of a ball in equilibrium [1]."""
-    mu_i, mu_o = op.mu_i, op.mu_o
-    if op.S_i > 0.0:
-        a, b = semi_axis(state.hertz_i.c_a, state.Q_i), semi_axis(state.hertz_i.c_b, state.Q_i)
-        mu_i = friction_coefficient(op.S_i, mu_i, state.Q_i, a, b)
-    if op.S_o > 0.0:
-        a, b = semi_axis(state.hertz_o.c_a, state.Q_o), semi_axis(state.hertz_o.c_b, state.Q_o)
-        mu_o = friction_coefficient(op.S_o, mu_o, state.Q_o, a, b)
-    return mu_i, mu_o
-
-
-@jit
 def slip_coefficients(contact, u, r):
     """Slip along the two contact axes as (c_1, c_0, c_h, c_x) (theory.md Eqs. 9-10).
 

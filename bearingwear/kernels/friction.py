@@ -12,6 +12,7 @@ a sum is scaled by mu Q afterwards, for a share of the load.
 import math
 
 from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.profile import semi_axis
 
 
 @inlined
@@ -69,6 +70,19 @@ def friction_coefficient(S, mu, Q, a, b):
         Load [N] and semi-axes [m].
     """
     return mu + S * math.pi * a * b / Q if S > 0.0 and Q > 0.0 else mu
+
+
+@jit
+def friction_coefficients(op, state):
+    """Friction coefficients (inner, outer) of a ball in equilibrium [1]."""
+    mu_i, mu_o = op.mu_i, op.mu_o
+    if op.S_i > 0.0:
+        a, b = semi_axis(state.hertz_i.c_a, state.Q_i), semi_axis(state.hertz_i.c_b, state.Q_i)
+        mu_i = friction_coefficient(op.S_i, mu_i, state.Q_i, a, b)
+    if op.S_o > 0.0:
+        a, b = semi_axis(state.hertz_o.c_a, state.Q_o), semi_axis(state.hertz_o.c_b, state.Q_o)
+        mu_o = friction_coefficient(op.S_o, mu_o, state.Q_o, a, b)
+    return mu_i, mu_o
 
 
 @inlined

@@ -19,8 +19,8 @@ import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.compile import inlined, jit
-from bearingwear.kernels.contact import friction_coefficients
 from bearingwear.kernels.equilibrium import cold_start
+from bearingwear.kernels.friction import friction_coefficients
 from bearingwear.kernels.level_solver import pseudo_transient
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NO_STEADY_STATE, NOT_CONVERGED, OK

@@ -17,7 +17,6 @@ from bearingwear.kernels.ball_response import shifted_state
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
-    friction_coefficients,
     race_contacts,
     slip_coefficients,
     slip_map,
@@ -26,7 +25,7 @@ from bearingwear.kernels.contact import (
 )
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
-from bearingwear.kernels.friction import friction_capacity
+from bearingwear.kernels.friction import friction_capacity, friction_coefficients
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.profile import contact_approach
 from bearingwear.kernels.status import BEYOND_GROOVE, CONTACT_LOST, OK, OUTSIDE_HERTZ_RANGE
@@ -255,8 +254,9 @@ def friction_balance(p, v_r, state, u, out, slope):
         slip_map(contact, r, L)
         if slope:
             traction_slope(
-                contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient, p.hessian
-            )
+                contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient,
+                p.hessian,
+            )  # fmt: skip
             subtract_projected(L, p.hessian, J)
         else:
             traction(contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient)
@@ -323,9 +323,7 @@ def balance_size(bearing, state, out):
     """Largest unbalanced moment or orbital force, as a share of the friction forces [1]."""
     mu_i, mu_o = friction_coefficients(bearing.op, state)
     r = bearing.g.R_o + state.X2
-    return balance_share(
-        bearing.D, r, friction_capacity(mu_i, mu_o, state.Q_i, state.Q_o), out
-    )
+    return balance_share(bearing.D, r, friction_capacity(mu_i, mu_o, state.Q_i, state.Q_o), out)
 
 
 @jit

@@ -18,7 +18,8 @@ from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
-LOAD, ANGLE, MAJOR, MINOR, PRESSURE, QV, HEAT, SHARE, TORQUE, SPIN, ROLL, TRACK, FRICTION = range(13)
+LOAD, ANGLE, MAJOR, MINOR, PRESSURE, QV, HEAT, SHARE, TORQUE, SPIN, ROLL = range(11)
+TRACK, FRICTION = 11, 12
 COLUMNS = 13
 
 

@@ -5,8 +5,8 @@ over the loss L that is counted,
 
     d(loss of a ball, depths of the grooves, t)/dL = their rates over that of L,
 
-which an explicit Runge-Kutta method of SciPy follows from one film worn through to the next. Ways of
-counting wear take different paths.
+which an explicit Runge-Kutta method of SciPy follows from one film worn through to the next. Ways
+of counting wear take different paths.
 """
 
 from collections.abc import Callable
@@ -24,14 +24,15 @@ from bearingwear.model.life_integrator import (
     ROOT,
     SHORTEST_STEP,
     LifeHistory,
+    Unsolved,
     WearState,
 )
 from bearingwear.model.mounted import MM, UM
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, Scene
 
-LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated
-UNLIKE = 3.7  # times its first step
+_LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated
+_UNLIKE = 3.7  # times its first step
 _MOST_STEPS = 2000
 _TIME = 3  # index of the time in a path's vector, after the ball and both grooves
 _NO_CRITERION = len(CRITERIA) - 1
@@ -40,14 +41,6 @@ States = Callable[[float, Bare], WearState]
 """From loss of ball diameter [m], and the contacts without film, to the bearing's state."""
 
 Margins = Callable[[WearState], np.ndarray]
-
-
-class Unsolved(ArithmeticError):
-    """A state on the way that was not found."""
-
-    def __init__(self, status: int):
-        super().__init__(status)
-        self.status = status
 
 
 @dataclass
@@ -121,6 +114,7 @@ class FilmLife:
             rate=np.array([off_ball, off_ball + off_races.sum()]),
             ball_rate=float(state.qv @ ball),
             race_rate=self.n_balls * race * state.qv,
+            depth_rate=off_races,
             film=np.maximum(self.thickness - self.depths(y), 0.0),
             film_worn=np.array(bare, dtype=float),
         )
@@ -128,9 +122,7 @@ class FilmLife:
     def rates(self, s: float, y: np.ndarray) -> np.ndarray:
         """Derivative of (loss of a ball, depths of both grooves, t) by the counted loss."""
         state = self.at(y)
-        races = state.rate[1] - state.rate[0]
-        depth = state.race_rate / state.race_rate.sum() * races if races > 0.0 else np.zeros(2)
-        return np.array([state.rate[0], *depth, 1.0]) / state.rate[self.counts]
+        return np.array([state.rate[0], *state.depth_rate, 1.0]) / state.rate[self.counts]
 
     def margin(self, y: np.ndarray) -> np.ndarray:
         """How far each criterion is from being met, and each film from being worn through."""
@@ -273,7 +265,7 @@ def film_history(scene: Scene, states: States, margins: Margins) -> LifeHistory:
         times[-1] = ends
     error = np.full(len(COUNTS), np.nan)
     # in other steps, or an error that is far below the tolerance would not be seen at all
-    loose = path(own, min(LOOSER * tolerance, 1e-2), UNLIKE * FIRST_STEP)
+    loose = path(own, min(_LOOSER * tolerance, 1e-2), _UNLIKE * FIRST_STEP)
     if loose.times and ends[own] == ends[own]:
         error[own] = abs(loose.times[-1] - ends[own])
     return LifeHistory(

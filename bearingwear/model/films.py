@@ -160,10 +160,10 @@ def _surface(
 def friction_law(scene: Scene, bare: Bare = COVERED) -> dict[str, float]:
     """Shear strengths [Pa] and coefficients of both contacts, as `OperatingPoint` names them."""
     given = scene.friction.film
-    law = {}
+    law: dict[str, float] = {}
     for name, uncovered in zip(("i", "o"), bare, strict=True):
         if given is None:
-            S, mu = 0.0, scene.friction.ball_race or 0.0
+            S, mu = 0.0, scene.friction.coefficient
         elif uncovered and given.bare_ball_race is not None:
             S, mu = 0.0, given.bare_ball_race
         else:

@@ -137,8 +137,6 @@ def race_control_states(scene: Scene) -> StateAtLoss:
     """Function from loss to state on the race-control model, every ball losing the same."""
     fresh = np.array(scene.wear.ball_diameter_loss_um)
     first = fresh[0] * parameters.UM
-    op = parameters.operating_point(scene)
-    slip_speed = abs(op.omega_i - op.omega_o)
     known: dict[tuple[float, Bare], Warmed] = {}
     mounted = parameters.static_place(scene)
 
@@ -160,18 +158,19 @@ def race_control_states(scene: Scene) -> StateAtLoss:
             now, warmth = found.scene, warmth_of(scene, found)
         problem = RaceControlProblem.of(now).where_bare(now, bare)
         values, _ = solve_race_control(now, problem)
-        made = race_control_wear_state(loss, values, slip_speed, problem)
+        made = race_control_wear_state(loss, problem, values)
         return in_half_of_pair(scene, mounted, replace(made, **warmth))
 
     return state
 
 
 def race_control_wear_state(
-    loss: float, values: Mapping[str, Any], slip_speed: float, problem: RaceControlProblem
+    loss: float, problem: RaceControlProblem, values: Mapping[str, Any]
 ) -> WearState:
-    """What a life wants of a race-control solution; speeds in rad/s."""
+    """What a life wants of a race-control solution at a loss of ball diameter [m]."""
     if values["status"] != code.OK:
         return WearState(loss, values["status"])
+    op = problem.op
     return WearState(
         loss=loss,
         status=values["status"],
@@ -186,7 +185,7 @@ def race_control_wear_state(
         skid=np.nan,
         pressure=float(values["maximum_pressure"].max()),
         stiffness=float(values["axial_stiffness"]),
-        friction_power=float(values["shaft_torque"]) * slip_speed,
+        friction_power=float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
         ball_rate=float(values["ball_wear_rate"].mean()),
         race_rate=values["race_wear_rate"],
         place=float(values["axial_displacement"]),

@@ -102,14 +102,15 @@ def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
     Rows: QV in the contacts of balls and races [J]; wear of all parts, of the balls, of balls and
     races [m3].
     """
-    p, b = system.layout, scene.bearing
-    ball, race = (wear_per_joule(scene, name) for name in (b.ball_material, b.race_material))
+    p = system.layout
+    ball, race = parameters.wear_factors(scene)
+    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
     weights = np.zeros((4, p.size - p.qv))
     contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
     weights[0, contacts] = 1.0
     weights[1:, contacts] = np.array([[ball + race], [ball], [ball + race]])
-    weights[1:, pockets] = np.array([[ball + cage], [ball], [ball]])
+    weights[1:, pockets] = np.array([[in_pocket + cage], [in_pocket], [in_pocket]])
     weights[1, p.land - p.qv] = cage
     return weights
 

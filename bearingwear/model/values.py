@@ -79,7 +79,10 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
     if max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:  # or friction holds nothing
-        used = friction_used(rows[..., FRICTION], D, gyroscopic, rows[..., LOAD])
+        # of one coefficient no mean is taken, which would round it
+        one = np.array([op.mu_i, op.mu_o])
+        mu = rows[..., FRICTION] if max(op.S_i, op.S_o) > 0.0 else one
+        used = friction_used(mu, D, gyroscopic, rows[..., LOAD])
         values["friction_used_by_gyroscopic_moment"] = used
     if scene.friction.film is not None:
         values["friction_coefficient"] = rows[..., FRICTION]
@@ -172,9 +175,7 @@ def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: n
     """
     off_ball = 2.0 * qv / (np.pi * D[:, None] ** 2)
     loaded = np.where(a > 0.0, a, np.inf)
-    return np.array(
-        [off_ball.mean(axis=0), n * (qv / (4.0 * np.pi * track * loaded)).mean(axis=0)]
-    )
+    return np.array([off_ball.mean(axis=0), n * (qv / (4.0 * np.pi * track * loaded)).mean(axis=0)])
 
 
 def strip_centres(scene: Scene) -> np.ndarray:

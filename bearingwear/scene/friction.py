@@ -118,6 +118,13 @@ class Friction:
         ),
     ] = STANDARD.slip_regularisation_m_s
 
+    @property
+    def coefficient(self) -> float:
+        """The one coefficient; raises `SceneError` where a film has none."""
+        if self.ball_race is None:
+            raise SceneError("friction.film", "given; allowed here, one friction.ball_race")
+        return self.ball_race
+
 
 def check_films(scene: Scene) -> None:
     """Refuse friction and films that contradict each other, or the rest of a scene.
