@@ -15,7 +15,7 @@ friction.py, the shape of the contact in profile.py.
 import math
 
 from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
-from bearingwear.kernels.friction import force_per_slip, force_slope
+from bearingwear.kernels.friction import force_per_slip, force_slope, friction_coefficient
 from bearingwear.kernels.hertz import INNER, OUTER
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, pressure, profile, semi_axis
@@ -35,6 +35,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
     sine, cosine : float
         Of the contact angle.
     """
+    S, mu = (op.S_i, op.mu_i) if k == 0 else (op.S_o, op.mu_o)
     return Contact(
         sigma=INNER if k == 0 else OUTER,
         Q=Q,
@@ -44,6 +45,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
         cos_a=cosine,
         r_g=g.r_i if k == 0 else g.r_o,
         omega=op.omega_i if k == 0 else op.omega_o,
+        mu=friction_coefficient(S, mu, Q, a, b),
     )
 
 

@@ -11,7 +11,8 @@ a sum is scaled by mu Q afterwards, for a share of the load.
 
 import math
 
-from bearingwear.kernels.compile import inlined
+from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.profile import semi_axis
 
 
 @inlined
@@ -55,8 +56,37 @@ def potential(load, v_2, v_r2):
     return load * math.sqrt(v_2 + v_r2)
 
 
+@jit
+def friction_coefficient(S, mu, Q, a, b):
+    """Friction coefficient of a contact under its mean pressure p_m, mu + S/p_m [1].
+
+    A solid film is sheared at S + mu p_m (theory.md Eq. 85); without one S is zero.
+
+    Parameters
+    ----------
+    S : float
+        Shear strength of the film [Pa].
+    Q, a, b : float
+        Load [N] and semi-axes [m].
+    """
+    return mu + S * math.pi * a * b / Q if S > 0.0 and Q > 0.0 else mu
+
+
+@jit
+def friction_coefficients(op, state):
+    """Friction coefficients (inner, outer) of a ball in equilibrium [1]."""
+    mu_i, mu_o = op.mu_i, op.mu_o
+    if op.S_i > 0.0:
+        a, b = semi_axis(state.hertz_i.c_a, state.Q_i), semi_axis(state.hertz_i.c_b, state.Q_i)
+        mu_i = friction_coefficient(op.S_i, mu_i, state.Q_i, a, b)
+    if op.S_o > 0.0:
+        a, b = semi_axis(state.hertz_o.c_a, state.Q_o), semi_axis(state.hertz_o.c_b, state.Q_o)
+        mu_o = friction_coefficient(op.S_o, mu_o, state.Q_o, a, b)
+    return mu_i, mu_o
+
+
 @inlined
-def friction_capacity(mu, Q_i, Q_o):
+def friction_capacity(mu_i, mu_o, Q_i, Q_o):
     """Largest friction force on a ball with the contact loads Q_i and Q_o, the scale of its
     balance [N]."""
-    return mu * (Q_i + Q_o)
+    return mu_o * (Q_i + Q_o) + (mu_i - mu_o) * Q_i

@@ -84,8 +84,9 @@ def ball_blocks(y, bearing, buf):
                 share,
             )  # fmt: skip
             traction_slope(
-                contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, across, share, buf.gradient, H
-            )
+                contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, across, share,
+                buf.gradient, H,
+            )  # fmt: skip
             slip_map(contact, r, L)
             F_y += buf.gradient[1]
             add_power_slopes(contact, c, r, buf.gradient, H, L, S)

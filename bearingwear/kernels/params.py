@@ -28,7 +28,10 @@ class OperatingPoint(NamedTuple):
 
     omega_i: float  # inner race speed [rad/s]
     omega_o: float  # outer race speed [rad/s]
-    mu: float  # Coulomb coefficient ball/race [1]
+    S_i: float  # shear strength of the film in the inner contacts, 0 for Coulomb's law [Pa]
+    S_o: float  # and in the outer ones
+    mu_i: float  # friction coefficient inner ball/race, that of the pressure itself apart [1]
+    mu_o: float  # and outer
     v_r: float  # slip regularisation [m/s]
     drag: float  # rho_eff C_d of the lubricant drag [kg/m3]
 
@@ -97,3 +100,4 @@ class Contact(NamedTuple):
     cos_a: float
     r_g: float  # groove radius [m]
     omega: float  # race speed [rad/s]
+    mu: float  # friction coefficient at its load [1]

@@ -62,13 +62,13 @@ def with_friction(bearing, buf, contact, c, R, r, f):
     m, rule = bearing.op, bearing.rule
     if rule.across.size == 1:
         t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
-        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, m.mu, m.v_r, t, weight)
+        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, contact.mu, m.v_r, t, weight)
     else:
         t, weight = contact_points(
             rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, buf.across, buf.share
         )
         g_1, g_0, g_h, g_x, _, qv = ellipse_sums(
-            contact, c, m.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
+            contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
         )
     sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
     forces = BallForces(

@@ -20,6 +20,7 @@ import numpy as np
 from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.equilibrium import cold_start
+from bearingwear.kernels.friction import friction_coefficients
 from bearingwear.kernels.level_solver import pseudo_transient
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NO_STEADY_STATE, NOT_CONVERGED, OK
@@ -155,7 +156,8 @@ def balance_at_rate(p, v_r, near, u, tangent, balanced):
     seat = orbit_equilibrium(bearing, u[3], near)
     status, steps, F, slope = usable(seat.state), 0, math.nan, math.nan
     if status == OK:
-        capacity = 2.0 * bearing.op.mu * min(seat.state.Q_i, seat.state.Q_o)
+        mu_i, mu_o = friction_coefficients(bearing.op, seat.state)
+        capacity = 2.0 * min(mu_i * seat.state.Q_i, mu_o * seat.state.Q_o)
         allowed = balanced * 0.5 * bearing.D * capacity
         status, steps = balance_moments(p, v_r, seat.state, u, allowed)
         if status == OK:

@@ -25,7 +25,7 @@ from bearingwear.kernels.contact import (
 )
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
-from bearingwear.kernels.friction import friction_capacity
+from bearingwear.kernels.friction import friction_capacity, friction_coefficients
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.profile import contact_approach
 from bearingwear.kernels.status import BEYOND_GROOVE, CONTACT_LOST, OK, OUTSIDE_HERTZ_RANGE
@@ -254,11 +254,12 @@ def friction_balance(p, v_r, state, u, out, slope):
         slip_map(contact, r, L)
         if slope:
             traction_slope(
-                contact, c, op.mu, v_r, t, weight, h, p.width, across, share, p.gradient, p.hessian
-            )
+                contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient,
+                p.hessian,
+            )  # fmt: skip
             subtract_projected(L, p.hessian, J)
         else:
-            traction(contact, c, op.mu, v_r, t, weight, h, p.width, across, share, p.gradient)
+            traction(contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient)
         subtract_gradient(L, p.gradient, out)
         if u.size > 4:
             out[4 + k] = R * (p.gradient[4] - u[4 + k])
@@ -320,17 +321,18 @@ def full_jacobian(p, v_r, seat, u):
 @jit
 def balance_size(bearing, state, out):
     """Largest unbalanced moment or orbital force, as a share of the friction forces [1]."""
+    mu_i, mu_o = friction_coefficients(bearing.op, state)
     r = bearing.g.R_o + state.X2
-    return balance_share(bearing.op, bearing.D, r, state.Q_i, state.Q_o, out)
+    return balance_share(bearing.D, r, friction_capacity(mu_i, mu_o, state.Q_i, state.Q_o), out)
 
 
 @jit
-def balance_share(op, D, r, Q_i, Q_o, out):
-    """`balance_size` of a ball of diameter D on the orbit r [m] under the loads Q_i, Q_o [N]."""
+def balance_share(D, r, capacity, out):
+    """`balance_size` of a ball of diameter D on the orbit r [m] that friction holds with [N]."""
     moment = max(abs(out[0]), abs(out[1]), abs(out[2])) / (0.5 * D)
     for i in range(4, out.size):
         moment = max(moment, abs(out[i]) / (0.5 * D))
-    return max(moment, abs(out[3]) / r) / friction_capacity(op.mu, Q_i, Q_o)
+    return max(moment, abs(out[3]) / r) / capacity
 
 
 @jit
@@ -351,7 +353,8 @@ def rounding(bearing, state, u, J):
     Rounding
     """
     g = bearing.g
-    capacity = friction_capacity(bearing.op.mu, state.Q_i, state.Q_o)
+    mu_i, mu_o = friction_coefficients(bearing.op, state)
+    capacity = friction_capacity(mu_i, mu_o, state.Q_i, state.Q_o)
     d_i = contact_approach(state.hertz_i.K, state.Q_i)
     d_o = contact_approach(state.hertz_o.K, state.Q_o)
     light = 1.5 * LAST_BIT * max(g.r_i / d_i, g.r_o / d_o)

@@ -18,8 +18,9 @@ from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
-LOAD, ANGLE, MAJOR, MINOR, PRESSURE, QV, HEAT, SHARE, TORQUE, SPIN, ROLL, TRACK = range(12)
-COLUMNS = 12
+LOAD, ANGLE, MAJOR, MINOR, PRESSURE, QV, HEAT, SHARE, TORQUE, SPIN, ROLL = range(11)
+TRACK, FRICTION = 11, 12
+COLUMNS = 13
 
 
 class Workspace(NamedTuple):
@@ -83,7 +84,7 @@ def contact_summary(g, D, op, state, u, r, rule, work, out):
             rule, contact, R, c, op.v_r, work.t, work.weight, h, width, across, share
         )
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = dissipation(
-            contact, c, op.mu, op.v_r, r, t, weight, h, width, across, share
+            contact, c, contact.mu, op.v_r, r, t, weight, h, width, across, share
         )
         # Angular velocity of the ball against the race, along the normal and in the contact plane.
         w_rel = u[0] - contact.omega
@@ -91,6 +92,7 @@ def contact_summary(g, D, op, state, u, r, rule, work, out):
         row[ROLL] = w_rel * contact.cos_a - u[2] * contact.sin_a
         middle = middle_height(profile(contact.r_g, R, contact.a))
         row[TRACK] = r + contact.sigma * middle * contact.cos_a
+        row[FRICTION] = contact.mu
 
 
 @jit

@@ -80,18 +80,22 @@ def friction_check(g, D, op, state, u, rule, bears):
     R = 0.5 * D
     r = g.R_o + state.X2
     m_x = m_y = m_z = f_x = f_y = f_z = 0.0
-    heat = power = power_in = qv = 0.0
+    heat = power = power_in = qv = mu_i = mu_o = 0.0
     contacts = race_contacts(g, op, state)
     t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
     across, share = np.empty((2, rule.across.size))
     for side in (-1.0, 1.0):
         if side < 0.0:
             Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
-            c_a, c_b = state.hertz_i.c_a, state.hertz_i.c_b
+            c_a, c_b, S, mu = state.hertz_i.c_a, state.hertz_i.c_b, op.S_i, op.mu_i
         else:
             Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
-            c_a, c_b = state.hertz_o.c_a, state.hertz_o.c_b
+            c_a, c_b, S, mu = state.hertz_o.c_a, state.hertz_o.c_b, op.S_o, op.mu_o
         a, b = c_a * Q ** (1.0 / 3.0), c_b * Q ** (1.0 / 3.0)
+        if S > 0.0:
+            peak = 1.5 * Q / (math.pi * a * b)
+            mu += S / (2.0 / 3.0 * peak)
+        mu_i, mu_o = (mu, mu_o) if side < 0.0 else (mu_i, mu)
         n_x, n_z = side * math.sin(alpha), side * math.cos(alpha)
         e_x, e_z = math.cos(alpha), -math.sin(alpha)
         R_d = 2.0 * r_g * R / (r_g + R)
@@ -114,7 +118,7 @@ def friction_check(g, D, op, state, u, rule, bears):
             v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
             v_2 = race_y - ball_y
             v = math.hypot(v_1, v_2)
-            F = op.mu * Q * weight[i] * share[j] / math.hypot(v, op.v_r)
+            F = mu * Q * weight[i] * share[j] / math.hypot(v, op.v_r)
             F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
             m_x += y * F_z - p_z * F_y
             m_y += p_z * F_x - p_x * F_z
@@ -131,7 +135,7 @@ def friction_check(g, D, op, state, u, rule, bears):
     F_v = drag_force(g, D, op.drag, u[3])[0]
     m_y += inertia * u[3] * u[2]
     m_z -= inertia * u[3] * u[1]
-    capacity = op.mu * (state.Q_i + state.Q_o)
+    capacity = mu_o * (state.Q_i + state.Q_o) + (mu_i - mu_o) * state.Q_i
     residual = max(abs(m_x), abs(m_y), abs(m_z), abs(f_y + F_v) * R) / (capacity * R)
     if bears:
         centrifugal = ball_mass(g.rho, D) * r * u[3] ** 2

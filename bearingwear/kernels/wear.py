@@ -1,24 +1,8 @@
-"""Archard wear of balls and races, and the ball diameter it costs (theory.md section 6)."""
+"""The ball diameter that wear of balls and races costs (theory.md section 6)."""
 
 import math
 
 from bearingwear.kernels.compile import jit
-
-
-@jit
-def archard_rate(K_s, H, qv):
-    """Worn volume per time, K_s QV / H [m3/s].
-
-    Parameters
-    ----------
-    K_s : float
-        Wear coefficient of the part that wears [1].
-    H : float
-        Its Brinell hardness as a pressure [Pa].
-    qv : float
-        Integral of |v| dQ [W].
-    """
-    return K_s * qv / H
 
 
 @jit

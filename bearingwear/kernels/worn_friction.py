@@ -20,6 +20,7 @@ from bearingwear.kernels.contact import (
     traction_slope,
 )
 from bearingwear.kernels.ellipse import contact_points, most_points
+from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.profile import contact_load
@@ -140,13 +141,13 @@ def worn_slope(cells, contact, R, c, op, v_r, rule, work):
         rule, contact, R, c, v_r, work.t, work.weight, work.h, work.width, across, share
     )
     traction_slope(
-        contact, c, op.mu, v_r, t, weight, work.h, work.width, across, share, work.gradient,
+        contact, c, contact.mu, v_r, t, weight, work.h, work.width, across, share, work.gradient,
         work.hessian,
     )  # fmt: skip
     for worn in range(2):
         t, weight, h, width, _ = loaded_cells(cells[worn])
         traction_slope(
-            contact, c, op.mu, v_r, t, weight, h, width, work.ones, work.halves,
+            contact, c, contact.mu, v_r, t, weight, h, width, work.ones, work.halves,
             work.part_gradient, work.part_hessian,
         )  # fmt: skip
         sign = 1.0 if worn == OF_WORN else -1.0
@@ -193,10 +194,11 @@ def friction_newton(g, op, D, seat, v_r, rule, work, u):
     status, F_i, F_o
         Friction as in `worn_friction_balance`.
     """
-    r, Q_i, Q_o = g.R_o + seat.X2, seat.inner.Q, seat.outer.Q
-    out = work.residual
+    r, out = g.R_o + seat.X2, work.residual
+    mu_i, mu_o = unworn_contact(g, op, 0, seat.inner).mu, unworn_contact(g, op, 1, seat.outer).mu
+    capacity = friction_capacity(mu_i, mu_o, seat.inner.Q, seat.outer.Q)
     F_i, F_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, u, out)
-    size = balance_share(op, D, r, Q_i, Q_o, out)
+    size = balance_share(D, r, capacity, out)
     for _ in range(NEWTON_STEPS):
         if size <= FRICTION_LEFT:
             return OK, F_i, F_o
@@ -211,7 +213,7 @@ def friction_newton(g, op, D, seat, v_r, rule, work, u):
             for i in range(4):
                 work.trial[i] = u[i] + damping * work.step[i]
             T_i, T_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, work.trial, out)
-            new = balance_share(op, D, r, Q_i, Q_o, out)
+            new = balance_share(D, r, capacity, out)
             if new < (1.0 - DESCENT * damping) * size or new <= FRICTION_LEFT:
                 found = True
                 break
@@ -261,13 +263,13 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
             rule, contact, R, c, op.v_r, work.t, work.weight, work.h, work.width, across, share
         )
         qv, heat, gyro, torque = dissipation(
-            contact, c, op.mu, op.v_r, r, t, weight, work.h, work.width, across, share
+            contact, c, contact.mu, op.v_r, r, t, weight, work.h, work.width, across, share
         )
         gyro *= qv
         for worn in range(2):
             t, weight, h, width, column = loaded_cells(work.cells[k, worn])
             part = dissipation(
-                contact, c, op.mu, op.v_r, r, t, weight, h, width, work.ones, work.halves
+                contact, c, contact.mu, op.v_r, r, t, weight, h, width, work.ones, work.halves
             )
             sign = 1.0 if worn == OF_WORN else -1.0
             qv += sign * part[0]

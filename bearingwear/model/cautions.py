@@ -15,6 +15,7 @@ import numpy as np
 from bearingwear.model.criterion import IN_WORDS, criterion_met
 from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence, evidence_of
 from bearingwear.model.fidelity import Choice, unwatched
+from bearingwear.model.films_told import film_worn
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
 from bearingwear.scene.scene import Scene
 from bearingwear.sides import of_bearing
@@ -61,7 +62,6 @@ LARGEST_EXCESS = 1e6
 """What is stated of anything over nothing at all."""
 
 _GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
-
 
 Finding = tuple[float | None, Mapping[str, Any]]
 """How many times a value is its limit, None for a fact, and the words of the sentence."""
@@ -288,6 +288,12 @@ CAUTIONS = (
         "{loss:.3g} um lost is {value:.2g} times the gap between ball and groove at the ellipse's "
         "edge: from {limit:g} on the groove is not Hertz' any more",
         "take pressure, slip and wear as estimates",
+    ),
+    Caution(
+        "film_worn",
+        lambda e: film_worn(e.scene, e.life),
+        "the film is worn through ({races} race, {share:.0f} % of the track), friction stays",
+        "give friction.film.bare_ball_race, or end the life by film_worn_share",
     ),
     Caution(
         "growth_left_out",

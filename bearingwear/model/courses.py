@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.life import life_history, steady_states
 from bearingwear.model.life_integrator import LifeHistory, WearState
 from bearingwear.model.pair_life import PairHistory, PairLife, PairStates, pair_states
@@ -24,7 +25,7 @@ class WearCourses:
     """
 
     def __init__(self, scene: Scene):
-        self._known: dict[float, WearState] = {}
+        self._known: dict[tuple[float, Bare], WearState] = {}
         unlike = scene.pair is not None and not scene.pair.is_symmetric
         self._both = pair_states(scene, "steady", WELL_BALANCED) if unlike else None
         self._solve = None if unlike else steady_states(scene)
@@ -39,11 +40,11 @@ class WearCourses:
         self.failed = sum(state.status != code.OK for state in self._known.values())
         return history
 
-    def _state(self, loss: float) -> WearState:
+    def _state(self, loss: float, bare: Bare = COVERED) -> WearState:
         assert self._solve is not None
-        if loss not in self._known:
-            self._known[loss] = self._solve(loss)
-        return self._known[loss]
+        if (loss, bare) not in self._known:
+            self._known[loss, bare] = self._solve(loss, bare)
+        return self._known[loss, bare]
 
     def _of_pair(self, scene: Scene, states: PairStates) -> LifeHistory:
         runs = [

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from bearingwear.model.films import friction_at
 from bearingwear.model.fitted_hertz import fitted_contact
 from bearingwear.model.mounted import GPA, MM, RPM, contact_modulus
 from bearingwear.scene.scene import Material, Scene
@@ -97,7 +98,8 @@ def saturation_slip(scene: Scene, sigma: float, load: float, major: float) -> fl
     ratio = 1.0 / _aspect(scene, sigma)[0]
     c11, _, _ = kalker_coefficients(ratio, nu)
     rolling = 0.25 * _relative_speed(scene) * dm * (1.0 - (D / dm * math.cos(alpha)) ** 2)
-    return 3.0 * scene.friction.ball_race * load * rolling / (G * ratio * major**2 * c11)
+    mu = friction_at(scene, load / (math.pi * ratio * major**2))
+    return 3.0 * mu * load * rolling / (G * ratio * major**2 * c11)
 
 
 def saturation_share(scene: Scene) -> float:

@@ -111,6 +111,9 @@ IN_WORDS = {
         _at("friction_used_by_gyroscopic_moment"),
         "lower speed, more preload or ceramic balls",
     ),
+    "film_worn_share": Criterion(
+        "share of a track without film", _at("film_worn_share"), "a thicker film, or less load"
+    ),
 }
 
 

@@ -24,6 +24,7 @@ from bearingwear.kernels.record import (
 )
 from bearingwear.kernels.summary import ANGLE, PRESSURE, QV
 from bearingwear.kernels.thrust import skid_ratio
+from bearingwear.model import parameters
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.time_run import TimeRun, wear_per_joule
 from bearingwear.model.values import contact_values
@@ -146,8 +147,8 @@ def add_cage_values(
 def histories(scene: Scene, history: History, length: int) -> dict:
     """Variables of the instants kept, the first `length` of them."""
     log = History._make(column[:length] for column in history)
-    b = scene.bearing
-    ball, race = (wear_per_joule(scene, name) for name in (b.ball_material, b.race_material))
+    ball, race = parameters.wear_factors(scene)
+    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     values = {
         "time": log.time,
         "history_contact_load": log.load,
@@ -156,7 +157,7 @@ def histories(scene: Scene, history: History, length: int) -> dict:
         "history_orbit_lead": log.lead,
         "history_residual_preload": log.preload,
         "history_race_displacement": log.displacement,
-        "history_ball_wear_rate": ball * (log.qv.sum(axis=2) + log.pocket_power),
+        "history_ball_wear_rate": ball * (log.qv.sum(axis=2) + in_pocket / ball * log.pocket_power),
         "history_race_wear_rate": race * log.qv.sum(axis=1),
     }
     if scene.cage is None:

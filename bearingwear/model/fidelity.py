@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 from bearingwear.model.creep import micro_slip_told
+from bearingwear.model.films_told import films_refused, films_told
 from bearingwear.model.growth_told import growth_told
 from bearingwear.provenance import is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
@@ -128,6 +129,8 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
         Where the tier asked for cannot solve this scene, or sees no end of its life.
     """
     chosen = choice(scene, fidelity)
+    if refused := films_refused(scene, chosen.tier):
+        raise NotAvailable(f"{scene.name}: {refused}")
     unseen = unwatched(scene, chosen)
     if not unseen:
         return chosen
@@ -166,6 +169,7 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
     reasons = (
         f"{tier}: {why}",
         *_pair(scene),
+        *films_told(scene),
         *told[tier](chosen.reduced(scene)),
         *growth_told(scene),
         *cage_told,

@@ -6,18 +6,21 @@ Contact state, slip and preload are solved anew at every loss that the integral 
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
+from bearingwear.kernels.summary import ANGLE, FRICTION, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import NotAvailable, choice_for_life
+from bearingwear.model.film_life import film_history
+from bearingwear.model.film_values import film_values
+from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.heat import SteadyHeat, heat_of_case, race_control_heat, warmth_of
 from bearingwear.model.interrupt import Interrupt
@@ -27,19 +30,24 @@ from bearingwear.model.life_integrator import (
     LifeIntegrator,
     WearState,
 )
-from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.solve import provenance
 from bearingwear.model.steady import ThrustProblem, axial_force
-from bearingwear.model.thermal import Warmed, warmed
-from bearingwear.model.values import friction_used, wear_values
+from bearingwear.model.thermal import HeatFlow, Warmed, warmed
+from bearingwear.model.values import friction_used, loss_per_wear, wear_values
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
 
-def steady_states(
-    scene: Scene, problem: ThrustProblem | None = None
-) -> Callable[[float], WearState]:
+class StateAtLoss(Protocol):
+    """Function from a loss of ball diameter [m] to the state, in some contacts without film."""
+
+    def __call__(self, loss: float, bare: Bare = COVERED) -> WearState: ...
+
+
+def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAtLoss:
     """Function from loss to state on the steady model, each solve started from the nearest one.
 
     `problem`, if given, takes the place of the scene's own (other settings of accuracy).
@@ -50,13 +58,14 @@ def steady_states(
                 f"{scene.name}: given two bearings that differ; allowed one, or alike"
             )
         scene = scene.sides[0]
-    like, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)
-    solved: dict[float, tuple[np.ndarray, Warmed | None]] = {}
+    covered, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)
+    solved: dict[tuple[float, Bare], tuple[np.ndarray, Warmed | None]] = {}
 
-    def state(loss: float) -> WearState:
+    def state(loss: float, bare: Bare = COVERED) -> WearState:
+        like = covered.where_bare(scene, bare) if any(bare) else covered
         if like.undetermined() != code.OK:
             return WearState(loss, like.undetermined())
-        near = min(solved, key=lambda x: abs(x - loss), default=None)
+        near = min(solved, key=lambda x: (x[1] != bare, abs(x[0] - loss)), default=None)
         u, found = (None, None) if near is None else solved[near]
         problem, warmth = like, dict[str, Any]()
         if scene.thermal is None:
@@ -69,7 +78,7 @@ def steady_states(
             problem, case = solver.problem, solver.case
             warmth = warmth_of(scene, found)
         if case.status == code.OK:
-            solved[loss] = case.u, found
+            solved[loss, bare] = case.u, found
         made = steady_wear_state(scene, problem, loss, case)
         return in_half_of_pair(scene, mounted, replace(made, **warmth))
 
@@ -104,7 +113,11 @@ def steady_wear_state(
         ball_rate=float(wear["ball_wear_rate"][0]),
         race_rate=wear["race_wear_rate"],
         place=case.delta_a,
-        friction_used=float(friction_used(problem.op, D, gyroscopic, c[None, :, LOAD])[0]),
+        friction_used=float(
+            friction_used(c[None, :, FRICTION], D, gyroscopic, c[None, :, LOAD])[0]
+        ),
+        friction=c[:, FRICTION],
+        per_wear=loss_per_wear(g.n_balls, D, c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]),
     )
 
 
@@ -120,37 +133,44 @@ def in_half_of_pair(scene: Scene, mounted: float, state: WearState) -> WearState
     return replace(state, system_stiffness=state.stiffness, shift=state.place - mounted)
 
 
-def race_control_states(scene: Scene) -> Callable[[float], WearState]:
+def race_control_states(scene: Scene) -> StateAtLoss:
     """Function from loss to state on the race-control model, every ball losing the same."""
     fresh = np.array(scene.wear.ball_diameter_loss_um)
     first = fresh[0] * parameters.UM
-    op = parameters.operating_point(scene)
-    slip_speed = abs(op.omega_i - op.omega_o)
-    known: dict[float, Warmed] = {}
+    known: dict[tuple[float, Bare], Warmed] = {}
     mounted = parameters.static_place(scene)
 
-    def state(loss: float) -> WearState:
+    def state(loss: float, bare: Bare = COVERED) -> WearState:
         worn = tuple(fresh + (loss - first) / parameters.UM)
         now = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=worn))
         warmth: dict[str, Any] = {}
         if scene.thermal is not None:
-            near = min(known, key=lambda x: abs(x - loss), default=None)
-            found = warmed(now, race_control_heat, None if near is None else known[near])
+            near = min(known, key=lambda x: (x[1] != bare, abs(x[0] - loss)), default=None)
+
+            def heat(warm: Scene) -> tuple[int, HeatFlow]:
+                problem = RaceControlProblem.of(warm).where_bare(warm, bare)
+                return race_control_heat(warm, problem)
+
+            found = warmed(now, heat, None if near is None else known[near])
             if found.status != code.OK:
                 return WearState(loss, found.status)
-            known[loss] = found
+            known[loss, bare] = found
             now, warmth = found.scene, warmth_of(scene, found)
-        values, _ = solve_race_control(now)
-        made = race_control_wear_state(loss, values, slip_speed)
+        problem = RaceControlProblem.of(now).where_bare(now, bare)
+        values, _ = solve_race_control(now, problem)
+        made = race_control_wear_state(loss, problem, values)
         return in_half_of_pair(scene, mounted, replace(made, **warmth))
 
     return state
 
 
-def race_control_wear_state(loss: float, values: Mapping[str, Any], slip_speed: float) -> WearState:
-    """What a life wants of a race-control solution; speeds in rad/s."""
+def race_control_wear_state(
+    loss: float, problem: RaceControlProblem, values: Mapping[str, Any]
+) -> WearState:
+    """What a life wants of a race-control solution at a loss of ball diameter [m]."""
     if values["status"] != code.OK:
         return WearState(loss, values["status"])
+    op = problem.op
     return WearState(
         loss=loss,
         status=values["status"],
@@ -165,11 +185,17 @@ def race_control_wear_state(loss: float, values: Mapping[str, Any], slip_speed: 
         skid=np.nan,
         pressure=float(values["maximum_pressure"].max()),
         stiffness=float(values["axial_stiffness"]),
-        friction_power=float(values["shaft_torque"]) * slip_speed,
+        friction_power=float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
         ball_rate=float(values["ball_wear_rate"].mean()),
         race_rate=values["race_wear_rate"],
         place=float(values["axial_displacement"]),
         friction_used=float(np.max(values.get("friction_used_by_gyroscopic_moment", np.inf))),
+        friction=np.mean(values.get("friction_coefficient", (np.nan, np.nan)), axis=0),
+        per_wear=loss_per_wear(
+            problem.g.n_balls,
+            problem.D,
+            *(values[name] for name in ("qv", "semi_major_axis", "contact_track_radius")),
+        ),
     )
 
 
@@ -187,6 +213,7 @@ def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
         "rotor_shift_um": lambda limit: 1.0 - abs(state.shift) / (limit * parameters.UM),
         "system_axial_stiffness_N_um": lambda limit: state.system_stiffness / (limit * MN_M) - 1.0,
         "friction_used_by_gyroscopic_moment": lambda limit: limit - state.friction_used,
+        "film_worn_share": lambda limit: limit - state.film_worn.max(),
     }
     found = np.full(len(CRITERIA) - 1, np.inf)
     for name, limit in end.criteria.items():
@@ -282,9 +309,11 @@ def solve_life_over_loss(scene: Scene, tier: str) -> tuple[dict, dict]:
     return values, {"solves": history.solves}
 
 
-def life_history(scene: Scene, state: Callable[[float], WearState]) -> LifeHistory:
+def life_history(scene: Scene, state: StateAtLoss) -> LifeHistory:
     """Wear states of a scene, given by the function `state`, up to its end of life."""
     end, preload = scene.wear.end_of_life or EndOfLife(), scene.operation.preload_N
+    if changes_as_it_wears(scene):
+        return film_history(scene, state, lambda s: margins(s, end, preload))
     integrator = LifeIntegrator(state, lambda s: margins(s, end, preload), scene.model.tolerance)
     D0 = scene.bearing.ball_diameter_mm * parameters.MM
     return integrator.integrate(
@@ -321,7 +350,7 @@ def life_values(scene: Scene, history: LifeHistory) -> dict:
         "loss_at_end": states[-1].loss,
         "history_time": np.array(history.times),
     }
-    return values | history_values(states)
+    return values | history_values(states) | film_values(scene, history)
 
 
 def history_values(states: list[WearState]) -> dict:

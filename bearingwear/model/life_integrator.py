@@ -58,6 +58,19 @@ class WearState:
     friction_used: float = np.nan  # by the gyroscopic moment [1]
     system_stiffness: float = np.nan  # axial, of the arrangement [N/m]
     shift: float = np.nan  # of the rotor from where it was mounted [m]
+    friction: np.ndarray = pair()  # coefficients of the contacts [1]
+    per_wear: np.ndarray = pair()  # (2, 2) see values.loss_per_wear
+    depth_rate: np.ndarray = pair()  # of both grooves, where films or running in ask for it [m/s]
+    film: np.ndarray = field(default_factory=lambda: np.full(3, np.nan))  # left, as `films.Cover`
+    film_worn: np.ndarray = pair()  # share of each track on which no film is left [1]
+
+
+class Unsolved(ArithmeticError):
+    """A state on the way that was not found."""
+
+    def __init__(self, status: int):
+        super().__init__(status)
+        self.status = status
 
 
 @dataclass

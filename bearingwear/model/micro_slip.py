@@ -48,7 +48,7 @@ def sums_of_contacts(
         c = slip_coefficients(contact, u, r)
         V = rolling_speed(contact, 0.5 * D, r, float(u[3]))
         bed = flexibility(scene, a, b)
-        found.append(micro_slip(contact, 0.5 * D, c, op.mu, V, bed, STRIPS, CELLS))
+        found.append(micro_slip(contact, 0.5 * D, c, contact.mu, V, bed, STRIPS, CELLS))
     return found
 
 

@@ -216,8 +216,7 @@ class RaceControlSide:
         return False  # there is one solution
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
-        op = self.problem.op
-        made = race_control_wear_state(loss, state.answer[0], abs(op.omega_i - op.omega_o))
+        made = race_control_wear_state(loss, self.problem, state.answer[0])
         return replace(made, **warmth_of_side(self.scene, state))
 
 

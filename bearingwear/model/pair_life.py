@@ -32,6 +32,7 @@ from bearingwear.model.life_integrator import (
     REASONLESS,
     ROOT,
     SHORTEST_STEP,
+    Unsolved,
     WearState,
 )
 from bearingwear.model.pair import Pair, SteadySide
@@ -46,14 +47,6 @@ LIFE_BALANCED = 1e-9  # force left on the rotor in a state of a life, over the l
 _MOST_STEPS = 2000
 
 Both = tuple[WearState, WearState]
-
-
-class Unsolved(ArithmeticError):
-    """A state on the way that was not found."""
-
-    def __init__(self, status: int):
-        super().__init__(status)
-        self.status = status
 
 
 @dataclass

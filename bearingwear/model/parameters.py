@@ -8,6 +8,7 @@ import numpy as np
 from bearingwear.kernels.ellipse import SEGMENTS, Rule
 from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.model.films import Films, friction_law
 from bearingwear.model.growth import axial_change, grown, growth_of
 from bearingwear.model.mounted import GPA as GPA
 from bearingwear.model.mounted import MM as MM
@@ -52,13 +53,13 @@ def geometry(scene: Scene) -> Geometry:
 
 
 def operating_point(scene: Scene) -> OperatingPoint:
-    """Speeds and friction of a scene."""
+    """Speeds and friction of a scene, its films as they are when new."""
     return OperatingPoint(
         omega_i=scene.operation.shaft_speed_rpm * RPM,
         omega_o=scene.operation.outer_speed_rpm * RPM,
-        mu=float(scene.friction.ball_race),
         v_r=float(scene.friction.slip_regularisation_m_s),
         drag=float(scene.lubricant.drag_density_kg_m3),
+        **friction_law(scene),
     )
 
 
@@ -108,10 +109,7 @@ def search_rule(scene: Scene) -> Rule:
 
 
 def wear_factors(scene: Scene) -> tuple[float, float]:
-    """K_s/H of ball and race [1/Pa]."""
-    b = scene.bearing
-    ball, race = (
-        m.wear_coefficient / (m.brinell_hardness_GPa * GPA)
-        for m in (scene.materials[b.ball_material], scene.materials[b.race_material])
-    )
-    return ball, race
+    """K_s/H of ball and race as they are when new [1/Pa]."""
+    films = Films.of(scene)
+    ball, race = (np.max(part.K_s / part.H) for part in films.wearing(films.cover))
+    return float(ball), float(race)

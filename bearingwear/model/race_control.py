@@ -37,6 +37,7 @@ from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import asymmetries
+from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
@@ -82,6 +83,10 @@ class RaceControlProblem:
             tilt=operation.tilt_mrad * 1e-3,
             D=D if asymmetries(scene) else D[:1],
         )
+
+    def where_bare(self, scene: Scene, bare: Bare) -> "RaceControlProblem":
+        """The problem of a scene in some of whose contacts no film is left."""
+        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
 
     @property
     def psi(self) -> np.ndarray:

@@ -21,6 +21,7 @@ from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, QV, TORQUE, TR
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
+from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.micro_slip import micro_slip_values
 from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
@@ -64,6 +65,10 @@ class ThrustProblem:
         return ThrustBearing(
             g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
         )
+
+    def where_bare(self, scene: Scene, bare: Bare) -> "ThrustProblem":
+        """The problem of a scene in some of whose contacts no film is left."""
+        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""
@@ -114,7 +119,8 @@ class ThrustProblem:
 
     def undetermined(self) -> int:
         """Status that is plain before any solve, or OK."""
-        if self.op.mu == 0.0:
+        op = self.op
+        if not max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:
             return code.UNDETERMINED
         if self.preload.constant_force and self.preload.F_x == 0.0:
             return code.PRELOAD_GONE

@@ -22,9 +22,9 @@ from bearingwear.kernels.record import (
     empty_history,
     empty_sums,
 )
-from bearingwear.kernels.wear import archard_rate
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
+from bearingwear.model.films import Archard
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.values import strip_centres
 from bearingwear.scene.scene import Scene
@@ -93,7 +93,7 @@ class Trend:
 def wear_per_joule(scene: Scene, material: str) -> float:
     """Worn volume per normal force times slip [m3/J]."""
     m = scene.materials[material]
-    return archard_rate(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA, 1.0)
+    return Archard(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA).rate(1.0)
 
 
 def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
@@ -102,14 +102,15 @@ def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
     Rows: QV in the contacts of balls and races [J]; wear of all parts, of the balls, of balls and
     races [m3].
     """
-    p, b = system.layout, scene.bearing
-    ball, race = (wear_per_joule(scene, name) for name in (b.ball_material, b.race_material))
+    p = system.layout
+    ball, race = parameters.wear_factors(scene)
+    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
     weights = np.zeros((4, p.size - p.qv))
     contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
     weights[0, contacts] = 1.0
     weights[1:, contacts] = np.array([[ball + race], [ball], [ball + race]])
-    weights[1:, pockets] = np.array([[ball + cage], [ball], [ball]])
+    weights[1:, pockets] = np.array([[in_pocket + cage], [in_pocket], [in_pocket]])
     weights[1, p.land - p.qv] = cage
     return weights
 

@@ -9,6 +9,7 @@ from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.kernels.stiffness import DOF, bearing_stiffness
 from bearingwear.kernels.summary import (
     ANGLE,
+    FRICTION,
     HEAT,
     LOAD,
     MAJOR,
@@ -21,8 +22,8 @@ from bearingwear.kernels.summary import (
     TRACK,
     slip_profile,
 )
-from bearingwear.kernels.wear import archard_rate, diameter_loss_rate
-from bearingwear.model import parameters
+from bearingwear.kernels.wear import diameter_loss_rate
+from bearingwear.model.films import Films
 from bearingwear.scene.scene import Scene
 
 TURN = 2.0 * np.pi
@@ -77,23 +78,31 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
-    if op.mu > 0.0:  # or friction holds nothing
-        used = friction_used(op, D, gyroscopic, rows[..., LOAD])
+    if max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:  # or friction holds nothing
+        # of one coefficient no mean is taken, which would round it
+        one = np.array([op.mu_i, op.mu_o])
+        mu = rows[..., FRICTION] if max(op.S_i, op.S_o) > 0.0 else one
+        used = friction_used(mu, D, gyroscopic, rows[..., LOAD])
         values["friction_used_by_gyroscopic_moment"] = used
+    if scene.friction.film is not None:
+        values["friction_coefficient"] = rows[..., FRICTION]
     return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
 
 
-def friction_used(op: OperatingPoint, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
-    """Share M_g/(mu (Q_i + Q_o) R) of the friction that gyroscopic moments [N m] take up [1].
+def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
+    """Share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that gyroscopic moments [N m] take up [1].
 
     Parameters
     ----------
+    mu : ndarray (n, 2)
+        Friction coefficients of the contacts [1].
     D : ndarray (n,)
         Worn ball diameters [m].
     Q : ndarray (n, 2)
         Contact loads [N].
     """
-    most = op.mu * Q.sum(axis=-1) * 0.5 * D
+    friction = mu[..., 1] * Q.sum(axis=-1) + (mu[..., 0] - mu[..., 1]) * Q[..., 0]
+    most = friction * 0.5 * D
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(moment > 0.0, moment / most, 0.0)
 
@@ -131,11 +140,9 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
         ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s]: mean
         over the balls, counting the balls alone, and balls and races.
     """
-    b = scene.bearing
-    ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
-    H_ball, H_race = (m.brinell_hardness_GPa * parameters.GPA for m in (ball, race))
-    ball_rate = archard_rate(ball.wear_coefficient, H_ball, qv)
-    race_rate = archard_rate(race.wear_coefficient, H_race, qv)
+    b, films = scene.bearing, Films.of(scene)
+    ball, race = films.wearing(films.cover)
+    ball_rate, race_rate = ball.rate(qv), race.rate(qv)
     losses = [
         diameter_loss_rate(
             b.ball_count, D[j], ball_rate[j, 0], ball_rate[j, 1],
@@ -149,6 +156,26 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
         "race_wear_rate": b.ball_count * race_rate.mean(axis=0),
         "ball_diameter_loss_rate": np.sum(losses, axis=0) / len(D) if losses else np.zeros(2),
     }
+
+
+def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
+    """Rates of loss over K_s/H, mean over the balls: of what each contact wears off both parts.
+
+    Parameters
+    ----------
+    n : int
+        Balls of the bearing.
+    D, qv, a, track : ndarray
+        As in `wear_values`.
+
+    Returns
+    -------
+    ndarray (2, 2)
+        Of ball diameter, and of depth of the groove [m Pa/s]; inner, outer.
+    """
+    off_ball = 2.0 * qv / (np.pi * D[:, None] ** 2)
+    loaded = np.where(a > 0.0, a, np.inf)
+    return np.array([off_ball.mean(axis=0), n * (qv / (4.0 * np.pi * track * loaded)).mean(axis=0)])
 
 
 def strip_centres(scene: Scene) -> np.ndarray:

@@ -10,6 +10,7 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.profile import contact_approach, semi_axis
 from bearingwear.kernels.thrust import skid_ratio
+from bearingwear.kernels.worn_friction import unworn_contact
 from bearingwear.model import parameters
 from bearingwear.model.life import in_half_of_pair, margins
 from bearingwear.model.life_integrator import LifeHistory, WearState
@@ -232,6 +233,7 @@ class WornLife:
         drag = drag_force(g, D, op.drag, point.u[3])[0] * r * point.u[3]
         moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
         load = np.array([f.Q for f in forces])
+        mu = np.array([unworn_contact(g, op, k, f).mu for k, f in enumerate(forces)])
         state = WearState(
             loss=self.even_loss(point),
             status=point.status,
@@ -250,7 +252,8 @@ class WornLife:
             ball_rate=float(ball * qv.sum()),
             race_rate=g.n_balls * race * qv,
             place=point.seat.delta_a,
-            friction_used=float(friction_used(op, np.array([D]), moment, load[None])[0]),
+            friction_used=float(friction_used(mu[None], np.array([D]), moment, load[None])[0]),
+            friction=mu,
         )
         return in_half_of_pair(self.scene, self.mounted, state)
 

@@ -14,6 +14,7 @@ from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life_history, life_values, steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
 REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
@@ -58,6 +59,7 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
         "wear.counts: given ball": scene.wear.counts != "ball_and_races",
         "model.slip_over: given line": scene.model.slip_is_over == "line",
         "arrangement: given two bearings": scene.pair is not None,
+        "friction.film, materials: given films that wear through": changes_as_it_wears(scene),
         "thermal: given temperatures found from friction heat": scene.thermal is not None,
     }
     found = [name for name, stands in obstacles.items() if stands]

@@ -28,7 +28,7 @@ from bearingwear.kernels.worn_balance import (
 )
 from bearingwear.kernels.worn_cells import contact_buffers
 from bearingwear.kernels.worn_contact import contact_cells
-from bearingwear.kernels.worn_friction import friction_work, worn_dissipation
+from bearingwear.kernels.worn_friction import friction_work, unworn_contact, worn_dissipation
 from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
 from bearingwear.kernels.worn_verification import contact_check
 from bearingwear.model.steady import ThrustProblem
@@ -290,7 +290,8 @@ class WornBearing:
         drag = drag_force(g, D, op.drag, u[3])[0] * r * u[3]
         power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
         given = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
-        floor = op.mu * (seat.inner.Q + seat.outer.Q) * op.v_r
+        mu = max(unworn_contact(g, op, k, f).mu for k, f in enumerate((seat.inner, seat.outer)))
+        floor = mu * (seat.inner.Q + seat.outer.Q) * op.v_r
         self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
         return bool(self.power_error <= LARGEST_POWER_ERROR)
 

@@ -108,10 +108,19 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
         f"{method} preload {operation['preload_N']:g} N",
         *_pair_words(scene.get("arrangement") or {}),
         *loads,
-        f"friction {scene['friction']['ball_race']:g}",
+        f"friction {_friction(scene['friction'])}",
         f"ball diameter loss {worn} um",
     )
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
         ", ".join(parts),
     )
+
+
+def _friction(given: Mapping[str, Any]) -> str:
+    """Of balls and races: a coefficient, or that of a film."""
+    film = given.get("film")
+    if not film:
+        return f"{given['ball_race']:g}"
+    thick = film.get("thickness_um")
+    return f"of a film ({film['shear_strength_MPa']:g} MPa{f', {thick:g} um' if thick else ''})"

@@ -48,6 +48,7 @@ CONTACT = (
     "qv",
     "friction_heat",
     "gyroscopic_slip_share",
+    "friction_coefficient",
     "spin_to_roll_ratio",
     "race_wear_rate",
     "ball_pass_frequency",

@@ -22,6 +22,8 @@ STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
 WORN_OF_EACH = ("history_ball_worn_volume", "history_pocket_worn_volume", "history_worn_diameter")
 WORN_RACES = "history_race_worn_volume"
 WITH_GROOVES = ("history_approach_loss", "history_greatest_depth")
+WITH_FILMS = ("history_friction_coefficient", "history_race_film", "history_ball_film")
+WORN_THROUGH = ("race_film_worn_through", "ball_film_worn_through")
 WORN_WHOLE = (
     "history_land_worn_volume",
     "history_groove_depth",
@@ -46,6 +48,7 @@ CRITERION_ROWS = {
         "history_friction_used_by_gyroscopic_moment",
         "%",
     ),
+    "film_worn_share": ("track without film", "history_film_worn_share", "%"),
 }
 """Of each criterion that may end a life: its name, its history, the unit in which it is shown."""
 
@@ -86,16 +89,35 @@ def _life_blocks(file: Any) -> list[Block]:
         Block("life", (), (own, ended, loss), said),
     ]
     if "step" in file.dimensions and file.dimensions["step"].size:
-        grooves = (name for name in WITH_GROOVES if name in file.variables)
-        names = ("history_residual_preload", "history_total_qv", *grooves)
-        ends = tuple(row_of(n, np.atleast_1d(values(file, n))[[0, -1]]) for n in names)
+        more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
+        names = ("history_residual_preload", "history_total_qv", *more)
+        ends = tuple(row for n in names for row in _ends(file, n))
         rate = values(file, "history_ball_diameter_loss_rate")
         if rate.ndim:
             loss_rate = row_of("ball_diameter_loss_rate", rate[[0, -1], counted])
             ends += (loss_rate._replace(name="history_ball_diameter_loss_rate"),)
         blocks.append(Block("along the life", ("start", "end"), ends))
         blocks.append(Block("what may end it", ("start", "end"), _criteria(file, scene)))
-    return [*blocks, *_steady_life(file), *_worn(file)]
+    return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]
+
+
+def _ends(file: Any, name: str) -> list[Row]:
+    """A row of a history at start and end, or one for each race."""
+    found = np.atleast_1d(values(file, name))[[0, -1]]
+    if found.ndim == 1:
+        return [row_of(name, found)]
+    rows = zip(RACES, found.T, strict=True)
+    return [row_of(name, row)._replace(label=f"{VARIABLES[name].label}, {r}") for r, row in rows]
+
+
+def _films(file: Any) -> list[Block]:
+    """When the films are worn through."""
+    rows = [row_of(n, np.atleast_1d(values(file, n))) for n in WORN_THROUGH if n in file.variables]
+    rows = [
+        row._replace(values=tuple("not yet" if t != t else t for t in (row.values * 2)[:2]))
+        for row in rows
+    ]
+    return [Block("worn through after", RACES, tuple(rows))] if rows else []
 
 
 def _life_of(file: Any, k: int) -> float:

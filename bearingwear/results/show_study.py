@@ -101,7 +101,8 @@ def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float, int]]:
     kind = kind_of(file)
     if kind == LIFE_KIND:
         scene = json.loads(file.scene)
-        yield "", scene["operation"]["preload_method"], scene["friction"]["ball_race"], GIVEN
+        if "ball_race" in scene["friction"]:  # no study samples lives with a film
+            yield "", scene["operation"]["preload_method"], scene["friction"]["ball_race"], GIVEN
     elif kind == "recommendation" or (kind == KIND and PRELOAD_CHOICE in file.variables):
         mu = json.loads(file.scene)["friction"]["ball_race"]
         for method in _methods(file):

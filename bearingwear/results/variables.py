@@ -195,6 +195,8 @@ STATE = ALWAYS | table(
     Variable("friction_used_by_gyroscopic_moment", _BALL, "1",
         "gyroscopic moment over the moment mu (Q_i + Q_o) R that friction can hold", averaged=True,
         label="friction used by gyro", shown="%"),
+    Variable("friction_coefficient", _BOTH, "1", "friction coefficient of the contact",
+        averaged=True, label="friction coefficient"),
     Variable("cage_frequency", (), "Hz", "frequency of the balls' orbit, mean over the balls",
         averaged=True, label="cage frequency"),
     Variable("ball_pass_frequency", _RACE, "Hz", "frequency at which balls pass a point of the "

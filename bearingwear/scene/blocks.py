@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import Annotated
 
-from bearingwear.scene.accuracy import ACCURACY, STANDARD
+from bearingwear.scene.friction import Film, RunningIn
 from bearingwear.scene.records import NAME, Key
 
 COUNTS = ("ball", "ball_and_races")
@@ -112,6 +112,13 @@ class Material:
             "[0, 1e-4]",
         ),
     ] = None
+    film: Annotated[
+        Film | None, Key("A solid film on the balls or races of this material, none if left out")
+    ] = None
+    running_in: Annotated[
+        RunningIn | None,
+        Key("How its wear coefficient changes while its surface is new, not if left out"),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,25 +203,6 @@ class Operation:
             each="One component of gravity",
         ),
     ] = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Friction:
-    """Coulomb friction, regularised at small slip."""
-
-    ball_race: Annotated[float, Key("Coulomb coefficient of ball and race", "1", "[0, 2]")]
-    cage: Annotated[
-        float, Key("Coulomb coefficient of ball and cage, and of cage and land", "1", "[0, 2]")
-    ] = 0.05
-    slip_regularisation_m_s: Annotated[
-        float,
-        Key(
-            "Slip speed below which friction is smoothed, an accuracy setting",
-            "m/s",
-            "[1e-9, 1]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.slip_regularisation_m_s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,6 +296,14 @@ class EndOfLife:
             "above which life ends",
             "1",
             "(0, 10]",
+        ),
+    ] = None
+    film_worn_share: Annotated[
+        float | None,
+        Key(
+            "Share of the track of a race on which no film is left, at or above which life ends",
+            "1",
+            "(0, 1]",
         ),
     ] = None
 

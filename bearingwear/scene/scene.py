@@ -22,13 +22,13 @@ from bearingwear.scene.blocks import (
     Bearing,
     Cage,
     EndOfLife,
-    Friction,
     Lubricant,
     Material,
     Operation,
     Wear,
 )
 from bearingwear.scene.errors import SceneError
+from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.records import NAME, Key, Part, part_at, whole
 from bearingwear.scene.uncertain import (
     PARAMETERS,
@@ -146,6 +146,7 @@ class Scene:
         _check_cage_limits(self)
         if self.cage is not None:
             _check_cage(self, self.cage)
+        check_films(self)
         check_uncertainty(self)
         check_warmth(self)
         check_model(self)

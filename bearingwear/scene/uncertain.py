@@ -97,6 +97,10 @@ def check_uncertainty(scene: Scene) -> None:
     """
     for name, given in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"
+        if name == "ball_race" and scene.friction.ball_race is None:
+            raise SceneError(
+                key, "given with friction.film; allowed only with friction.ball_race", (key,)
+            )
         needs, takes = PARAMETERS[given.distribution]
         parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
         for part, value in parts.items():

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene, SceneError
 
 
@@ -21,6 +22,13 @@ def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
     from bearingwear.scene.read import for_life, load_scene
 
     scene = for_life(load_scene(path, settings), os.fspath(path))
+    if scene.friction.film is not None or changes_as_it_wears(scene):
+        raise SceneError(
+            "friction.film",
+            "given a film, or materials with one or with running_in; allowed, for a study, one "
+            f"friction.ball_race (for its own life: bearingwear life {os.fspath(path)})",
+            source=os.fspath(path),
+        )
     tier = choice_for_life(scene).tier
     if tier != "steady":
         raise SceneError(

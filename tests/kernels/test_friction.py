@@ -22,6 +22,7 @@ CONTACT = Contact(
     cos_a=math.sqrt(1.0 - 0.35**2),
     r_g=1.08e-3,
     omega=3000.0,
+    mu=MU,
 )
 # Slip coefficients of sticking, of rolling with two pure-rolling points, of gross slip along each
 # axis; steps that change the slip by about 1e-4 v_r.

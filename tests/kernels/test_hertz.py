@@ -86,7 +86,7 @@ def test_torque_of_a_spinning_contact(rule, n, tolerance):
     The tolerance of the strips is their error n^-2; that of the Gauss points the regularisation.
     """
     Q, a, mu, spin, R = 2.0, 8e-5, 0.1, 1e3, 1e-3
-    contact = Contact(1.0, Q, a, a / 3, 0.3, 0.95, 0.6 * 2 * R, 0.0)
+    contact = Contact(1.0, Q, a, a / 3, 0.3, 0.95, 0.6 * 2 * R, 0.0, 0.08)
     t, weight = rule(n)
     h, gradient = np.empty(t.size), np.empty(4)
     surface_height(contact, R, t, h)

@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.params import OperatingPoint
 from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.scene.read import load_scene
@@ -81,7 +80,9 @@ def test_mirror_image_turns_the_other_way(method, mu, loss, outer):
     omega_i, omega_o = 3141.59, outer * np.pi / 30
     cases = []
     for sign in (1.0, -1.0):
-        motion = OperatingPoint(sign * omega_i, sign * omega_o, mu, 1e-3, 200.0)
+        motion = problem.op._replace(
+            omega_i=sign * omega_i, omega_o=sign * omega_o, v_r=1e-3, drag=200.0
+        )
         cases.append(replace(problem, op=motion).solve(D))
     assert cases[0].status == cases[1].status
     if cases[0].status == code.OK:

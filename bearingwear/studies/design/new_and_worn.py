@@ -43,7 +43,7 @@ def recommended_sheet(
     source : str
         What error messages name.
     """
-    axes = axes_around(scene, [scene.friction.ball_race], source)
+    axes = axes_around(scene, [scene.friction.coefficient], source)
     design, found = mapped(scene, axes, limits)
     chosen = recommendation_sheet(found)
     states = [
@@ -66,6 +66,6 @@ def recommended_sheet(
 def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:
     """The bearing at the recommended preload when new, and at the end of its life."""
     speed, preload = scene.operation.shaft_speed_rpm, float(one["preload"])
-    at_preload = scene_at(scene, method, scene.friction.ball_race, speed, preload)
+    at_preload = scene_at(scene, method, scene.friction.coefficient, speed, preload)
     states = WearCourses(at_preload)(at_preload).states
     return [states[0], states[-1]]

@@ -110,7 +110,7 @@ def recommendation(scene: Scene, design: xr.Dataset) -> xr.Dataset:
     """
     if json.loads(design.attrs["scene"]) != scene.to_dict():
         raise CaseFileError("the design map is not of this scene")
-    point = {"friction": scene.friction.ball_race, "shaft_speed": scene.operation.shaft_speed_rpm}
+    point = {"friction": scene.friction.coefficient, "shaft_speed": scene.operation.shaft_speed_rpm}
     for axis, value in point.items():
         if value not in design[axis]:
             raise CaseFileError(f"the design map has no {axis} {value:g}, which is the scene's")
@@ -144,7 +144,7 @@ def _room(
     scene: Scene, at_scene: xr.Dataset, found: xr.Dataset, limits: DesignLimits, basis: int
 ) -> dict[str, Any]:
     """How far limits, and ends of life at the recommended preloads, may move (`room`)."""
-    mu, speed = scene.friction.ball_race, scene.operation.shaft_speed_rpm
+    mu, speed = scene.friction.coefficient, scene.operation.shaft_speed_rpm
     pairs = zip(found["preload_method"].values, found["preload"].values, strict=True)
     scenes = [
         scene_at(scene, PRELOAD_METHODS[int(flag)], mu, speed, float(preload))
@@ -179,7 +179,7 @@ class PreloadLine:
     def scene_at(self, preload: float) -> Scene:
         scene = self.scene
         speed = scene.operation.shaft_speed_rpm
-        return scene_at(scene, self.method, scene.friction.ball_race, speed, preload)
+        return scene_at(scene, self.method, scene.friction.coefficient, speed, preload)
 
     def point(self, preload: float) -> dict[str, Any]:
         """What `life_point` finds at a preload [N]."""

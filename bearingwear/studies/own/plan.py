@@ -40,7 +40,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
         ],
         "figures": {
             "worn_loss_um": losses[len(losses) // 2],
-            "friction": [scene.friction.ball_race],
+            "friction": [scene.friction.coefficient],
         },
     }
     if scene.uncertainty:
@@ -51,7 +51,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
 
 
 def _frictions(scene: Scene, source: str) -> list[float]:
-    own, key = scene.friction.ball_race, "friction.ball_race"
+    own, key = scene.friction.coefficient, "friction.ball_race"
     if own <= 0.0 or own != round(own, 3):
         problem = f"given {own:g}; allowed, for a study, a number > 0 of at most three decimals"
         raise SceneError(key, problem, source=source)
@@ -76,7 +76,7 @@ def _losses(scene: Scene) -> list[float]:
         one = scene_at(
             scene,
             method,
-            scene.friction.ball_race,
+            scene.friction.coefficient,
             operation.shaft_speed_rpm,
             operation.preload_N,
         )

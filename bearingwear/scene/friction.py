@@ -1,0 +1,216 @@
+"""What rubs: friction, films and running in, as keys of a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+from bearingwear.scene.accuracy import ACCURACY, STANDARD
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.records import Key
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
+
+_THICKNESS, _SHARE = "(0, 1000]", "(0, 1]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """A solid film on balls or races."""
+
+    thickness_um: Annotated[float, Key("Thickness of the film when new", "um", _THICKNESS)]
+    wear_coefficient: Annotated[
+        float | None,
+        Key("Wear coefficient of the film, that of friction.film if left out", "1", _SHARE),
+    ] = None
+    brinell_hardness_GPa: Annotated[
+        float | None,
+        Key(
+            "Hardness of the film, that of friction.film, or of what lies below, if left out",
+            "GPa",
+            "[0.001, 100]",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunningIn:
+    """A wear coefficient that falls, or rises, as the surface wears."""
+
+    wear_coefficient: Annotated[
+        float,
+        Key(
+            "Wear coefficient of the new surface, from which it goes to that of the material",
+            "1",
+            _SHARE,
+        ),
+    ]
+    depth_um: Annotated[
+        float,
+        Key("Depth worn off at which 1/e of the difference is left", "um", _THICKNESS),
+    ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilmFriction:
+    """Friction of a solid film, S_0/p_m + alpha_S under the mean pressure p_m of a contact."""
+
+    shear_strength_MPa: Annotated[
+        float, Key("Shear strength S_0 of the film without pressure", "MPa", "[0, 10000]")
+    ]
+    pressure_coefficient: Annotated[
+        float, Key("Rise alpha_S of its shear strength with pressure", "1", "[0, 2]")
+    ] = 0.0
+    thickness_um: Annotated[
+        float | None,
+        Key(
+            "Thickness of the film on each race when new (materials.NAME.film for balls), never "
+            "worn through if left out",
+            "um",
+            _THICKNESS,
+        ),
+    ] = None
+    wear_coefficient: Annotated[
+        float | None,
+        Key(
+            "Wear coefficient of all that rubs while there is a film, of the materials if left out",
+            "1",
+            _SHARE,
+        ),
+    ] = None
+    brinell_hardness_GPa: Annotated[
+        float | None,
+        Key("Hardness of the film, that of what lies below if left out", "GPa", "[0.001, 100]"),
+    ] = None
+    bare_ball_race: Annotated[
+        float | None,
+        Key(
+            "Coulomb coefficient where the film is worn through, as with the film if left out",
+            "1",
+            "[0, 2]",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction:
+    """Coulomb friction, regularised at small slip, or that of a film."""
+
+    ball_race: Annotated[
+        float | None,
+        Key("Coulomb coefficient of ball and race, needed without friction.film", "1", "[0, 2]"),
+    ] = None
+    film: Annotated[
+        FilmFriction | None,
+        Key("A solid film between balls and races, in place of one coefficient"),
+    ] = None
+    cage: Annotated[
+        float, Key("Coulomb coefficient of ball and cage, and of cage and land", "1", "[0, 2]")
+    ] = 0.05
+    slip_regularisation_m_s: Annotated[
+        float,
+        Key(
+            "Slip speed below which friction is smoothed, an accuracy setting",
+            "m/s",
+            "[1e-9, 1]",
+            default_by=ACCURACY,
+        ),
+    ] = STANDARD.slip_regularisation_m_s
+
+    @property
+    def coefficient(self) -> float:
+        """The one coefficient; raises `SceneError` where a film has none."""
+        if self.ball_race is None:
+            raise SceneError("friction.film", "given; allowed here, one friction.ball_race")
+        return self.ball_race
+
+
+def check_films(scene: Scene) -> None:
+    """Refuse friction and films that contradict each other, or the rest of a scene.
+
+    Raises
+    ------
+    SceneError
+    """
+    friction, b = scene.friction, scene.bearing
+    if friction.film is None and friction.ball_race is None:
+        raise SceneError(
+            "friction.ball_race",
+            "given nothing; allowed a number from 0 to 2, or friction.film",
+            ("friction",),
+        )
+    if friction.film is not None and friction.ball_race is not None:
+        raise SceneError(
+            "friction.ball_race",
+            f"given {friction.ball_race:g} with friction.film; allowed one of the two",
+            ("friction.film",),
+        )
+    parts = (b.ball_material, b.race_material)
+    for name, material in scene.materials.items():
+        for key in ("film", "running_in"):
+            if getattr(material, key) is not None and name not in parts:
+                raise SceneError(
+                    f"materials.{name}.{key}",
+                    "given for a material of neither balls nor races; allowed for "
+                    + " and ".join(dict.fromkeys(parts)),
+                    ("bearing.ball_material", "bearing.race_material"),
+                )
+    of_races = scene.materials[b.race_material].film
+    given = friction.film
+    if given is not None and given.thickness_um is not None and of_races is not None:
+        raise SceneError(
+            "friction.film.thickness_um",
+            f"given {given.thickness_um:g} with materials.{b.race_material}.film, which is on the "
+            "races too; allowed one of the two",
+            (f"materials.{b.race_material}.film",),
+        )
+    _check_wear_of_films(scene)
+
+
+def _check_wear_of_films(scene: Scene) -> None:
+    given, b = scene.friction.film, scene.bearing
+    common = None if given is None else given.wear_coefficient
+    for name in dict.fromkeys((b.ball_material, b.race_material)):
+        film = scene.materials[name].film
+        if film is not None and film.wear_coefficient is None and common is None:
+            raise SceneError(
+                f"materials.{name}.film.wear_coefficient",
+                "given nothing; allowed a number > 0 and <= 1, here or under friction.film",
+                ("friction.film",),
+            )
+    if given is not None and given.thickness_um is not None and common is None:
+        raise SceneError(
+            "friction.film.wear_coefficient",
+            "given nothing; a film with a thickness needs it",
+            ("friction.film.thickness_um",),
+        )
+    thick = has_thickness(scene)
+    if given is not None and given.bare_ball_race is not None and not thick:
+        raise SceneError(
+            "friction.film.bare_ball_race",
+            f"given {given.bare_ball_race:g} with a film that never wears through; allowed only "
+            "with a thickness",
+            ("friction.film",),
+        )
+    end = scene.wear.end_of_life
+    if end is not None and end.film_worn_share is not None and not thick:
+        raise SceneError(
+            "wear.end_of_life.film_worn_share",
+            f"given {end.film_worn_share:g}; allowed only with a film that has a thickness",
+            ("friction.film", "materials"),
+        )
+
+
+def has_thickness(scene: Scene) -> bool:
+    """Whether any film of a scene can wear through."""
+    given, b = scene.friction.film, scene.bearing
+    coated = (scene.materials[name].film for name in (b.ball_material, b.race_material))
+    return (given is not None and given.thickness_um is not None) or any(coated)
+
+
+def changes_as_it_wears(scene: Scene) -> bool:
+    """Whether friction or wear of a part depend on the depth worn off it: by films, running in."""
+    b = scene.bearing
+    parts = (scene.materials[name] for name in (b.ball_material, b.race_material))
+    return has_thickness(scene) or any(part.running_in is not None for part in parts)
