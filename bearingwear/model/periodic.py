@@ -23,12 +23,12 @@ from bearingwear.kernels.record import (
 from bearingwear.kernels.state import BALL, OMEGA, PSI
 from bearingwear.model.dynamic import DynamicSystem
 
-TURN = 2.0 * np.pi
+_TURN = 2.0 * np.pi
 CONVERGED = 1e-9  # change over a passing, of the largest speed or in rad
 ACCEPTED = 1e-6  # where the steps in time are too rough for better
-SHIFT = 1e-5  # of the states, to see what they do; far above what the steps leave open
-MOST_STEPS = 25  # of the quasi-Newton method
-STALLED = 6  # steps without a smaller change
+_SHIFT = 1e-5  # of the states, to see what they do; far above what the steps leave open
+_MOST_STEPS = 25  # of the quasi-Newton method
+_STALLED = 6  # steps without a smaller change
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try
 LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no period worth waiting for
 
@@ -66,7 +66,7 @@ class Passing:
         self.scale = np.append(np.full(OMEGA + 1, self.speed), 1.0)
         rate = float(system.balls[:, OMEGA].mean()) - self.load_rate
         self.ahead = 1 if rate > 0.0 else -1  # the next ball
-        self.passing = TURN / self.n / max(abs(rate), 1e-300)
+        self.passing = _TURN / self.n / max(abs(rate), 1e-300)
         self.middle = float(system.balls[:, PSI].mean())
         self.simulated = 0.0  # [s]
         integrals = system.layout.size - system.layout.qv
@@ -113,7 +113,7 @@ class Passing:
             return False
         azimuth = system.balls[:, PSI]
         azimuth -= self.load_rate * duration
-        azimuth -= TURN * round((azimuth.mean() - self.middle) / TURN)
+        azimuth -= _TURN * round((azimuth.mean() - self.middle) / _TURN)
         self.middle = float(azimuth.mean())
         return True
 
@@ -131,7 +131,7 @@ class Passing:
         there = self.system.balls.copy()
         there[:, PSI] -= self.load_rate * passing
         next_one = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
-        next_one[-1 if self.ahead > 0 else 0, PSI] += self.ahead * TURN
+        next_one[-1 if self.ahead > 0 else 0, PSI] += self.ahead * _TURN
         mean = states[PSI:-1:BALL].mean() - self.middle
         return np.append(there / self.scale - next_one, mean)
 
@@ -146,19 +146,19 @@ class Passing:
         for q in range(BALL):
             J[ball * BALL + q, (ball + self.ahead) % n * BALL + q] -= 1.0
             shifted = states.copy()
-            shifted[q:m:BALL] += SHIFT
+            shifted[q:m:BALL] += _SHIFT
             after = self.change(shifted)
             if after is None:
                 return None
-            own = ((after - change)[:m] / SHIFT).reshape(n, BALL) + np.eye(BALL)[q]
+            own = ((after - change)[:m] / _SHIFT).reshape(n, BALL) + np.eye(BALL)[q]
             for j in range(n):
                 J[j * BALL : (j + 1) * BALL, j * BALL + q] += own[j]
         longer = states.copy()
-        longer[m] *= 1.0 + SHIFT
+        longer[m] *= 1.0 + _SHIFT
         after = self.change(longer)
         if after is None:
             return None
-        J[:, m] = (after - change) / (SHIFT * states[m])
+        J[:, m] = (after - change) / (_SHIFT * states[m])
         J[m, PSI:m:BALL] = 1.0 / n
         return J
 
@@ -184,7 +184,7 @@ class Passing:
                 return nothing
         best, size, inverse = states, float(np.abs(change).max()), inverse.copy()
         since = 0
-        for _ in range(MOST_STEPS):
+        for _ in range(_MOST_STEPS):
             step = -inverse @ change
             states = states + step
             new = self.change(states)
@@ -193,7 +193,7 @@ class Passing:
             since += 1
             if np.abs(new).max() < size:
                 best, size, since = states, float(np.abs(new).max()), 0
-            if size <= CONVERGED or since >= STALLED:
+            if size <= CONVERGED or since >= _STALLED:
                 break
             mapped = inverse @ (new - change)
             inverse += np.outer(step - mapped, step @ inverse) / (step @ mapped)

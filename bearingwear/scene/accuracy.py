@@ -250,9 +250,9 @@ class Model:
     dynamic_solution: Annotated[
         str,
         Key(
-            "How a motion in time is found: marched until it settles, or directly as a periodic "
-            "one (like balls without a cage, under a load that stands still or turns); auto: "
-            "directly where that applies and no history is asked for",
+            "How a motion in time is found, marched until it settles, or directly as a periodic "
+            "one (like balls without a cage under a load that stands still or turns; auto where no "
+            "history is asked for)",
             choices=("auto", "periodic", "march"),
         ),
     ] = "auto"
