@@ -251,7 +251,7 @@ class Model:
         str,
         Key(
             "How a motion in time is found, marched until it settles, or directly as a periodic "
-            "one (like balls without a cage under a load that stands still or turns; auto where no "
+            "one (like balls without a cage under a load that stands still or turns, auto where no "
             "history is asked for)",
             choices=("auto", "periodic", "march"),
         ),
