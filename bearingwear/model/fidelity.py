@@ -4,8 +4,10 @@ import math
 from dataclasses import dataclass, replace
 
 from bearingwear.model.creep import micro_slip_told
+from bearingwear.model.errors import NotAvailable as NotAvailable
 from bearingwear.model.films_told import films_refused, films_told
 from bearingwear.model.growth_told import growth_told
+from bearingwear.model.solution import check_solution, is_found_periodic, solution_told
 from bearingwear.provenance import is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
@@ -25,10 +27,6 @@ LARGEST_KERNEL = {
     "dynamic": "advance_and_record",
 }
 COMPILING = "up to a minute to compile the solver, once on this machine; then "
-
-
-class NotAvailable(ValueError):
-    """The model asked for does not apply to the scene; one line."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +163,10 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
     # who asks for the dynamic model by its name asks for all of it
     cage = tier == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
     chosen = Choice(tier, (), cage and scene.cage is not None)
+    motion: tuple[str, ...] = ()
+    if tier == "dynamic":
+        check_solution(chosen.reduced(scene))
+        motion = (solution_told(chosen.reduced(scene)),)
     cage_told = [] if chosen.cage else _no_cage(scene)
     reasons = (
         f"{tier}: {why}",
@@ -173,6 +175,7 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
         *told[tier](chosen.reduced(scene)),
         *growth_told(scene),
         *cage_told,
+        *motion,
         *contact,
     )
     return replace(chosen, reasons=reasons)
@@ -264,6 +267,8 @@ def effort(scene: Scene, chosen: Choice) -> str:
     before = "" if is_compiled(LARGEST_KERNEL[chosen.tier]) else COMPILING
     if chosen.tier != "dynamic":
         return f"effort: {before}milliseconds"
+    if is_found_periodic(chosen.reduced(scene)):
+        return f"effort: {before}a tenth of a second"
     turns = scene.model.simulated_turns
     ms = scene.bearing.ball_count * (TURN_WITH_CAGE_MS if chosen.cage else TURN_MS)
     runs = ""

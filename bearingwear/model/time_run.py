@@ -4,7 +4,7 @@ import math
 import time as clock
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
 from bearingwear.model.films import Archard
 from bearingwear.model.interrupt import Interrupt
+from bearingwear.model.periodic import PeriodicMotion
 from bearingwear.model.values import strip_centres
 from bearingwear.scene.scene import Scene
 
@@ -34,6 +35,7 @@ REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
 FAR_FROM_LAND = 200.0  # turns: a cage that takes longer to drift to its land is where it stays
 RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
 _SIGNIFICANT = 3.0  # standard errors of a slope
+SHORT = 16  # turns of the run for each that is run again
 RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns differ in cost
 
 
@@ -42,9 +44,15 @@ class Trend:
 
     QV, wear of all parts, of the balls, of balls and races, preload, shaft torque; last the room
     between the cage and its land, as a share of their clearance.
+
+    Parameters
+    ----------
+    turns : float
+        That each value is of; a turn, or a passing of a periodic motion.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, turns: float = 1.0) -> None:
+        self.turns = turns
         self.sums = np.zeros(3)  # 1, k, k^2
         self.values = np.zeros((3, 7))  # (value, k value, value^2) of each
 
@@ -65,7 +73,7 @@ class Trend:
         if not self.known:
             return None
         mean = np.where(total != 0.0, total / n, 1.0)
-        return (n * weighted - k * total) / (n * kk - k * k) / mean
+        return (n * weighted - k * total) / (n * kk - k * k) / mean / self.turns
 
     def scatter(self) -> np.ndarray:
         """Standard error of each mean, relative, were the turns independent (6,)."""
@@ -172,12 +180,13 @@ class RunGrid:
     A run that goes on from another keeps to its grid, so that both take the steps of a single one.
     """
 
-    points: int  # a shaft turn
+    points: int  # a shaft turn, or a passing of a periodic motion
     dt: float  # [s]
     origin: float  # [s]
     first: int
     total: int  # intervals to simulate
     window: int  # intervals that averages are taken over
+    turns: float = 1.0  # that `points` take
 
     @classmethod
     def of(cls, scene: Scene, time: float, turn: float) -> "RunGrid":
@@ -188,6 +197,23 @@ class RunGrid:
         k = round(time / dt)
         on_grid = k * dt == time
         return cls(points, dt, 0.0 if on_grid else time, k if on_grid else 0, total, window)
+
+    @classmethod
+    def of_orbit(cls, scene: Scene, motion: PeriodicMotion, turn: float) -> "RunGrid":
+        """One orbit of a periodic motion, passing by passing."""
+        turns, balls = motion.passing / turn, len(motion.balls)
+        per_turn = scene.model.history_points_per_turn or STEPS_PER_TURN
+        points = math.ceil(per_turn * turns)
+        whole = balls * points
+        return cls(points, motion.passing / points, motion.time, 0, whole, whole, turns)
+
+    def short(self, scene: Scene, time: float, turn: float) -> "RunGrid":
+        """Half a turn from that time, or less of a short run; of a periodic motion a passing."""
+        if self.turns != 1.0:
+            return replace(self, origin=time, total=self.points, window=self.points)
+        count = max(1, min(self.points // 2, self.total // SHORT))
+        model = replace(scene.model, simulated_turns=count / self.points, evaluated_turns=None)
+        return RunGrid.of(replace(scene, model=model), time, turn)
 
     @property
     def instants(self) -> TimeGrid:
@@ -210,10 +236,11 @@ class TimeRun:
         system: DynamicSystem,
         progress: Callable[[str], None] | None,
         tolerance: float | None = None,
+        grid: RunGrid | None = None,
     ):
         model, layout, n = scene.model, system.layout, len(system.bearing.D)
         self.system = system
-        self.grid = grid = RunGrid.of(scene, system.time, system.turn)
+        self.grid = grid = grid or RunGrid.of(scene, system.time, system.turn)
         self.tolerance = tolerance or model.dynamic_tolerance
         self.control = system.control(self.tolerance, INTEGRATORS[model.integrator])
         self.keeps_history = model.history_points_per_turn > 0
@@ -229,15 +256,15 @@ class TimeRun:
         self.weights = wear_weights(scene, system)
         self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
         self.done = 0
-        self.trend = Trend()
+        self.trend = Trend(grid.turns)
         self.before_last_turn: tuple[np.ndarray, float] = (np.empty(0), system.time)
         self.advance(0)  # compiles before the clock of the progress starts
-        self.report = _Progress(progress, grid.total / grid.points, system.turn)
+        self.report = _Progress(progress, grid.total / grid.points * grid.turns, system.turn)
 
     @property
     def turns(self) -> float:
         """Shaft turns simulated."""
-        return self.done / self.grid.points
+        return self.done / self.grid.points * self.grid.turns
 
     def advance(self, count: int) -> int:
         """Simulate so many intervals; returns a status."""
@@ -282,7 +309,7 @@ class TimeRun:
         sums, points = self.recorder.sums, self.grid.points
         clear(sums)
         self.loads = LoadRange(len(self.system.bearing.D))
-        before_last, self.trend = self.trend, Trend()
+        before_last, self.trend = self.trend, Trend(self.grid.turns)
         self.opening = self.system.snapshot()
         for at in range(0, length, points):
             count = min(points, length - at)

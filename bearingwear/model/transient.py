@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,15 +15,19 @@ from bearingwear.model.dynamic_outputs import histories, window_values
 from bearingwear.model.estimate import DOUBLED, MEASURED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
+from bearingwear.model.periodic import (
+    PeriodicMotion,
+    periodic_motion,
+)
+from bearingwear.model.solution import is_found_periodic
 from bearingwear.model.start import Start, start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem, steady_answer
-from bearingwear.model.time_run import FAR_FROM_LAND, RunGrid, TimeRun
+from bearingwear.model.time_run import FAR_FROM_LAND, INTEGRATORS, RunGrid, TimeRun
 from bearingwear.scene.scene import Scene
 
 _LARGEST_RESIDUAL = 1e-6  # of the contact load: what balls and pockets are agreed to, and more
 LOOSER = 10.0  # tolerance of a step, to see what it costs
 TIGHTEST = 1e-4  # tolerance of a step of such a run
-SHORT = 16  # turns of the run for each that is run again
 DRIFT = 4.0  # times the drift of one process: slower ones stand behind it
 _SCATTER = 4.0  # standard errors of a mean: the turns are few and not independent
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
@@ -107,7 +111,7 @@ def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interr
         Slow time scale in shaft turns, 0 if not known.
     """
     for length in run.grid.windows:
-        turns = length / run.grid.points
+        turns = length / run.grid.points * run.grid.turns
         status = run.window(length, interrupt)
         if status != code.OK:
             return LastWindow(
@@ -140,10 +144,20 @@ def run_of(
     if values["status"] != code.OK:
         return values, attrs
     slow = start.scales.get("slow_time_scale", 0.0) / system.turn
+    motion = grid = None
+    if is_found_periodic(scene):
+        motion = found_periodic(scene, system, tolerance)
+        if motion is not None:
+            grid = RunGrid.of_orbit(scene, motion, system.turn)
+            attrs["start"] = f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
+        elif scene.model.dynamic_solution == "periodic":
+            attrs["residual"] = "not solved: no periodic motion was found"
+            return values | {"status": code.NOT_CONVERGED}, attrs
+    begun = system.packed(), system.time
     with Interrupt() as interrupt:
-        run = TimeRun(scene, system, progress, tolerance)
-        if restart is not None:
-            system.unpack(np.asarray(restart["state"], dtype=float), system.time)
+        run = TimeRun(scene, system, progress, tolerance, grid)
+        if restart is not None or motion is not None:
+            system.unpack(*begun)  # what compiles first has moved it
         last = run_until_settled(scene, run, slow, interrupt)
         if last.status != code.OK:
             stopped = {"status": system.diagnose(last.status), "final_time": system.time}
@@ -160,7 +174,7 @@ def run_of(
     values |= {"final_state": final_state, "final_time": system.time}
     residual, account = values["equilibrium_residual"], values["energy_account_error"]
     if residual <= _LARGEST_RESIDUAL and abs(account) <= LARGEST_ACCOUNT:
-        values |= dynamic_error_estimates(scene, run, start, slow, last.turns)
+        values |= dynamic_error_estimates(scene, run, start, slow, last.turns, motion)
     else:
         values["status"] = system.diagnose(code.UNVERIFIED)
     asked = scene.model.dynamic_tolerance
@@ -170,20 +184,26 @@ def run_of(
             f"normal balance {residual:.1e} of the contact load, allowed {_LARGEST_RESIDUAL:.0e}; "
             f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
         ),
-        "settled": settled_sentence(last),
+        "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
         "integrator": f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}",
     }
     return values, attrs
 
 
 def dynamic_error_estimates(
-    scene: Scene, run: TimeRun, start: Start, slow: float, turns: float
+    scene: Scene,
+    run: TimeRun,
+    start: Start,
+    slow: float,
+    turns: float,
+    motion: PeriodicMotion | None,
 ) -> dict[str, Any]:
     """Estimated numerical errors of a dynamic run; empty where they cannot be had.
 
     The end of the last window is run once more with each setting of accuracy changed. That misses
     what a ball's spin axis takes hundreds of turns for, so the steady state under the thrust alone
-    is asked as well where there is one, and the larger change counts.
+    is asked as well where there is one, and the larger change counts. A periodic motion is found
+    anew with each setting, which misses nothing.
     """
     slopes = run.trend.slopes()
     if slopes is None:
@@ -197,25 +217,31 @@ def dynamic_error_estimates(
     twice = {"rule": parameters.quadrature(scene, refined=2)}
     # A change of the regularisation upsets every ball: tight steps through that would take long.
     tolerance = max(run.tolerance, TIGHTEST)
-    looser = min(LOOSER * tolerance, 1.0)
+    other = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER
     settings: tuple[tuple[dict, float], ...] = (
         ({}, tolerance),
         (halved, tolerance),
         (twice, tolerance),
-        ({}, looser),
+        ({}, other),
     )
     found = [
-        rerun(scene, system.variant(**changes), run.before_last_turn, run.grid, tolerance)
+        rerun(scene, system.variant(**changes), run, tolerance, motion)
         for changes, tolerance in settings
     ]
     answers = [values for values in found if values is not None]
     if len(answers) < len(found):
         return {}
-    now, with_half, with_twice, with_looser = answers
+    now, with_half, with_twice, with_other = answers
+    by_half = halved_part(now, with_half)
+    by_steps = math.sqrt(run.tolerance / tolerance) * changed(now, with_other)
+    if motion is not None:
+        by_steps *= DOUBLED
+    else:
+        by_half = np.maximum(by_half, thrust_part(scene, start.case))
     parts = [
-        np.maximum(halved_part(now, with_half), thrust_part(scene, start.case)),
+        by_half,
         DOUBLED * changed(now, with_twice),
-        math.sqrt(run.tolerance / tolerance) * changed(now, with_looser),
+        by_steps,
     ]
     drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
     qv, _, balls, both, preload, torque = drift
@@ -239,19 +265,28 @@ def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
 def rerun(
     scene: Scene,
     system: DynamicSystem,
-    snapshot: tuple[np.ndarray, float],
-    grid: RunGrid,
+    run: TimeRun,
     tolerance: float,
+    motion: PeriodicMotion | None,
 ) -> np.ndarray | None:
-    """What `measured` finds over half a turn, or less of a short run; None if it fails."""
-    count = max(1, min(grid.points // 2, grid.total // SHORT))
-    model = replace(scene.model, simulated_turns=count / grid.points, evaluated_turns=None)
-    system.unpack(*snapshot)
-    with Interrupt() as interrupt:
-        run = TimeRun(replace(scene, model=model), system, None, tolerance)
-        if run.window(count, interrupt) != code.OK:
+    """What `measured` finds over a short stretch, see `RunGrid.short`; None if it fails."""
+    state, time = run.before_last_turn
+    grid = run.grid
+    if motion is None:
+        system.unpack(state, time)
+    else:
+        system.unpack(state, motion.time)
+        system.balls[:] = motion.balls
+        again = found_periodic(scene, system, tolerance, motion)
+        if again is None:
             return None
-    return measured(window_values(scene, run), scene.bearing.ball_count)
+        grid = RunGrid.of_orbit(scene, again, system.turn)
+    short = grid.short(scene, system.time, system.turn)
+    with Interrupt() as interrupt:
+        shorter = TimeRun(scene, system, None, tolerance, short)
+        if shorter.window(short.total, interrupt) != code.OK:
+            return None
+    return measured(window_values(scene, shorter), scene.bearing.ball_count)
 
 
 def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: float) -> bool:
@@ -265,6 +300,27 @@ def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: fl
         Largest change still to come, relative.
     """
     return slopes is not None and bool(np.abs(slopes[:2]).max() * max(slow, turns) <= allowed)
+
+
+def found_periodic(
+    scene: Scene, system: DynamicSystem, tolerance: float, near: PeriodicMotion | None = None
+) -> PeriodicMotion | None:
+    """The periodic motion from where a system is, which moves to it if there is one."""
+    begun = system.packed(), system.time
+    motion = periodic_motion(system, tolerance, INTEGRATORS[scene.model.integrator], near)
+    system.unpack(*begun)
+    if motion is not None:
+        system.balls[:] = motion.balls
+    return motion
+
+
+def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
+    """How well a motion repeats itself, in words."""
+    drift = "" if last.slopes is None else f"; over an orbit QV drifts {last.slopes[0]:+.1e} a turn"
+    return (
+        f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
+        f"{motion.error:.1e} of the largest speed{drift}"
+    )
 
 
 def settled_sentence(last: LastWindow) -> str:

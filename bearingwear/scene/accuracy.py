@@ -247,6 +247,15 @@ class Model:
             choices=("rosenbrock", "runge_kutta"),
         ),
     ] = "rosenbrock"
+    dynamic_solution: Annotated[
+        str,
+        Key(
+            "How a motion in time is found, marched until it settles, or directly as a periodic "
+            "one (like balls without a cage under a load that stands still or turns, auto where no "
+            "history is asked for)",
+            choices=("auto", "periodic", "march"),
+        ),
+    ] = "auto"
     dynamic_tolerance: Annotated[
         float,
         Key(

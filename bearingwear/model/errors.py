@@ -1,0 +1,5 @@
+"""What models refuse."""
+
+
+class NotAvailable(ValueError):
+    """The model asked for does not apply to the scene; one line."""
