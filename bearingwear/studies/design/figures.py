@@ -35,10 +35,10 @@ from bearingwear.studies.design.choice import (
     preload_text,
     stiffness_of,
 )
-from bearingwear.studies.design.followed import WORN, lines_followed
+from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.show import verdict_told
-from bearingwear.studies.design.verdict import NEITHER
+from bearingwear.studies.design.verdict import NEITHER_LONGER
 from bearingwear.studies.design.words import LIMIT_WORDS
 
 LETTERS = dict(zip(ACTIVE, "GSPFARKMLEU×N", strict=True))
@@ -303,14 +303,14 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
         spread = f" (L10 {digits(l10)} h, L50 {digits(l50)} h)"
     within = " within the limits" if limits_of(recommendation).given else ""
     held_by = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
-    if int(recommendation["verdict"]) == NEITHER:
+    if int(recommendation["verdict"]) == NEITHER_LONGER:
         both = " and ".join(
             f"{in_words(one)} at {preload_text(of)} N {digits(float(of['life'][basis]))} h"
             for one, of in methods(recommendation)
         )
         return f"{name}: {verdict_told(recommendation)} ({both}{spread})"
     hours = digits(float(chosen["life"]))
-    groove = ", grooves as they wear" if int(chosen["groove"]) == WORN else ""
+    groove = ", grooves as they wear" if int(chosen["groove"]) == WORN_GROOVE else ""
     return (
         f"{name}: {in_words(method)} at {preload_text(chosen)} N lives longest{within}, "
         f"{hours} h{spread}, counting {in_words(COUNTS[basis])}{groove}; held by {held_by}"

@@ -21,15 +21,15 @@ from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.studies.dataset import LOSS_BASIS
 from bearingwear.studies.design.map import SLIP_SHARE, gone_through, life_point, point_variables
 
-GROOVES = ("hertzian", "worn")
-HERTZIAN, WORN = range(len(GROOVES))
+GROOVE_SHAPES = ("hertzian", "worn")
+HERTZIAN_GROOVE, WORN_GROOVE = range(len(GROOVE_SHAPES))
 GROOVE = Variable(
     "groove",
     (),
     "",
     "groove that the life, and what the bearing goes through, are of",
     dtype="i1",
-    flags=GROOVES,
+    flags=GROOVE_SHAPES,
     comment="worn: followed as it wears, where the life of the scene follows it",
 )
 HERTZIAN_LIFE = Variable(
@@ -42,7 +42,7 @@ HERTZIAN_LIFE = Variable(
 FOLLOWED = "followed_"
 """Before the names of what a line of preloads has with grooves as they wear."""
 
-ALONG = f"{FOLLOWED}preload"
+FOLLOWED_PRELOADS = f"{FOLLOWED}preload"
 
 
 def followed_point(scene: Scene, slip_limit: float | None, quick: bool = True) -> dict[str, Any]:
@@ -59,13 +59,13 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = True) -
     """
     found = life_point(scene, slip_limit)
     hertzian = found.get("life", np.full(2, np.nan))
-    found |= {"groove": HERTZIAN, "hertzian_life": hertzian}
+    found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
     if hertzian[1] == 0.0:
         return found  # beyond a limit when new, which no groove changes
     history = worn_history(scene, quick)
     if history is None:
         return found
-    kept = {"hertzian_life": hertzian, "groove": WORN, "status": history.status}
+    kept = {"hertzian_life": hertzian, "groove": WORN_GROOVE, "status": history.status}
     kept |= {"end_criterion": history.criterion, "solves": found["solves"] + history.solves}
     kept["failed_solves"] = found["failed_solves"]
     if history.status != OK:
@@ -108,7 +108,7 @@ def followed_lines(scene: Scene, at_scene: xr.Dataset, slip_limit: float | None)
         for method in methods
         for preload in preloads
     ]
-    if all(point["groove"] == HERTZIAN for point in points):
+    if all(point["groove"] == HERTZIAN_GROOVE for point in points):
         return at_scene
     sizes = {"preload_method": len(methods), "preload": len(preloads)}
     return xr.Dataset(with_grooves(points, sizes), at_scene.coords)
@@ -129,14 +129,14 @@ def with_grooves(
 
 def as_followed(lines: xr.Dataset) -> dict[str, xr.Variable]:
     """Variables of `followed_lines` under names of their own, for a file with a recommendation."""
-    own = lines.drop_vars("solves").rename({"preload": ALONG})
-    names = {name: f"{FOLLOWED}{name}" for name in own.data_vars}
-    return {new: own[name].variable for name, new in names.items()} | {ALONG: own[ALONG].variable}
+    own = lines.drop_vars("solves").rename({"preload": FOLLOWED_PRELOADS})
+    renamed = {f"{FOLLOWED}{name}": own[name].variable for name in own.data_vars}
+    return renamed | {FOLLOWED_PRELOADS: own[FOLLOWED_PRELOADS].variable}
 
 
 def lines_followed(recommendation: xr.Dataset) -> xr.Dataset | None:
     """The lines with grooves as they wear in a file with a recommendation, if it has any."""
-    if ALONG not in recommendation.coords:
+    if FOLLOWED_PRELOADS not in recommendation.coords:
         return None
     names = {
         name: str(name).removeprefix(FOLLOWED)

@@ -37,7 +37,7 @@ from bearingwear.studies.design.choice import (
     why_none,
 )
 from bearingwear.studies.design.followed import (
-    WORN,
+    WORN_GROOVE,
     as_followed,
     followed_lines,
     followed_point,
@@ -52,7 +52,7 @@ from bearingwear.studies.design.room import (
     limit_room,
     lives_by_track,
 )
-from bearingwear.studies.design.verdict import held, verdict
+from bearingwear.studies.design.verdict import held, verdict_on
 from bearingwear.studies.design.words import NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
 
@@ -178,7 +178,7 @@ def _held(
     tracks = lives_by_track(scenes, basis)
     lives = found["life"].isel(loss_basis=basis).values.tolist()
     errors = found["life_error_estimate"].isel(loss_basis=basis).values.tolist()
-    return held(room, tracks, verdict(lives, errors, room, tracks))
+    return held(room, tracks, verdict_on(lives, errors, room, tracks))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,7 +216,7 @@ class PreloadLine:
         return self.known[preload, quick]
 
     def follows_grooves(self, preload: float) -> bool:
-        return bool(self.point(preload)["groove"] == WORN)
+        return bool(self.point(preload)["groove"] == WORN_GROOVE)
 
     def margin(self, preload: float, quick: bool = True) -> float:
         """How far the nearest limit is; -1 where the life was not solved."""

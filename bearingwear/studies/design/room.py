@@ -17,9 +17,9 @@ from bearingwear.model.criterion import IN_WORDS
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.design.choice import LIMITED, limit_margins
-from bearingwear.studies.design.followed import HERTZIAN, followed_point
+from bearingwear.studies.design.followed import HERTZIAN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import END, FRICTION, LIMIT, WEAR
+from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
 
 FARTHEST = 10.0
 """How many times larger or smaller a limit is looked at."""
@@ -37,7 +37,7 @@ Room = dict[str, tuple[float, float, float]]
 
 NaN where it holds as far as was looked.
 """
-Choice = Callable[[float], int | None]
+Preference = Callable[[float], int | None]
 """Number of the better method with an assumption times a factor; None where it is not known."""
 
 
@@ -71,7 +71,7 @@ def limit_room(lines: xr.Dataset, limits: DesignLimits, basis: int) -> Room:
         def choice(factor: float, name: str = name, limit: float = limit) -> int | None:
             return best(replace(limits, **{name: factor * limit}))
 
-        room[f"{LIMIT}{name}"] = _holds(choice, limit, 1.0 / factors, factors)
+        room[f"{LIMIT_KEY}{name}"] = _holds(choice, limit, 1.0 / factors, factors)
     return room
 
 
@@ -98,7 +98,7 @@ def _longest_within(line: Mapping[str, np.ndarray], limits: DesignLimits) -> flo
 
 
 def _holds(
-    choice: Choice, now: float, below: np.ndarray, above: np.ndarray, halvings: int = _HALVINGS
+    choice: Preference, now: float, below: np.ndarray, above: np.ndarray, halvings: int = _HALVINGS
 ) -> tuple[float, float, float]:
     """Up to which values, of factors away from one, a choice stays what it is now."""
     first = choice(1.0)
@@ -153,7 +153,7 @@ def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
             return longer([life(moved) for life in lives])
 
         above = most[name] ** even if most[name] > 1.0 else np.array([])
-        room[f"{END}{name}"] = _holds(choice, limit, CRITERIA_FARTHEST**-even, above)
+        room[f"{END_KEY}{name}"] = _holds(choice, limit, CRITERIA_FARTHEST**-even, above)
     return room
 
 
@@ -167,7 +167,7 @@ def _largest(name: str, limit: float) -> float:
 def friction_room(scenes: Sequence[Scene], basis: int) -> Room:
     """The same of friction, and of the wear coefficient, to which all lives are proportional."""
     mu = scenes[0].friction.ball_race
-    part = key_of_scene(FRICTION)
+    part = key_of_scene(FRICTION_KEY)
     assert part is not None
     most = min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
 
@@ -178,10 +178,10 @@ def friction_room(scenes: Sequence[Scene], basis: int) -> Room:
         return longer([_life(one, basis) for one in made])
 
     K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
-    found: Room = {WEAR: (np.nan, K, np.nan)}
+    found: Room = {WEAR_KEY: (np.nan, K, np.nan)}
     if most > 1.0:
         even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
-        found[FRICTION] = _holds(
+        found[FRICTION_KEY] = _holds(
             choice, mu, CRITERIA_FARTHEST**-even, most**even, _FRICTION_HALVINGS
         )
     return found
@@ -200,7 +200,7 @@ def lives_by_track(scenes: Sequence[Scene | None], basis: int) -> np.ndarray:
         for k, track in enumerate(BALL_TRACKS if scene is not None else ()):
             assert scene is not None
             point = followed_point(replace(scene, wear=replace(scene.wear, ball_track=track)), None)
-            followed |= point["groove"] != HERTZIAN
+            followed |= point["groove"] != HERTZIAN_GROOVE
             if point["status"] == OK:
                 lives[i, k] = point["life"][basis]
             if not followed:

@@ -15,12 +15,12 @@ from bearingwear.results.units import digits, display, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
-from bearingwear.studies.design.verdict import CLAIMED, LONGER, NO_COMPARISON, VERDICTS
+from bearingwear.studies.design.verdict import CLAIMED, NO_COMPARISON, ONE_LONGER, VERDICTS
 from bearingwear.studies.design.words import (
     ASSUMED_WORDS,
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
-    LIMIT,
+    LIMIT_KEY,
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
@@ -110,7 +110,7 @@ def assumption_words(name: str) -> tuple[str, str]:
     short = name.rpartition(".")[2]
     if name in ASSUMED_WORDS:
         return ASSUMED_WORDS[name], ""
-    label = LIMIT_WORDS[short] if name.startswith(LIMIT) else f"end: {IN_WORDS[short].words}"
+    label = LIMIT_WORDS[short] if name.startswith(LIMIT_KEY) else f"end: {IN_WORDS[short].words}"
     return label, limit_unit(short)
 
 
@@ -142,7 +142,7 @@ def verdict_told(file: Any) -> str:
     lives = np.asarray(values(file, "life"))[:, COUNTS.index(counts)]
     names = [name.replace("_", " ") for name in flag_words(file, "preload_method")]
     best = int(np.argmax(lives))
-    if said == LONGER:
+    if said == ONE_LONGER:
         return f"{names[best]} lasts {lives[best] / lives[1 - best]:.3g} times as long"
     turned = [
         f"{label} {digits(now)} to {digits(end)} {unit}".rstrip()

@@ -20,7 +20,7 @@ CLAIMED = 0.05
 """A choice that turns round within this move of one assumption is not claimed."""
 
 VERDICTS = ("nothing_to_compare", "longer", "neither")
-NO_COMPARISON, LONGER, NEITHER = range(len(VERDICTS))
+NO_COMPARISON, ONE_LONGER, NEITHER_LONGER = range(len(VERDICTS))
 
 _COLUMNS = ("holds_from", "assumed", "holds_to")
 
@@ -49,7 +49,9 @@ HELD = table(
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it does as far as was looked."""
 
 
-def verdict(lives: Sequence[float], errors: Sequence[float], room: Room, tracks: np.ndarray) -> int:
+def verdict_on(
+    lives: Sequence[float], errors: Sequence[float], room: Room, tracks: np.ndarray
+) -> int:
     """Index into `VERDICTS`: whether one of two methods can be said to last longer.
 
     Parameters
@@ -66,7 +68,7 @@ def verdict(lives: Sequence[float], errors: Sequence[float], room: Room, tracks:
     told = lives[better] * (1.0 - np.nansum(errors)) > lives[1 - better]
     same_track = all(longer(lives) in (None, better) for lives in tracks.T.tolist())
     turned = any(turns(*held) for held in room.values())
-    return LONGER if told and same_track and not turned else NEITHER
+    return ONE_LONGER if told and same_track and not turned else NEITHER_LONGER
 
 
 def turns(low: float, now: float, high: float) -> bool:

@@ -60,13 +60,13 @@ RECOMMENDED_WORDS = {
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
 
-LIMIT, END = "limits.", "wear.end_of_life."
+LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
 """Before the name of an assumption that is a limit of the design, or an end of the life."""
 
-FRICTION, WEAR = "friction.ball_race", "materials.wear_coefficient"
+FRICTION_KEY, WEAR_KEY = "friction.ball_race", "materials.wear_coefficient"
 """Other assumptions."""
 
-ASSUMED_WORDS = {FRICTION: "friction of ball and race", WEAR: "wear coefficient"}
+ASSUMED_WORDS = {FRICTION_KEY: "friction of ball and race", WEAR_KEY: "wear coefficient"}
 
 GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "as it wears"}
 """Which groove a life is of."""

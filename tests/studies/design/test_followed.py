@@ -16,8 +16,8 @@ from bearingwear.scene.read import load_scene
 from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.followed import (
-    HERTZIAN,
-    WORN,
+    HERTZIAN_GROOVE,
+    WORN_GROOVE,
     followed_point,
     lines_followed,
 )
@@ -85,7 +85,7 @@ def shown(text, name):
 
 def test_both_lives_and_which_groove_each_has(scene, found):
     design, chosen = found
-    assert (chosen["groove"] == WORN).all()
+    assert (chosen["groove"] == WORN_GROOVE).all()
     for k, method in enumerate(METHODS):
         one = chosen.isel(preload_method=k)
         hertzian = life_point(held_by(scene, method, float(one["preload"])), None)["life"]
@@ -137,7 +137,7 @@ def test_figure_tables_and_sheet_tell_the_grooves(found, tmp_path, capsys):
 
 def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
     paper = held_by(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
-    assert followed_point(paper, 0.1)["groove"] == HERTZIAN
+    assert followed_point(paper, 0.1)["groove"] == HERTZIAN_GROOVE
     assert worn_history(paper) is None
     few = scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})
     assert worn_history(few) is None  # too little wear for the contact to feel
