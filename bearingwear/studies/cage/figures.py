@@ -92,13 +92,7 @@ def _keys(motions: xr.Dataset) -> list[Any]:
             for k, (_, _, words) in enumerate(_clearances(motions))
         ),
         *(
-            key(
-                in_words(MOTIONS[code]),
-                color="0.3",
-                linestyle="none",
-                marker=marker,
-                fillstyle="none",
-            )
+            key(in_words(MOTIONS[code]), marker=marker, **look)
             for code, marker in MOTION_MARKERS.items()
             if code in found
         ),

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.worn_courses import first_met, worn_history
 from bearingwear.model.life_integrator import LifeHistory
+from bearingwear.model.worn_courses import first_met, worn_history
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.arrangement import held_by

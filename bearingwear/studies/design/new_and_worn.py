@@ -8,8 +8,8 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.model.courses import WearCourses
-from bearingwear.model.worn_courses import worn_history
 from bearingwear.model.life_integrator import WearState
+from bearingwear.model.worn_courses import worn_history
 from bearingwear.plotting.drawing import methods
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display

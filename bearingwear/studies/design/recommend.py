@@ -73,6 +73,8 @@ LIFE_ERROR = Variable(
 PRELOAD_TOLERANCE = 1e-6  # relative, of the recommended preload
 BESIDE = 3e-3  # relative: where it is asked what ends a life beside the longest one
 LEAST_LEFT = 0.98  # of the life, where the preload is rounded
+AWAY = 0.02  # relative: where it is asked on which side the limits are farther
+STEPS_AWAY = 8  # of the last digit, in which they are looked for
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 
 
@@ -241,16 +243,25 @@ class PreloadLine:
         It may be rounded to either side: one of them can pass a limit, or end the life at once.
         """
         enough = LEAST_LEFT * self.life_within(preload)
-        for decimals in range(2 - math.floor(math.log10(preload)), 9):
+        least = 2 - math.floor(math.log10(preload))
+        for decimals in range(least, 9):
             unit = 10.0**-decimals
             near = sorted(
                 (round(unit * side(preload / unit), 9) for side in (math.floor, math.ceil)),
                 key=lambda p: abs(p - preload),
             )
+            if decimals == least and self.follows_grooves(preload):
+                near += self.farther_from_limits(preload, unit)
             for one in near:
                 if one > 0.0 and self.life_within(one, quick=False) >= enough > 0.0:
                     return one
         return preload
+
+    def farther_from_limits(self, preload: float, unit: float) -> list[float]:
+        """Preloads ever farther from the limits, which a quick life sees with some scatter [N]."""
+        more = self.margin(preload * (1.0 + AWAY)) >= self.margin(preload * (1.0 - AWAY))
+        first, way = (math.floor(preload / unit), 1) if more else (math.ceil(preload / unit), -1)
+        return [round(unit * (first + way * k), 9) for k in range(2, 2 + STEPS_AWAY)]
 
 
 def _refined(line: PreloadLine, index: int, active: int) -> dict[str, Any]:

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.worn_courses import lives_by_end
 from bearingwear.model.criterion import IN_WORDS
+from bearingwear.model.worn_courses import lives_by_end
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.design.choice import LIMITED, limit_margins

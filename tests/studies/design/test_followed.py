@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.model.worn_courses import QUICK_STEP, first_met, lives_by_end, worn_history
 from bearingwear.model.life import life
+from bearingwear.model.worn_courses import QUICK_STEP, first_met, lives_by_end, worn_history
 from bearingwear.results.netcdf import load
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import load_scene
