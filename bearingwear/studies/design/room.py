@@ -166,7 +166,7 @@ def _largest(name: str, limit: float) -> float:
 
 def friction_room(scenes: Sequence[Scene], basis: int) -> Room:
     """The same of friction, and of the wear coefficient, to which all lives are proportional."""
-    mu = scenes[0].friction.ball_race
+    mu = scenes[0].friction.coefficient
     part = key_of_scene(FRICTION_KEY)
     assert part is not None
     most = min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
