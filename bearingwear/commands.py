@@ -95,11 +95,11 @@ def life(args: argparse.Namespace) -> int:
 
 
 def uncertainty(args: argparse.Namespace) -> int:
+    _check_output(args.output, args.scene)
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.sampling import SAMPLES
     from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
-    _check_output(args.output, args.scene)
     samples = SAMPLES if args.samples is None else args.samples
     found = life_quantiles(args.scene, args.friction, args.method or (), samples, args.seed)
     _tell_of_new_folder(args.output)

@@ -15,7 +15,7 @@ import xarray as xr
 from support import step
 
 import bearingwear
-from bearingwear import arguments, cli
+from bearingwear import cli
 from bearingwear.arguments import command_parser
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
@@ -428,12 +428,6 @@ def test_errors_without_a_key_in_front(capsys, monkeypatch):
     assert solve("x.nc") == 2
     err = capsys.readouterr().err
     assert err == f"{SCENE}: something: given a?b; allowed c\n"
-
-
-def test_fidelities_are_those_of_a_scene():
-    from bearingwear.scene.scene import FIDELITIES
-
-    assert arguments.FIDELITIES == FIDELITIES
 
 
 def test_version():

@@ -259,10 +259,10 @@ def life(
         values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
     else:
         # needs what this module has
-        from bearingwear.model.worn_outputs import follows_grooves, solve_worn_life
+        from bearingwear.model.worn_outputs import grooves_followed, solve_worn_life
 
-        alike = scene.pair is not None and scene.pair.is_symmetric
-        worn, why = follows_grooves(scene.sides[0] if alike else scene, chosen.tier)
+        followed, why = grooves_followed(scene, chosen.tier)
+        worn = followed is not None
         if why:
             chosen = replace(chosen, reasons=(*chosen.reasons, why))
         with Interrupt():

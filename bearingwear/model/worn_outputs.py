@@ -82,6 +82,20 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
     return False, f"grooves: not followed, the contact stays Hertz'; {size}"
 
 
+def grooves_followed(scene: Scene, tier: str) -> tuple[Scene | None, str]:
+    """The bearing whose grooves a life follows, one of two alike; None if it follows none. And why.
+
+    Raises
+    ------
+    NotAvailable
+        As `follows_grooves`.
+    """
+    alike = scene.pair is not None and scene.pair.is_symmetric
+    alone = scene.sides[0] if alike else scene
+    worn, why = follows_grooves(alone, tier)
+    return (alone if worn else None), why
+
+
 def solve_worn_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves."""
     found = WornLife(scene).march()

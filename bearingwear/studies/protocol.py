@@ -126,11 +126,14 @@ class Bundle:
         What its rule is called, after the name of the study.
     steps : tuple of Step
     label : str
+    about : str
+        What the list of rules says of it, where that is not its label.
     """
 
     name: str
     steps: tuple[Step, ...]
     label: str
+    about: str = ""
     matches: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 0.0
     priority: int = 0

@@ -1,20 +1,12 @@
 """Numbers of catalogues and of a commercial program; `benchmarks/catalogues.py` finds ours."""
 
-import importlib.util
-import sys
-
 import pytest
-from support import ROOT
+from support import benchmark
 
 
 @pytest.fixture(scope="module")
 def rows():
-    path = ROOT / "benchmarks" / "catalogues.py"
-    spec = importlib.util.spec_from_file_location("catalogues", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["catalogues"] = module  # its dataclass looks itself up there
-    spec.loader.exec_module(module)
-    return module.rows()
+    return benchmark("catalogues").rows()
 
 
 @pytest.mark.parametrize(

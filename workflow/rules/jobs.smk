@@ -28,4 +28,4 @@ for study in STUDIES.values():
             shell:
                 "bearingwear step {params.calls} > {log} 2>&1"
 
-        about(f"{study.name}_{job.name}", getattr(job, "about", "") or job.label)
+        about(f"{study.name}_{job.name}", job.about or job.label)

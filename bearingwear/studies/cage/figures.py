@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.plotting.drawing import Figure, frame, key, new_figure, scene_of
+from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure, scene_of
 from bearingwear.results.units import digits, display
 from bearingwear.studies.cage.motion import (
     FLOATS,
     HANGS,
     IRREGULAR,
-    MOTION_WORDS,
+    MOTIONS,
     WHIRLS,
     WITH_BALLS,
     WITH_THEM,
@@ -84,6 +84,7 @@ def _points(panel: Any, at: xr.Dataset, name: str, factor: float) -> None:
 
 
 def _keys(motions: xr.Dataset) -> list[Any]:
+    look = {"color": "0.3", "linestyle": "none", "fillstyle": "none"}
     found = set(np.unique(motions["motion"].values[np.isfinite(motions["motion"].values)]))
     return [
         *(
@@ -91,7 +92,7 @@ def _keys(motions: xr.Dataset) -> list[Any]:
             for k, (_, _, words) in enumerate(_clearances(motions))
         ),
         *(
-            key(MOTION_WORDS[code], color="0.3", linestyle="none", marker=marker, fillstyle="none")
+            key(in_words(MOTIONS[code]), marker=marker, **look)
             for code, marker in MOTION_MARKERS.items()
             if code in found
         ),

@@ -11,9 +11,8 @@ import xarray as xr
 
 from bearingwear.results.netcdf import load
 from bearingwear.results.variable import Variable
-from bearingwear.scene.checking import record
 from bearingwear.scene.variant import variant
-from bearingwear.studies.cage.plan import CAGE_FILE, CagePlan
+from bearingwear.studies.cage.plan import CagePlan
 from bearingwear.studies.dataset import coordinate, stacked
 
 CAGE_AXES = (
@@ -36,7 +35,7 @@ def gathered_motions(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]
     plan : mapping
         `CagePlan` as plain data.
     """
-    checked = record(CagePlan, {"set": plan["changes"], **_without(plan)}, CAGE_FILE)
+    checked = CagePlan(**plan)
     parts = [load(path) for path in paths]
     together = stacked(parts, checked.shape)
     axes = (
@@ -55,7 +54,3 @@ def gathered_motions(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]
         "stretch_turns": checked.stretch_turns,
     }
     return together
-
-
-def _without(plan: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in plan.items() if key != "changes"}

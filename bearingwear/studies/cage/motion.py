@@ -9,14 +9,6 @@ import numpy as np
 MOTIONS = ("floats", "hangs", "turns_with_the_balls", "whirls", "irregular")
 FLOATS, HANGS, WITH_BALLS, WHIRLS, IRREGULAR = range(len(MOTIONS))
 
-MOTION_WORDS = {
-    FLOATS: "floats",
-    HANGS: "hangs",
-    WITH_BALLS: "turns with the balls",
-    WHIRLS: "whirls",
-    IRREGULAR: "irregular",
-}
-
 ONE_SIDED = 0.5
 """Mean place over the root mean square of the distance from which on a cage hangs."""
 

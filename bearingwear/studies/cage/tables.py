@@ -12,7 +12,7 @@ from bearingwear.plotting.drawing import in_words
 from bearingwear.plotting.markdown import flag_names, markdown_table
 from bearingwear.results.units import digits, display
 from bearingwear.studies.cage.figures import cage_message
-from bearingwear.studies.cage.motion import MOTION_WORDS
+from bearingwear.studies.cage.motion import MOTIONS
 from bearingwear.studies.dataset import loaded
 
 MICROMETRES, WEAR, OF_MEAN = display("m"), display("m3 s-1"), display("1", shown="%")
@@ -71,7 +71,7 @@ def _run(run: xr.Dataset, share: float) -> list[str]:
         return [in_words(STATUS_NAMES[status]), *["–"] * 9]
     y, z = (MICROMETRES.text(value) for value in run["centre"].values)
     return [
-        MOTION_WORDS[int(run["motion"])],
+        in_words(MOTIONS[int(run["motion"])]),
         digits(float(run["begins"])),
         digits(float(run["whirl_ratio"])),
         f"{y}, {z}",

@@ -238,7 +238,7 @@ def _held_by(
 
 def preload_text(one: xr.Dataset) -> str:
     """The recommended preload of a method [N], in as many digits as it is to be set with."""
-    return f"{float(one.get('preload_to_set', one['preload'])):.7g}".replace("nan", "–")
+    return f"{float(one['preload']):.7g}".replace("nan", "–")
 
 
 def stiffness_of(design: xr.Dataset) -> str:

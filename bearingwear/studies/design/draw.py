@@ -9,7 +9,7 @@ import xarray as xr
 
 from bearingwear.plotting.drawing import Figure
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.studies.design import figures, uncertainty_figure
+from bearingwear.studies.design import figures, map_figure, uncertainty_figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +60,7 @@ def draw_map(design: Path) -> Figure:
     found = load(design)
     if found.attrs.get("kind") != "design map":
         raise CaseFileError(f"{design}: not a file of the kind design map")
-    return figures.map_overview(found)
+    return map_figure.map_overview(found)
 
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:

@@ -1,18 +1,16 @@
-"""Figures of the design study: which preload to take, and what lies around it."""
+"""Figure of the design study: which preload to take."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.colors import LogNorm
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import (
     COLOURS,
-    FAILED,
     Figure,
     failed_keys,
     frame,
@@ -37,7 +35,10 @@ from bearingwear.studies.design.choice import (
     preload_text,
     stiffness_of,
 )
+from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
 from bearingwear.studies.design.recommend import best_method
+from bearingwear.studies.design.show import verdict_told
+from bearingwear.studies.design.verdict import NEITHER_LONGER
 from bearingwear.studies.design.words import LIMIT_WORDS
 
 LETTERS = dict(zip(ACTIVE, "GSPFARKMLEU×N", strict=True))
@@ -72,9 +73,14 @@ def design_figure(
     area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
     figure, panels = new_figure(2 if area else 1, 2, 7.2, 7.4 if area else 4.2)
     basis, limits = counted(design), limits_of(design)
-    line = at_scene(design)
+    hertzian = at_scene(design)
+    followed = lines_followed(recommendation)
+    line = hertzian if followed is None else followed
     over_preload, over_stiffness = panels[0]
     failed = False
+    if followed is not None:
+        for name, one in methods(hertzian):
+            _hertzian(panels[0], name, one.isel(loss_basis=basis))
     best = front(line, basis)
     for k, (name, one) in enumerate(methods(line)):
         within = one["status"] == OK
@@ -106,12 +112,13 @@ def design_figure(
     )
     over_preload.set_title("life over preload")
     over_stiffness.set_title("life against stiffness")
-    _as_wide_as_it_is(over_preload, design)
+    as_wide_as_it_is(over_preload, design)
     if area:
         _choices(figure, panels[1], design)
     handles = [
         *method_keys([name for name, _ in methods(line)]),
         *_keys(limit is not None, uncertainty is not None),
+        *_groove_keys(followed is not None),
         *(_letter_keys(design) if area else ()),
         *failed_keys(failed),
     ]
@@ -127,7 +134,7 @@ def _logarithmic(panel: Any) -> None:
     panel.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
+def as_wide_as_it_is(panel: Any, design: xr.Dataset) -> None:
     """A logarithmic axis of preload where it spans more than a decade and a half."""
     preloads = design["preload"].values
     if preloads[-1] > 30.0 * preloads[0]:
@@ -142,6 +149,15 @@ def _over_preload(panel: Any, name: str, one: xr.Dataset, within: xr.DataArray) 
         look = {"color": COLOURS[name], "linestyle": dash}
         panel.plot(one["preload"], lives, alpha=0.35, linewidth=0.8, **look)
         panel.plot(one["preload"], lives.where(within), **look)
+
+
+def _hertzian(panels: Any, name: str, one: xr.Dataset) -> None:
+    """Lives with grooves that keep their shape, beside those with grooves followed."""
+    lives = one["life"].where(lambda h: h > 0.0)
+    for panel, x in zip(
+        panels, (one["preload"], STIFFNESS_UNIT.of(one[stiffness_of(one)])), strict=True
+    ):
+        panel.plot(x, lives, color=COLOURS[name], linewidth=0.8, linestyle=":")
 
 
 def _over_stiffness(
@@ -245,6 +261,16 @@ def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
     ]
 
 
+def _groove_keys(followed: bool) -> list[Any]:
+    """Legend of the grooves, where some are followed as they wear."""
+    if not followed:
+        return []
+    return [
+        key("grooves as they wear", color="0.3"),
+        key("Hertzian grooves", color="0.3", linewidth=0.8, linestyle=":"),
+    ]
+
+
 def _letter_keys(design: xr.Dataset) -> list[Any]:
     """Legend of the letters on the map."""
     shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
@@ -276,107 +302,16 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
         l10, l50 = (float(lives.isel(loss_basis=basis).sel(probability=p)) for p in (0.1, 0.5))
         spread = f" (L10 {digits(l10)} h, L50 {digits(l50)} h)"
     within = " within the limits" if limits_of(recommendation).given else ""
-    held = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
-    life = digits(float(chosen["life"]))
+    held_by = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
+    if int(recommendation["verdict"]) == NEITHER_LONGER:
+        both = " and ".join(
+            f"{in_words(one)} at {preload_text(of)} N {digits(float(of['life'][basis]))} h"
+            for one, of in methods(recommendation)
+        )
+        return f"{name}: {verdict_told(recommendation)} ({both}{spread})"
+    hours = digits(float(chosen["life"]))
+    groove = ", grooves as they wear" if int(chosen["groove"]) == WORN_GROOVE else ""
     return (
         f"{name}: {in_words(method)} at {preload_text(chosen)} N lives longest{within}, "
-        f"{life} h{spread}, counting {in_words(COUNTS[basis])}; held by {held}"
+        f"{hours} h{spread}, counting {in_words(COUNTS[basis])}{groove}; held by {held_by}"
     )
-
-
-class Mapped(NamedTuple):
-    """How a quantity is drawn over preload and friction."""
-
-    label: str
-    units: str
-    cmap: str
-
-
-MAPPED = {
-    "life": Mapped("wear life", "h", "viridis"),
-    "time_to_slip_limit": Mapped("time to the limit\nof gyroscopic slip", "h", "viridis"),
-    "residual_preload_at_end": Mapped("residual preload\nat the end", "N", "cividis"),
-    "friction_power": Mapped("largest friction\npower", "W", "magma"),
-    "axial_stiffness": Mapped("least axial\nstiffness", "N m-1", "cividis"),
-}
-
-
-def map_overview(design: xr.Dataset) -> Figure:
-    """The map over preload and friction at the scene's speed."""
-    scene = scene_of(design)
-    speed = scene["operation"]["shaft_speed_rpm"]
-    plane = design.sel(shaft_speed=speed)
-    quantities = {name: look for name, look in MAPPED.items() if name in design}
-    columns = methods(plane)
-    figure, panels = new_figure(
-        len(quantities), len(columns), 7.2, 1.75 * len(quantities) + 0.9, sharex=True, sharey=True
-    )
-    basis = counted(design)
-    for row, (quantity, look) in zip(panels, quantities.items(), strict=True):
-        unit = display(look.units, plane[quantity])
-        values = unit.of(plane[quantity])
-        if "loss_basis" in values.dims:
-            values = values.isel(loss_basis=basis)
-        _mapped(figure, row, plane, values, look.cmap, unit.label(look.label))
-    for panel, (name, _) in zip(panels[0], columns, strict=True):
-        panel.set_title(in_words(name))
-    for panel in panels[-1]:
-        panel.set_xlabel("initial preload (N)")
-        _as_wide_as_it_is(panel, design)
-    frame(
-        figure,
-        f"{scene['name']} at {speed:g} r/min: where life, stiffness and slip lie; counting "
-        f"{in_words(COUNTS[basis])}",
-        [
-            key("white: zero, from the start on", linestyle="none"),
-            key("limit of slip not reached in the life", color="0.87", linewidth=8),
-            *failed_keys(bool((plane["status"] != OK).any())),
-        ],
-        columns=3,
-    )
-    return figure
-
-
-def _mapped(
-    figure: Figure,
-    row: np.ndarray,
-    plane: xr.Dataset,
-    values: xr.DataArray,
-    cmap: str,
-    label: str,
-) -> None:
-    """A quantity of every method, a panel each."""
-    drawn = values.where(np.isfinite(values) & (values > 0.0))
-    if not bool(drawn.notnull().any()):  # never solved, or nothing but zeros
-        for panel in row:
-            panel.axis("off")
-        return
-    norm = LogNorm(float(drawn.min()), float(drawn.max()))
-    axes = plane["preload"], plane["friction"]
-    image = None
-    for k, (panel, (_, one)) in enumerate(zip(row, methods(plane), strict=True)):
-        shown = drawn.isel(preload_method=k).transpose("friction", "preload")
-        image = panel.pcolormesh(
-            *axes, shown, shading="nearest", cmap=cmap, norm=norm, rasterized=True
-        )
-        bad = np.argwhere((one["status"] != OK).transpose("friction", "preload").values)
-        if bad.size:
-            x, y = plane["preload"].values[bad[:, 1]], plane["friction"].values[bad[:, 0]]
-            panel.plot(x, y, color="crimson", **{**FAILED, "markersize": 3})
-        never = (values == np.inf).isel(preload_method=k).transpose("friction", "preload")
-        panel.pcolormesh(
-            *axes,
-            never.where(never),
-            shading="nearest",
-            cmap="Greys",
-            vmin=0.0,
-            vmax=4.0,
-            rasterized=True,
-        )
-        panel.grid(False)
-    row[0].set_ylabel("friction coefficient")
-    if image is not None:
-        bar = figure.colorbar(image, ax=list(row), pad=0.01, format="{x:g}")
-        bar.set_label(label)
-        bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-        bar.ax.yaxis.set_minor_formatter(NullFormatter())

@@ -16,6 +16,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.model.courses import WearCourses
+from bearingwear.model.life_integrator import WearState
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -127,23 +128,7 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     course = follow(scene)
     found: dict[str, Any] = {"status": course.status, "end_criterion": course.criterion}
     if course.status == OK:
-        new, worn = course.states[0], course.states[-1]
-        found |= {
-            "life": course.times[-1],
-            "residual_preload_at_start": new.preload,
-            "residual_preload_at_end": worn.preload,
-            "loss_at_end": worn.loss,
-            SLIP_SHARE: max(s.share.max() for s in course.states),
-            "axial_stiffness": min(s.stiffness for s in course.states),
-            "maximum_pressure": max(s.pressure for s in course.states),
-            "friction_power": max(s.friction_power for s in course.states),
-            "friction_power_at_start": new.friction_power,
-            "axial_stiffness_at_start": new.stiffness,
-            "system_axial_stiffness": min(s.system_stiffness for s in course.states),
-            "rotor_axial_shift": max(abs(s.shift) for s in course.states),
-            "preload_kept": min(s.preload for s in course.states) / scene.operation.preload_N,
-            "friction_used_by_gyroscopic_moment": max(s.friction_used for s in course.states),
-        }
+        found |= {"life": course.times[-1]} | gone_through(scene, course.states)
         if slip_limit is not None:
             found["time_to_slip_limit"] = np.full(2, np.inf)
             if found[SLIP_SHARE] >= slip_limit:
@@ -153,6 +138,26 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
                 found["time_to_slip_limit"] = follow(until).times[-1]
     found["solves"], found["failed_solves"] = follow.solves, follow.failed
     return found
+
+
+def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, float]:
+    """What limits look at, of the states of a life."""
+    new, worn = states[0], states[-1]
+    return {
+        "residual_preload_at_start": new.preload,
+        "residual_preload_at_end": worn.preload,
+        "loss_at_end": worn.loss,
+        SLIP_SHARE: max(s.share.max() for s in states),
+        "axial_stiffness": min(s.stiffness for s in states),
+        "maximum_pressure": max(s.pressure for s in states),
+        "friction_power": max(s.friction_power for s in states),
+        "friction_power_at_start": new.friction_power,
+        "axial_stiffness_at_start": new.stiffness,
+        "system_axial_stiffness": min(s.system_stiffness for s in states),
+        "rotor_axial_shift": max(abs(s.shift) for s in states),
+        "preload_kept": min(s.preload for s in states) / scene.operation.preload_N,
+        "friction_used_by_gyroscopic_moment": max(s.friction_used for s in states),
+    }
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:

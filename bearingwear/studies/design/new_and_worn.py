@@ -9,11 +9,12 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
+from bearingwear.model.worn_courses import worn_history
 from bearingwear.plotting.drawing import methods
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display
+from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.design.map import scene_at
 from bearingwear.studies.design.plan import DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
@@ -65,7 +66,6 @@ def recommended_sheet(
 
 def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:
     """The bearing at the recommended preload when new, and at the end of its life."""
-    speed, preload = scene.operation.shaft_speed_rpm, float(one["preload"])
-    at_preload = scene_at(scene, method, scene.friction.coefficient, speed, preload)
-    states = WearCourses(at_preload)(at_preload).states
-    return [states[0], states[-1]]
+    at_preload = held_by(scene, method, float(one["preload"]))
+    history = worn_history(at_preload, quick=False) or WearCourses(at_preload)(at_preload)
+    return [history.states[0], history.states[-1]]

@@ -27,7 +27,8 @@ from bearingwear.results.units import digits, display, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
-from bearingwear.studies.design.figures import LOSS_DASHES, MAPPED, map_overview
+from bearingwear.studies.design.figures import LOSS_DASHES
+from bearingwear.studies.design.map_figure import MAPPED, map_overview
 from bearingwear.studies.design.uncertainty_figure import (
     draw_cumulated,
     preload_drawn,

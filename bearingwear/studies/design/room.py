@@ -1,4 +1,4 @@
-"""How far limits and ends of life may move before the other preload method is the better one.
+"""How far what was assumed may move before the other preload method is the better one.
 
 Theory: docs/theory.md, section 14.
 """
@@ -10,65 +10,68 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.courses import WearCourses
-from bearingwear.scene.blocks import EndOfLife
-from bearingwear.scene.scene import Scene
-from bearingwear.studies.design.choice import LIMITED
+from bearingwear.model.criterion import IN_WORDS
+from bearingwear.model.worn_courses import lives_by_end
+from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
+from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.design.choice import LIMITED, limit_margins
+from bearingwear.studies.design.followed import HERTZIAN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
 
 FARTHEST = 10.0
 """How many times larger or smaller a limit is looked at."""
 
 CRITERIA_FARTHEST = 4.0
-"""The same of an end of life."""
+"""The same of an end of life and of friction."""
 
-_PRELOADS, _LIMITS, _CRITERIA = 400, 241, 9
-_SAME = 1e-6
+_PRELOADS, _LIMITS, _CRITERIA, _FRICTIONS = 400, 240, 8, 6
+_SAME, _HALVINGS, _FRICTION_HALVINGS = 1e-6, 20, 5
 SHARES_OF_ENDS = ("preload_fraction", "gyroscopic_slip_share", "skid_ratio")
+_LARGEST_SHARE = 0.999
 
-Room = dict[str, tuple[float, float]]
-"""Of each limit, the values below and above the given one up to which the choice holds.
+Room = dict[str, tuple[float, float, float]]
+"""By key: the value up to which a choice holds below, the value now, and the one above.
 
 NaN where it holds as far as was looked.
 """
+Preference = Callable[[float], int | None]
+"""Number of the better method with an assumption times a factor; None where it is not known."""
 
 
-def limit_room(at_scene: xr.Dataset, limits: DesignLimits, basis: int) -> Room:
+def limit_room(lines: xr.Dataset, limits: DesignLimits, basis: int) -> Room:
     """How far each limit may move before another method has the longest life.
 
-    Lives and what is limited are interpolated between the preloads of the map; preloads are chosen
-    anew for each value of a limit.
+    Lives and what is limited are interpolated between the preloads of the lines; preloads are
+    chosen anew for each value of a limit.
 
     Parameters
     ----------
-    at_scene : Dataset
+    lines : Dataset
         The map over `preload_method` and `preload`.
     limits : DesignLimits
     basis : int
         Index along the loss basis.
     """
-    lines = [
-        _dense(at_scene.isel(preload_method=k), basis)
-        for k in range(len(at_scene["preload_method"]))
+    dense = [
+        _dense(lines.isel(preload_method=k), basis) for k in range(len(lines["preload_method"]))
     ]
-    if len(lines) < 2:
+    if len(dense) < 2:
         return {}
 
-    def best(values: Mapping[str, float]) -> int:
-        lives = [_longest_within(line, values) for line in lines]
-        return int(np.argmax(lives)) if max(lives) > 0.0 else -1
+    def best(moved: DesignLimits) -> int | None:
+        return longer([_longest_within(line, moved) for line in dense])
 
-    given = limits.given
-    room = {}
-    for name, limit in given.items():
+    factors = FARTHEST ** np.linspace(0.0, 1.0, _LIMITS + 1)[1:]
+    room: Room = {}
+    for name, limit in limits.given.items():
 
-        def choice(factor: float, name: str = name, limit: float = limit) -> int:
-            return best(given | {name: factor * limit})
+        def choice(factor: float, name: str = name, limit: float = limit) -> int | None:
+            return best(replace(limits, **{name: factor * limit}))
 
-        room[name] = _ends(choice, limit)
+        room[f"{LIMIT_KEY}{name}"] = _holds(choice, limit, 1.0 / factors, factors)
     return room
 
 
@@ -87,30 +90,41 @@ def _dense(line: xr.Dataset, basis: int) -> dict[str, np.ndarray]:
     return found
 
 
-def _longest_within(line: Mapping[str, np.ndarray], values: Mapping[str, float]) -> float:
+def _longest_within(line: Mapping[str, np.ndarray], limits: DesignLimits) -> float:
     allowed = line["life"] > 0.0
-    for name, value in values.items():
-        one = LIMITED[name]
-        allowed &= one.sign * (1.0 - line[one.variable] / (value * one.unit)) >= -_SAME
+    for margin in limit_margins(line, limits):
+        allowed = allowed & (margin >= -_SAME)
     return float(np.max(line["life"], where=allowed, initial=0.0))
 
 
-def _ends(choice: Callable[[float], int], limit: float) -> tuple[float, float]:
-    """Values below and above a limit at which a choice over its multiple changes."""
-    now = choice(1.0)
+def _holds(
+    choice: Preference, now: float, below: np.ndarray, above: np.ndarray, halvings: int = _HALVINGS
+) -> tuple[float, float, float]:
+    """Up to which values, of factors away from one, a choice stays what it is now."""
+    first = choice(1.0)
     ends = []
-    for way in (-1.0, 1.0):
+    for factors in (below, above):
         changes, last = np.nan, 1.0
-        for factor in FARTHEST ** (way * np.linspace(0.0, 1.0, _LIMITS)[1:]):
-            if choice(float(factor)) != now:
-                for _ in range(20):
-                    middle = float(np.sqrt(last * factor))
-                    last, factor = (middle, factor) if choice(middle) == now else (last, middle)
-                changes = last * limit
+        for factor in factors.tolist() if first is not None else ():
+            here = choice(factor)
+            if here is None:
                 break
-            last = float(factor)
+            if here != first:
+                for _ in range(halvings):
+                    middle = float(np.sqrt(last * factor))
+                    last, factor = (middle, factor) if choice(middle) == first else (last, middle)
+                changes = last * now
+                break
+            last = factor
         ends.append(float(changes))
-    return ends[0], ends[1]
+    return ends[0], now, ends[1]
+
+
+def longer(lives: Sequence[float]) -> int | None:
+    """Which of some lives is the longest; None where one was not solved, or all are nothing."""
+    if not np.isfinite(lives).all() or not max(lives) > 0.0:
+        return None
+    return int(np.argmax(lives))
 
 
 def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
@@ -123,49 +137,72 @@ def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
     basis : int
         Index along the loss basis.
     """
-    first, second = (WearCourses(scene) for scene in scenes)
-    found: Room = {}
-    for name, limit in (scenes[0].wear.end_of_life or EndOfLife()).criteria.items():
+    end = scenes[0].wear.end_of_life or EndOfLife()
+    most = {name: _largest(name, limit) for name, limit in end.criteria.items()}
+    loose = {
+        name: limit / CRITERIA_FARTHEST if IN_WORDS[name].falls else most[name] * limit
+        for name, limit in end.criteria.items()
+    }
+    lives = [lives_by_end(scene, replace(end, **loose), basis) for scene in scenes]
+    even = np.linspace(0.0, 1.0, _CRITERIA + 1)[1:]
+    room: Room = {}
+    for name, limit in end.criteria.items():
 
-        def log_ratio(log_factor: float, name: str = name, limit: float = limit) -> float:
-            moved = [_with_end(scene, name, float(np.exp(log_factor)) * limit) for scene in scenes]
-            lives = [follow(scene) for follow, scene in zip((first, second), moved, strict=True)]
-            if any(life.status != OK or not life.times[-1][basis] > 0.0 for life in lives):
-                return np.nan
-            one, other = (float(life.times[-1][basis]) for life in lives)
-            return float(np.log(one / other))
+        def choice(factor: float, name: str = name, limit: float = limit) -> int | None:
+            moved = replace(end, **{name: factor * limit})
+            return longer([life(moved) for life in lives])
 
-        found[name] = _crossings(log_ratio, limit, name in SHARES_OF_ENDS)
+        above = most[name] ** even if most[name] > 1.0 else np.array([])
+        room[f"{END_KEY}{name}"] = _holds(choice, limit, CRITERIA_FARTHEST**-even, above)
+    return room
+
+
+def _largest(name: str, limit: float) -> float:
+    """How many times larger an end of life may be."""
+    if name not in SHARES_OF_ENDS:
+        return CRITERIA_FARTHEST
+    return max(1.0, min(CRITERIA_FARTHEST, _LARGEST_SHARE / limit))
+
+
+def friction_room(scenes: Sequence[Scene], basis: int) -> Room:
+    """The same of friction, and of the wear coefficient, to which all lives are proportional."""
+    mu = scenes[0].friction.coefficient
+    part = key_of_scene(FRICTION_KEY)
+    assert part is not None
+    most = min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
+
+    def choice(factor: float) -> int | None:
+        made = [
+            replace(one, friction=replace(one.friction, ball_race=factor * mu)) for one in scenes
+        ]
+        return longer([_life(one, basis) for one in made])
+
+    K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
+    found: Room = {WEAR_KEY: (np.nan, K, np.nan)}
+    if most > 1.0:
+        even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
+        found[FRICTION_KEY] = _holds(
+            choice, mu, CRITERIA_FARTHEST**-even, most**even, _FRICTION_HALVINGS
+        )
     return found
 
 
-def _with_end(scene: Scene, name: str, value: float) -> Scene:
-    end = replace(scene.wear.end_of_life or EndOfLife(), **{name: value})
-    return replace(scene, wear=replace(scene.wear, end_of_life=end))
+def _life(scene: Scene, basis: int) -> float:
+    """With the groove that a life follows [s]; NaN where it was not solved."""
+    found = followed_point(scene, None)
+    return float(found["life"][basis]) if found["status"] == OK else np.nan
 
 
-def _crossings(
-    log_ratio: Callable[[float], float], limit: float, share: bool
-) -> tuple[float, float]:
-    """Values below and above a limit at which a ratio passes one."""
-    now = log_ratio(0.0)
-    farthest = np.log(CRITERIA_FARTHEST)
-    most = min(farthest, np.log(0.999 / limit)) if share and limit < 0.999 else farthest
-    ends = []
-    for far in (-farthest, 0.0 if share and limit >= 0.999 else most):
-        changes, last = np.nan, 0.0
-        for at in np.linspace(0.0, far, _CRITERIA)[1:] if far else ():
-            here = log_ratio(float(at))
-            if not np.isfinite(here) or not np.isfinite(now):
-                break
-            if here * now < 0.0:
-                changes = limit * float(np.exp(brentq(log_ratio, last, at, xtol=1e-4)))
-                break
-            last = float(at)
-        ends.append(float(changes))
-    return ends[0], ends[1]
-
-
-def as_lists(room: Room) -> dict[str, list[float | None]]:
-    """For JSON, which has no NaN."""
-    return {name: [v if np.isfinite(v) else None for v in ends] for name, ends in room.items()}
+def lives_by_track(scenes: Sequence[Scene | None], basis: int) -> np.ndarray:
+    """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove."""
+    lives, followed = np.full((len(scenes), len(BALL_TRACKS)), np.nan), False
+    for i, scene in enumerate(scenes):
+        for k, track in enumerate(BALL_TRACKS if scene is not None else ()):
+            assert scene is not None
+            point = followed_point(replace(scene, wear=replace(scene.wear, ball_track=track)), None)
+            followed |= point["groove"] != HERTZIAN_GROOVE
+            if point["status"] == OK:
+                lives[i, k] = point["life"][basis]
+            if not followed:
+                return lives * np.nan
+    return lives

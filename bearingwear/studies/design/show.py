@@ -11,15 +11,20 @@ import numpy as np
 from bearingwear.model.criterion import IN_WORDS
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
-from bearingwear.results.units import display, in_ascii
+from bearingwear.results.units import digits, display, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
+from bearingwear.studies.design.verdict import CLAIMED, NO_COMPARISON, ONE_LONGER, VERDICTS
 from bearingwear.studies.design.words import (
+    ASSUMED_WORDS,
+    GROOVE_WORDS,
+    HERTZIAN_LIFE_WORDS,
+    LIMIT_KEY,
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
-    ROOM,
+    TRACK_WORDS,
     in_percent,
     limit_text,
     limit_unit,
@@ -33,12 +38,13 @@ def recommendation_sheet(file: Any) -> Sheet:
     columns = tuple(names[int(flag)].replace("_", " ") for flag in values(file, "preload_method"))
     lives = values(file, "life")
     rows = [
-        Row("initial preload", "N", _preloads(file), "preload", given=True),
+        Row("initial preload", "N", _numbers(file, "preload"), "preload", given=True),
         Row("held by", "", tuple(_held(file)), "active_limit"),
         *(
             Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
             for k, way in enumerate(COUNTS)
         ),
+        *_grooves(file),
         *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
     ]
     given = json.loads(getattr(file, "limits", "{}"))
@@ -49,6 +55,7 @@ def recommendation_sheet(file: Any) -> Sheet:
         f"{scene['name']}: {getattr(file, 'title', 'recommended preload').lower()} "
         f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
         f"friction {scene['friction']['ball_race']:g}",
+        *([told] if (told := in_ascii(verdict_told(file))) else []),
         *(f"limit: {text}" for text in limits),
         *(
             f"none within the limits, {method.replace('_', ' ')}: {in_ascii(why)}"
@@ -58,6 +65,7 @@ def recommendation_sheet(file: Any) -> Sheet:
     attributes = {"warnings": getattr(file, "warnings", "[]")}
     heading += tuple(wrapped_warnings(attributes))
     facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
+    facts["verdict"] = VERDICTS[int(np.nan_to_num(values(file, "verdict")))]
     facts["warnings"] = [line.removeprefix(WARNING) for line in warning_lines(attributes)]
     return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)), *_room(file)))
 
@@ -65,40 +73,85 @@ def recommendation_sheet(file: Any) -> Sheet:
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_TOLD = (
     "Between these the method with the longer life stays the same. A dash: as far as lives were "
-    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times an end of life. A "
-    "limit moves with preloads chosen anew between those of the map, an end of life with the "
-    "preloads above."
+    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times all else. A limit "
+    "moves with preloads chosen anew between those of the map, all else with the preloads above. "
+    "Lives by both methods go with one over the wear coefficient."
 )
 
 
 def _room(file: Any) -> list[Block]:
-    """How far each limit and each end of life may move before the other method is better."""
-    attributes = (getattr(file, name, "{}") for name in (ROOM, "limits", "scene"))
+    """How far each assumption may move before the other method is better."""
     rows = [
-        Row(label, unit, tuple(map(_known, numbers)), name)
-        for name, label, unit, numbers in room_rows(*attributes)
+        Row(label, in_ascii(unit), tuple(map(_known, numbers)), name)
+        for name, label, unit, numbers in room_rows(file)
     ]
-    told = (textwrap.fill(ROOM_TOLD, 108, subsequent_indent="  "),)
-    return [Block("how far the choice holds", ROOM_COLUMNS, tuple(rows), told)] if rows else []
+    if not rows:
+        return []
+    texts = [ROOM_TOLD, *track_told(file)]
+    told = tuple(textwrap.fill(in_ascii(text), 108, subsequent_indent="  ") for text in texts)
+    return [Block("how far the choice holds", ROOM_COLUMNS, tuple(rows), told)]
 
 
-def room_rows(
-    room: str, limits: str, scene: str
-) -> list[tuple[str, str, str, tuple[float, float, float]]]:
-    """Name, label, unit and values (from, now, to) of each row, from attributes of a file."""
-    found = json.loads(room)
-    given = {
-        "limits": json.loads(limits),
-        "ends": json.loads(scene)["wear"].get("end_of_life") or {},
-    }
+def room_rows(file: Any) -> list[tuple[str, str, str, tuple[float, float, float]]]:
+    """Name, label, unit and values (from, now, to) of each assumption in a recommendation."""
+    columns = [values(file, name) for name in ("holds_from", "assumed", "holds_to")]
     rows = []
-    for kind, at_now in given.items():
-        for name, (low, high) in found.get(kind, {}).items():
-            numbers = (np.nan if v is None else float(v) for v in (low, at_now[name], high))
-            shown = tuple(in_percent(name, value) for value in numbers)
-            label = LIMIT_WORDS[name] if kind == "limits" else f"end: {IN_WORDS[name].words}"
-            rows.append((name, label, limit_unit(name), shown))
+    for k, name in enumerate(flag_words(file, "assumption")):
+        numbers = [column[k] for column in columns]
+        label, unit = assumption_words(name)
+        short = name.rpartition(".")[2]
+        shown = tuple(in_percent(short, v) if unit == "%" else float(v) for v in numbers)
+        rows.append((name, label, unit, shown))
     return rows  # type: ignore[return-value]
+
+
+def assumption_words(name: str) -> tuple[str, str]:
+    """Label and unit of an assumption."""
+    short = name.rpartition(".")[2]
+    if name in ASSUMED_WORDS:
+        return ASSUMED_WORDS[name], ""
+    label = LIMIT_WORDS[short] if name.startswith(LIMIT_KEY) else f"end: {IN_WORDS[short].words}"
+    return label, limit_unit(short)
+
+
+def flag_words(file: Any, name: str) -> list[str]:
+    """Meanings of a coordinate of flags, along it."""
+    words = str(file[name].flag_meanings).split()
+    return [words[int(flag)] for flag in np.atleast_1d(values(file, name))]
+
+
+def track_told(file: Any) -> list[str]:
+    """Which method is the better by each track of a ball, where grooves are followed."""
+    lives = np.asarray(values(file, "life_by_ball_track"))
+    if len(lives) < 2 or not np.isfinite(lives).all():
+        return []
+    names = [name.replace("_", " ") for name in flag_words(file, "preload_method")]
+    told = [
+        f"{' against '.join(map(digits, column))} h with balls that wear {TRACK_WORDS[track]}"
+        for track, column in zip(flag_words(file, "ball_track"), lives.T.tolist(), strict=True)
+    ]
+    return [f"{' against '.join(names)}: {'; '.join(told)}.".capitalize()]
+
+
+def verdict_told(file: Any) -> str:
+    """Whether one method can be said to last longer, in a sentence; nothing where one is alone."""
+    said = int(np.nan_to_num(values(file, "verdict")))
+    if said == NO_COMPARISON:
+        return ""
+    counts = json.loads(file.scene)["wear"]["counts"]
+    lives = np.asarray(values(file, "life"))[:, COUNTS.index(counts)]
+    names = [name.replace("_", " ") for name in flag_words(file, "preload_method")]
+    best = int(np.argmax(lives))
+    if said == ONE_LONGER:
+        return f"{names[best]} lasts {lives[best] / lives[1 - best]:.3g} times as long"
+    turned = [
+        f"{label} {digits(now)} to {digits(end)} {unit}".rstrip()
+        for _, label, unit, (low, now, high) in room_rows(file)
+        for end in (low, high)
+        if abs(end / now - 1.0) < CLAIMED
+    ]
+    why = f"it turns round with {' or '.join(turned)}" if turned else "see how far the choice holds"
+    return f"neither method can be said to last longer: {why}"
 
 
 def _held(file: Any) -> list[str]:
@@ -106,10 +159,19 @@ def _held(file: Any) -> list[str]:
     return [LIMIT_WORDS[names[int(flag)]] for flag in values(file, "active_limit")]
 
 
-def _preloads(file: Any) -> tuple[float, ...]:
-    """As they are to be set; of a file that does not say it, as they were found."""
-    known = "preload_to_set" if "preload_to_set" in file.variables else "preload"
-    return tuple(float(value) for value in values(file, known))
+def _numbers(file: Any, name: str) -> tuple[float, ...]:
+    return tuple(float(value) for value in values(file, name))
+
+
+def _grooves(file: Any) -> list[Row]:
+    """Which groove the numbers have, and the life and the preload with the other one."""
+    found = flag_words(file, "groove")
+    rows = [Row("  its groove", "", tuple(GROOVE_WORDS[name] for name in found), "groove")]
+    if "worn" in found:
+        counts = COUNTS.index(json.loads(file.scene)["wear"]["counts"])
+        hertzian = np.asarray(values(file, "hertzian_life"))[:, counts]
+        rows += [Row(f"  {HERTZIAN_LIFE_WORDS}", "h", tuple(hertzian.tolist()), "hertzian_life")]
+    return rows
 
 
 def _known(value: Any) -> Any:

@@ -31,13 +31,20 @@ from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import design_message
 from bearingwear.studies.design.map import MAP_AXES
 from bearingwear.studies.design.recommend import best_method
-from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows
+from bearingwear.studies.design.show import (
+    ROOM_COLUMNS,
+    ROOM_TOLD,
+    flag_words,
+    room_rows,
+    track_told,
+)
 from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
 from bearingwear.studies.design.words import (
+    GROOVE_WORDS,
+    HERTZIAN_LIFE_WORDS,
     LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
-    ROOM,
     limit_text,
 )
 
@@ -102,17 +109,16 @@ def design_summary(
 
 
 def _room(recommendation: xr.Dataset) -> list[str]:
-    """How far limits and ends of life may move before the other method is better."""
-    attributes = (recommendation.attrs.get(name, "{}") for name in (ROOM, "limits", "scene"))
+    """How far what was assumed may move before the other method is better."""
     rows = [
-        [f"{label} ({in_print(unit)})", *map(digits, numbers)]
-        for _, label, unit, numbers in room_rows(*attributes)
+        [f"{label} ({in_print(unit)})" if unit else label, *map(digits, numbers)]
+        for _, label, unit, numbers in room_rows(recommendation)
     ]
     if not rows:
         return []
     return [
         "## How far the choice holds",
-        ROOM_TOLD,
+        " ".join([ROOM_TOLD, *track_told(recommendation)]),
         markdown_table(" | ".join(("limit", *ROOM_COLUMNS)), rows),
     ]
 
@@ -164,18 +170,21 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
         name: (label, display(recommendation[name].attrs["units"], recommendation[name], shown=as_))
         for name, (label, as_) in RECOMMENDED_WORDS.items()
     }
-    for _, one in methods(recommendation):
+    grooves = flag_words(recommendation, "groove")
+    for k, (_, one) in enumerate(methods(recommendation)):
         error = float(one["life_error_estimate"].isel(loss_basis=basis))
         known = f"{100 * error:.2g} %" if np.isfinite(error) else "–"
         cells = {
             "initial preload (N)": preload_text(one),
             "held by": LIMIT_WORDS[ACTIVE[int(one["active_limit"])]],
             **{
-                f"life counting {in_words(COUNTS[k])} (h)": (
-                    digits(float(one["life"].isel(loss_basis=k)))
+                f"life counting {in_words(COUNTS[c])} (h)": (
+                    digits(float(one["life"].isel(loss_basis=c)))
                 )
-                for k in (basis, 1 - basis)
+                for c in (basis, 1 - basis)
             },
+            "groove of these numbers": GROOVE_WORDS[grooves[k]],
+            **(_with_hertzian_groove(one, basis) if "worn" in grooves else {}),
             "estimated numerical error of the life": known,
             **{
                 unit.label(label): unit.text(one[name])
@@ -188,6 +197,16 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
     return [
         markdown_table(f"recommended | {names}", [[label, *cells] for label, cells in rows.items()])
     ]
+
+
+def _with_hertzian_groove(one: xr.Dataset, basis: int) -> dict[str, str]:
+    """The life beside that of a groove followed as it wears, and where the map alone would be."""
+    life = digits(float(one["hertzian_life"].isel(loss_basis=basis)))
+    preload = digits(float(one["hertzian_preload"]))
+    return {
+        f"life {HERTZIAN_LIFE_WORDS}, at this preload (h)": life,
+        f"best preload of the map, {HERTZIAN_LIFE_WORDS} (N)": preload,
+    }
 
 
 def _quantiles(uncertainty: xr.Dataset) -> list[str]:
@@ -282,6 +301,6 @@ def _statuses(design: xr.Dataset) -> list[str]:
     return [
         f"{status.size} lives over preload, method, friction and speed (in map.csv), made of "
         f"{solves} steady states, of which {failed} were not found. A life that was not solved "
-        "keeps its status and is never chosen.",
+        "keeps its status and is never chosen. All lives of the map are of Hertzian grooves.",
         markdown_table("status of the life | lives", rows),
     ]

@@ -28,14 +28,6 @@ _LIMIT_TEXT = {
     "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment at most {:g} %",
 }
 
-_SHARES = (
-    "gyroscopic_slip_share",
-    "preload_kept",
-    "friction_used_by_gyroscopic_moment",
-    "preload_fraction",
-    "skid_ratio",
-)
-
 
 def limit_text(name: str, value: float) -> str:
     """What a limit asks for."""
@@ -44,7 +36,7 @@ def limit_text(name: str, value: float) -> str:
 
 def in_percent(name: str, value: float) -> float:
     """A limit, or a value beside it, as it is shown: a share in per cent."""
-    return 100.0 * value if name in _SHARES else value
+    return 100.0 * value if limit_unit(name) == "%" else value
 
 
 def limit_unit(name: str) -> str:
@@ -68,5 +60,18 @@ RECOMMENDED_WORDS = {
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
 
-ROOM = "room"
-"""Attribute of a recommendation: how far each limit may move before another method is better."""
+LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
+"""Before the name of an assumption that is a limit of the design, or an end of the life."""
+
+FRICTION_KEY, WEAR_KEY = "friction.ball_race", "materials.wear_coefficient"
+"""Other assumptions."""
+
+ASSUMED_WORDS = {FRICTION_KEY: "friction of ball and race", WEAR_KEY: "wear coefficient"}
+
+GROOVE_WORDS = {"hertzian": "Hertzian", "worn": "as it wears"}
+"""Which groove a life is of."""
+
+HERTZIAN_LIFE_WORDS = "with a Hertzian groove"
+
+TRACK_WORDS = {"spread": "evenly", "bands": "in bands"}
+"""How balls wear."""

@@ -68,18 +68,13 @@ def _losses(scene: Scene) -> list[float]:
     """
     from bearingwear.kernels.status import OK
     from bearingwear.model.life import steady_states
-    from bearingwear.studies.design.map import life_point, scene_at
+    from bearingwear.scene.arrangement import held_by
+    from bearingwear.studies.design.map import life_point
 
     operation = scene.operation
     ends, states = {}, []
     for method in PRELOAD_METHODS:
-        one = scene_at(
-            scene,
-            method,
-            scene.friction.coefficient,
-            operation.shaft_speed_rpm,
-            operation.preload_N,
-        )
+        one = held_by(scene, method)
         ends[method] = 1e6 * life_point(one, None).get("loss_at_end", 0.0)
         states.append(steady_states(one))
     last = math.ceil(100.0 * (ends[operation.preload_method] or max(ends.values()))) / 100.0

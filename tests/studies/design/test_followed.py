@@ -1,0 +1,176 @@
+"""A preload is chosen by lives with grooves that are followed as they wear, where `life` does."""
+
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.model.life import life
+from bearingwear.model.worn_courses import QUICK_STEP, first_met, lives_by_end, worn_history
+from bearingwear.results.netcdf import load
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.read import load_scene
+from bearingwear.studies.axis import RisingAxis
+from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.design.followed import (
+    HERTZIAN_GROOVE,
+    WORN_GROOVE,
+    followed_point,
+    lines_followed,
+)
+from bearingwear.studies.design.map import life_point
+from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.recommend import mapped
+
+METHODS = ("constant_force", "fixed_position")
+SETTINGS = ["model.contact=auto", "model.normal_balance=frictionless"]
+STIFF = DesignLimits(system_axial_stiffness_N_um=5.0)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """The studied bearing, its grooves followed where that is required."""
+    return load_scene(scene_file("gyro_s1"), SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def found(scene):
+    """Map and recommendation."""
+    axes = MapAxes(
+        preload_method=METHODS,
+        friction=RisingAxis([0.08]),
+        shaft_speed_rpm=RisingAxis([30000.0]),
+        preload_N=RisingAxis([4.0, 7.0, 10.0, 14.0]),
+    )
+    return mapped(scene, axes, STIFF)
+
+
+def test_recommended_life_is_what_life_prints(scene, found, tmp_path, capsys):
+    """To the last bit in Python, and digit by digit on the command line."""
+    _, chosen = found
+    for k, method in enumerate(METHODS):
+        one = chosen.isel(preload_method=k)
+        values = life(held_by(scene, method, float(one["preload"]))).values
+        assert_allclose(one["life"], values["life"] / 3600.0, rtol=1e-15)
+        assert int(one["end_criterion"]) == values["end_criterion"]
+        settings = [*SETTINGS, f"operation.preload_method={method}"]
+        settings.append(f"operation.preload_N={float(one['preload']):.7g}")
+        file = str(scene_file("gyro_s1"))
+        assert main(["life", file, "--json", "--set", *settings]) == 0
+        printed = shown(capsys.readouterr().out, "life")
+        assert list(printed.values()) == pytest.approx(one["life"].values.tolist(), rel=1e-12)
+    # and the file says the same as the sheet
+    file = tmp_path / "recommendation.nc"
+    write_dataset(chosen, file)
+    assert main(["show", "--json", str(file)]) == 0
+    text = capsys.readouterr().out
+    lives = [
+        quantity["values"]
+        for quantity in json.loads(text)["quantities"]
+        if quantity["name"] == "life"
+    ]
+    assert [list(one.values()) for one in lives] == [
+        pytest.approx(chosen["life"].values[:, c].tolist(), rel=1e-12) for c in (0, 1)
+    ]
+
+
+def shown(text, name):
+    """Values of a quantity in a sheet as JSON."""
+    quantities = json.loads(text)["quantities"]
+    return next(one["values"] for one in quantities if one["name"] == name and "values" in one)
+
+
+def test_both_lives_and_which_groove_each_has(scene, found):
+    design, chosen = found
+    assert (chosen["groove"] == WORN_GROOVE).all()
+    for k, method in enumerate(METHODS):
+        one = chosen.isel(preload_method=k)
+        hertzian = life_point(held_by(scene, method, float(one["preload"])), None)["life"]
+        assert_allclose(one["hertzian_life"], hertzian / 3600.0, rtol=1e-12)
+        assert abs(float(one["life"][1] / one["hertzian_life"][1]) - 1.0) > 0.02
+        assert float(one["life"][0]) == float(one["hertzian_life"][0])  # races do not count
+        # the choice is within the limit by the groove as it wears, and on it
+        assert 5e6 <= float(one["system_axial_stiffness"]) < 5e6 * 1.01
+    assert "groove" not in design and (design["status"] == 0).all()
+
+
+def test_lines_of_preloads_are_in_the_file(scene, found, tmp_path):
+    _, chosen = found
+    file = tmp_path / "recommendation.nc"
+    write_dataset(chosen, file)
+    lines = lines_followed(load(file))
+    assert lines["preload"].values.tolist() == [4.0, 7.0, 10.0, 14.0]
+    assert set(lines["life"].dims) == {"preload_method", "preload", "loss_basis"}
+    quick = followed_point(held_by(scene, METHODS[0], 7.0), None)
+    assert float(lines["life"][0, 1, 1]) == pytest.approx(quick["life"][1] / 3600.0, rel=1e-12)
+    # no preload of the lines within the limit lives longer
+    for k in range(2):
+        within = lines.isel(preload_method=k)
+        within = within["life"][:, 1].where(within["system_axial_stiffness"] >= 5e6)
+        assert float(chosen["life"][k, 1]) > 0.995 * float(within.max())
+
+
+def test_figure_tables_and_sheet_tell_the_grooves(found, tmp_path, capsys):
+    design, chosen = found
+    files = {"design": tmp_path / "design.nc", "recommendation": tmp_path / "recommendation.nc"}
+    write_dataset(design, files["design"])
+    write_dataset(chosen, files["recommendation"])
+    given = [f"{name}={path}" for name, path in files.items()]
+    out = tmp_path / "design.svg"
+    assert main(["step", "studies.design.draw.draw_design", *given, "-o", str(out)]) == 0
+    assert "Hertzian grooves" in out.read_text() and "grooves as they wear" in out.read_text()
+    tables = [str(tmp_path / name) for name in ("map.csv", "design.md")]
+    assert main(["step", "studies.design.tables.tables", *given, "-o", *tables]) == 0
+    text = (tmp_path / "design.md").read_text()
+    assert "| groove of these numbers | as it wears | as it wears |" in text
+    assert "with a Hertzian groove, at this preload (h)" in text
+    assert "All lives of the map are of Hertzian grooves." in text
+    assert main(["show", str(files["recommendation"])]) == 0
+    text = capsys.readouterr().out
+    assert "its groove" in text and "with a Hertzian groove" in text
+    assert "balls that wear evenly" in text and "in bands" in text
+    assert main(["plot", str(files["recommendation"]), "-o", str(tmp_path / "r.svg")]) == 0
+
+
+def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
+    paper = held_by(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
+    assert followed_point(paper, 0.1)["groove"] == HERTZIAN_GROOVE
+    assert worn_history(paper) is None
+    few = scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})
+    assert worn_history(few) is None  # too little wear for the contact to feel
+    # what is beyond a limit when new needs no groove
+    slippery = scene.with_({"wear.end_of_life.gyroscopic_slip_share": 0.001})
+    assert followed_point(slippery, None)["life"].tolist() == [0.0, 0.0]
+
+
+def test_quick_lives_are_those_of_life(scene):
+    """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the least stiffness."""
+    assert QUICK_STEP < 0.2
+    for method in METHODS:
+        at = held_by(scene, method, 7.0)
+        quick, whole = (followed_point(at, 0.12, q) for q in (True, False))
+        assert_allclose(quick["life"], whole["life"], rtol=3e-3)
+        assert quick["end_criterion"] == whole["end_criterion"]
+        assert_allclose(quick["axial_stiffness"], whole["axial_stiffness"], rtol=2e-2)
+
+
+def test_one_march_has_the_lives_of_all_ends(scene):
+    """Against lives that are followed to each end anew."""
+    at = held_by(scene, "fixed_position", 7.0)
+    end = at.wear.end_of_life
+    loose = {"ball_diameter_loss_um": 1.4, "preload_fraction": 0.2}
+    farthest = at.with_({f"wear.end_of_life.{k}": v for k, v in loose.items()}).wear.end_of_life
+    lived = lives_by_end(at, farthest, 1)
+    for changes in ({}, {"preload_fraction": 0.3}, {"preload_fraction": 0.6}):
+        moved = at.with_({f"wear.end_of_life.{k}": v for k, v in changes.items()})
+        anew = followed_point(moved, None)["life"][1]
+        assert lived(moved.wear.end_of_life) == pytest.approx(anew, rel=3e-3)
+    beyond = at.with_({"wear.end_of_life.gyroscopic_slip_share": 1e-4}).wear.end_of_life
+    assert lived(beyond) == 0.0
+    history = worn_history(at)
+    assert history is not None
+    never = at.with_({"wear.end_of_life.preload_fraction": 0.01}).wear.end_of_life
+    assert np.isnan(first_met(history, never, 7.0)) and end.preload_fraction == 0.4
