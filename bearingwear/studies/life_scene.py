@@ -33,7 +33,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
     if tier != "steady":
         raise SceneError(
             "",
-            f"given a scene whose life is found by {tier}; allowed one with a steady "
+            f"got a scene whose life is found by {tier}, expected one with a steady "
             f"state (for its own life: bearingwear life {os.fspath(path)} --fidelity dynamic)",
             source=os.fspath(path),
         )
