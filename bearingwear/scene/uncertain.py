@@ -99,7 +99,7 @@ def check_uncertainty(scene: Scene) -> None:
         key = f"uncertainty.{name}"
         if name == "ball_race" and scene.friction.ball_race is None:
             raise SceneError(
-                key, "given with friction.film; allowed only with friction.ball_race", (key,)
+                key, "got it with friction.film; only allowed with friction.ball_race", (key,)
             )
         needs, takes = PARAMETERS[given.distribution]
         parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}

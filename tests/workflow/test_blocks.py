@@ -35,7 +35,7 @@ SHOWN = {
     r"snakemake --report": "tests/workflow/test_study.py::test_the_report_of_the_jobs",
     r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
-    r"python benchmarks/\w+\.py$": "benchmarks",
+    r"python benchmarks/\w+\.py( \w+)?$": "benchmarks",
 }
 """Lines of `console` blocks, and the test or the program that runs them."""
 
