@@ -29,7 +29,7 @@ REFUSED = [
     (FILM | {f"{LAW}.shear_strength_MPa": 1e5}, f"{LAW}.shear_strength_MPa: got 1"),
     (FILM | {f"{LAW}.shear_strength_MPa": "MoS2"}, f"{LAW}.shear_strength_MPa: got 'MoS2'"),
     (FILM | {f"{LAW}.pressure_coefficient": 2.1}, f"{LAW}.pressure_coefficient: got 2.1"),
-    (FILM | {f"{LAW}.pressure_coefficient": float("nan")}, f"{LAW}.pressure_coefficient: given"),
+    (FILM | {f"{LAW}.pressure_coefficient": float("nan")}, f"{LAW}.pressure_coefficient: got"),
     (FILM | {f"{LAW}.thickness_um": 0}, f"{LAW}.thickness_um: got 0, expected a number > 0"),
     (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: got nothing"),
     (THIN | {f"{LAW}.wear_coefficient": 0}, f"{LAW}.wear_coefficient: got 0"),
@@ -90,4 +90,4 @@ def test_studies_refuse_a_film_in_one_line(capsys, tmp_path, command):
     argv += ["-o", str(tmp_path / "a.nc")] if command == "uncertainty" else []
     assert main(argv) == 2
     said = capsys.readouterr().err.strip().splitlines()[-1]
-    assert "friction.film" in said and "allowed, for a study" in said
+    assert "friction.film" in said and "expected, for a study" in said
