@@ -189,7 +189,7 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
     if isinstance(data, Scene) != (Path(path).suffix in SCENE_SUFFIXES):
         given, allowed = ("a scene", "") if isinstance(data, Scene) else ("a dataset", " no")
         raise OutputError(
-            f"{path}: given {given}; allowed{allowed} {' or '.join(SCENE_SUFFIXES)} for it"
+            f"{path}: got {given}, expected{allowed} {' or '.join(SCENE_SUFFIXES)} for it"
         )
     if isinstance(data, Scene):
         write_text(path, yaml_of(data.to_dict()))
@@ -236,15 +236,15 @@ def new(
     own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}
     allowed = [*own, *keys, RADIAL_CLEARANCE]
     if unknown := sorted(known.keys() - allowed):
-        raise TypeError(f"new: given {unknown[0]!r}; allowed {', '.join(sorted(allowed))}")
+        raise TypeError(f"new: got {unknown[0]!r}, expected {', '.join(sorted(allowed))}")
     for option, choices in CHOICES.items():
         text = known.get(option)
         if isinstance(text, str) and text not in choices:
-            problem = f"given {text!r}; allowed {', '.join(choices)}"
+            problem = f"got {text!r}, expected {', '.join(choices)}"
             raise SceneError("", problem, source=option)
     if RADIAL_CLEARANCE in known:
         if "clearance" in known:
-            raise TypeError(f"new: given clearance and {RADIAL_CLEARANCE}; allowed one of them")
+            raise TypeError(f"new: got clearance and {RADIAL_CLEARANCE}, expected one of them")
         known["clearance"] = known.pop(RADIAL_CLEARANCE)
     given: dict[str, Any] = {keys[key]: value for key, value in known.items() if key in keys}
     others: dict[str, Any] = {key: known[key] for key in known.keys() - keys}
@@ -300,7 +300,7 @@ class Plot:
     def __getattr__(self, name: str) -> Callable[[str | os.PathLike[str] | xr.Dataset], Figure]:
         kinds = {kind.replace(" ", "_"): kind for kind in registry("PLOTS")}
         if name not in kinds:
-            raise AttributeError(f"plot: given {name!r}; allowed {', '.join(kinds)}")
+            raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
         kind = kinds[name]
         drawing = function(registry("PLOTS")[kind])
 

@@ -259,13 +259,13 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
 def _study_name(text: str) -> str:
     if text not in ("all", *NAMES) and not text.endswith(SCENE_SUFFIXES):
         allowed = ", ".join(("a scene, MINE.yaml", "all", *NAMES))
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed {allowed}")
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected {allowed}")
     return text
 
 
 def _mapping(text: str) -> dict[str, Any]:
     if not isinstance(values := json.loads(text), dict):
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a mapping")
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected a mapping")
     return values
 
 
@@ -275,7 +275,7 @@ def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
     except ValueError:
         value = math.nan  # within nothing
     if not within(value):
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a number {allowed}")
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected a number {allowed}")
     return value
 
 
@@ -289,7 +289,7 @@ def _share(text: str) -> float:
 
 def _file_name(text: str) -> Path:
     if not os.path.basename(text):
-        raise argparse.ArgumentTypeError(f"given {text!r}; allowed a file name")
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected a file name")
     return Path(text)
 
 

@@ -98,8 +98,8 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     if argv and not argv[0].startswith("-") and argv[0] not in known:
         people = [name for name in known if name != "step"]
         near = difflib.get_close_matches(argv[0], people, n=2)
-        allowed = f"did you mean {' or '.join(near)}" if near else f"allowed {', '.join(people)}"
-        parser.error(f"given the command {argv[0]!r}; {allowed}")
+        allowed = f"did you mean {' or '.join(near)}" if near else f"expected {', '.join(people)}"
+        parser.error(f"got the command {argv[0]!r}; {allowed}")
     args, left = parser.parse_known_args(argv)
     if args.command == "plot":
         _sort_plot(parser, args)
@@ -108,12 +108,12 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         given = [option for option, key, *_ in LIMITS if getattr(args, key) is not None]
         given += ["--output"] if args.output is not None else []
         if given and args.name in ("all", *NAMES):
-            parser.error(f"study: given {given[0]} without a scene; allowed with SCENE.yaml")
+            parser.error(f"study: got {given[0]} without a scene; only allowed with SCENE.yaml")
     # `--set A=1 B=2` is read as `--set A=1 --set B=2`
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
     elif left:
-        parser.error(f"given {left[0]!r}; allowed no such argument")
+        parser.error(f"got {left[0]!r}, an argument that this command does not take")
     return args
 
 
@@ -122,7 +122,7 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
     if args.file is None:
         results = [path for path in args.output if path.suffix == ".nc"]
         if len(results) != 1:
-            parser.error(f"plot: given {len(results)} result files; allowed one, FILE.nc")
+            parser.error(f"plot: got {len(results)} result files, expected one, FILE.nc")
         (args.file,) = results
         args.output.remove(args.file)
     args.output = args.output or [args.file.with_suffix(".svg")]

@@ -279,9 +279,9 @@ def _check_output(path: Path, scene: str) -> None:
     try:
         if path.exists():
             if not path.is_file():
-                raise OutputError(f"{path}: given something that is no file; allowed a file name")
+                raise OutputError(f"{path}: got something that is no file, expected a file name")
             if path.samefile(scene):
-                raise OutputError(f"{path}: given the scene itself; allowed another file name")
+                raise OutputError(f"{path}: got the scene itself, expected another file name")
             _check_replaced(path)
     except OutputError:
         raise
@@ -303,7 +303,7 @@ def _check_replaced(path: Path) -> None:
     with path.open("rb") as file:
         start = file.read(len(SIGNATURE))
     if start and start != SIGNATURE:
-        raise OutputError(f"{path}: given a file that is no result; allowed another file name")
+        raise OutputError(f"{path}: got a file that is no result, expected another file name")
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:

@@ -311,11 +311,11 @@ def test_a_step_solves_as_the_command_does(tmp_path, settings, capsys):
 @pytest.mark.parametrize(
     ("run", "said"),
     [
-        ("studies.grid.gather.nothing", "step: given studies.grid.gather.nothing, which is not"),
-        ("studies.nothing.gather.study", "step: given studies.nothing.gather.study, which is not"),
-        ("os.system", "step: given os.system; allowed studies.STUDY.MODULE.FUNCTION"),
-        ("model.solve.solve", "step: given model.solve.solve; allowed"),
-        ("study", "step: given study; allowed"),
+        ("studies.grid.gather.nothing", "step: got studies.grid.gather.nothing, which is not"),
+        ("studies.nothing.gather.study", "step: got studies.nothing.gather.study, which is not"),
+        ("os.system", "step: got os.system, expected studies.STUDY.MODULE.FUNCTION"),
+        ("model.solve.solve", "step: got model.solve.solve, expected"),
+        ("study", "step: got study, expected"),
     ],
 )
 def test_a_step_that_is_not_there(run, said, tmp_path, capsys):
@@ -365,7 +365,7 @@ def test_output_is_the_name_of_a_file(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert solve(name) == 2
     err = capsys.readouterr().err
-    assert err.count("\n") == 1 and f"given {name!r}; allowed a file name" in err
+    assert err.count("\n") == 1 and f"got {name!r}, expected a file name" in err
     assert os.listdir(tmp_path) == []
 
 
@@ -390,7 +390,7 @@ def test_output_replaces_results_alone(command, tmp_path, capsys):
     other = tmp_path / "other.yaml"
     other.write_text("name: another scene\n")
     assert main([command, str(SCENE), "-o", str(other)]) == 2
-    assert "given a file that is no result" in capsys.readouterr().err
+    assert "got a file that is no result" in capsys.readouterr().err
     assert other.read_text() == "name: another scene\n"
 
 
@@ -422,12 +422,12 @@ def test_output_in_a_folder_that_cannot_be_written(tmp_path, capsys):
 
 def test_errors_without_a_key_in_front(capsys, monkeypatch):
     def refuse(*_):
-        raise NotAvailable("gyro_s1: something: given a\nb; allowed c")
+        raise NotAvailable("gyro_s1: something: got a\nb, expected c")
 
     monkeypatch.setattr(solve_model, "solve", refuse)
     assert solve("x.nc") == 2
     err = capsys.readouterr().err
-    assert err == f"{SCENE}: something: given a?b; allowed c\n"
+    assert err == f"{SCENE}: something: got a?b, expected c\n"
 
 
 def test_version():
@@ -462,7 +462,7 @@ def test_a_mistyped_command(command, meant, capsys):
 def test_the_hidden_command_is_not_offered(capsys):
     assert main(["xyz"]) == 2
     err = capsys.readouterr().err
-    assert "allowed new, check, solve, life" in err and "step" not in err
+    assert "expected new, check, solve, life" in err and "step" not in err
 
 
 def test_plot_in_any_order_of_arguments(tmp_path, capsys):
@@ -478,7 +478,7 @@ def test_plot_in_any_order_of_arguments(tmp_path, capsys):
     assert (tmp_path / "a.svg").is_file() and file.is_file()
     for argv in ([], ["-o", str(figure)], ["-o", str(file), str(file)]):
         assert main(["plot", *argv]) == 2
-        assert "result files; allowed one, FILE.nc" in capsys.readouterr().err
+        assert "result files, expected one, FILE.nc" in capsys.readouterr().err
 
 
 def test_recommend(capsys):
@@ -560,13 +560,13 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
 @pytest.mark.parametrize(
     "arguments, said",
     [
-        (["--stiffness", "0"], "argument --stiffness: given '0'; allowed a number > 0"),
+        (["--stiffness", "0"], "argument --stiffness: got '0', expected a number > 0"),
         (
             ["--pressure", "2000"],
-            "maximum_pressure_GPa: given 2000.0; allowed a number > 0 and <= 20",
+            "maximum_pressure_GPa: got 2000.0, expected a number > 0 and <= 20",
         ),
-        (["--slip", "35"], "gyroscopic_slip_share: given 35.0; allowed a number > 0 and <= 1"),
-        (["--set", "operation.rotating_load_N=1"], "allowed one with a steady state (for its own"),
+        (["--slip", "35"], "gyroscopic_slip_share: got 35.0, expected a number > 0 and <= 1"),
+        (["--set", "operation.rotating_load_N=1"], "expected one with a steady state (for its own"),
         (["--set", "operation.preload_N=0"], "preload_fraction"),
     ],
 )

@@ -75,7 +75,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     wanted = fidelity or scene.model.fidelity
     if wanted not in FIDELITIES:
         raise NotAvailable(
-            f"{scene.name}: fidelity: given {wanted!r}; allowed {', '.join(FIDELITIES)}"
+            f"{scene.name}: fidelity: got {wanted!r}, expected {', '.join(FIDELITIES)}"
         )
     found = " and ".join(asymmetries(scene))
     needs_cage = scene.model.cage_results
@@ -83,26 +83,26 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
         raise _refusal(scene, wanted, "cage motion and wear need the dynamic model", "dynamic")
     if scene.pair is not None and (wanted == "dynamic" or needs_cage):
         asked = (
-            "model.fidelity: given 'dynamic'"
+            "model.fidelity: got 'dynamic'"
             if wanted == "dynamic"
-            else ("model.cage_results: given true")
+            else ("model.cage_results: got true")
         )
         raise NotAvailable(
-            f"{scene.name}: {asked} with a {scene.pair.kind}; allowed, in time, one bearing "
+            f"{scene.name}: {asked} with a {scene.pair.kind}, expected, in time, one bearing "
             "(arrangement.kind single)"
         )
     if wanted == "dynamic" and scene.model.normal_balance == "with_traction":
         raise NotAvailable(
-            f"{scene.name}: model.normal_balance: given with_traction, which runs in time are "
-            "without; allowed frictionless, or none"
+            f"{scene.name}: model.normal_balance: got with_traction, which dynamic runs do "
+            "not have, expected frictionless, or none"
         )
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
         raise _refusal(scene, wanted, problem, "dynamic, race_control")
     if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
-            f"{scene.name}: operation.shaft_speed_rpm: given 0 with an outer race at rest; "
-            "allowed, for a dynamic model, a race that turns"
+            f"{scene.name}: operation.shaft_speed_rpm: got 0 with an outer race at rest; "
+            "expected, for a dynamic model, a race that turns"
         )
     if wanted != "auto":
         return _chosen(scene, wanted, ASKED_FOR)
@@ -136,8 +136,8 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "fidelity dynamic"
     if scene.wear.end_of_life and unseen.keys() == scene.wear.end_of_life.criteria.keys():
         raise NotAvailable(
-            f"{scene.name}: wear.end_of_life: given {names} alone, which a life of fidelity "
-            f"{chosen.tier} does not watch; allowed another criterion, or {other}"
+            f"{scene.name}: wear.end_of_life: got {names} alone, which a life of fidelity "
+            f"{chosen.tier} does not watch, expected another criterion, or {other}"
         )
     return replace(chosen, reasons=(*chosen.reasons, f"criteria: {names} not watched"))
 
@@ -153,7 +153,7 @@ def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
 
 def _refusal(scene: Scene, wanted: str, problem: str, others: str) -> NotAvailable:
     return NotAvailable(
-        f"{scene.name}: model.fidelity: given '{wanted}'; {problem}; allowed auto, {others}"
+        f"{scene.name}: model.fidelity: got '{wanted}'; {problem}, expected auto, {others}"
     )
 
 

@@ -46,8 +46,8 @@ def films_refused(scene: Scene, tier: str) -> str:
         return ""
     which = "fidelity dynamic" if tier == "dynamic" else "two bearings that differ"
     return (
-        f"friction.film, materials: given films that wear through, or running in, with {which}; "
-        "allowed, for a life, fidelity steady and one bearing, or two alike"
+        f"friction.film, materials: got films that wear through, or running in, with {which}; "
+        "expected, for a life, fidelity steady and one bearing, or two alike"
     )
 
 

@@ -55,7 +55,7 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
     if scene.pair is not None:
         if not scene.pair.is_symmetric:
             raise NotAvailable(
-                f"{scene.name}: given two bearings that differ; allowed one, or alike"
+                f"{scene.name}: got two bearings that differ, expected one, or alike"
             )
         scene = scene.sides[0]
     covered, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)
@@ -287,13 +287,13 @@ def _check_end(scene: Scene) -> None:
     if end is None or not end.criteria:
         raise SceneError(
             "wear.end_of_life",
-            "given nothing; a life needs at least one criterion",
+            "got nothing; a life needs at least one criterion",
             source=scene.name,
         )
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(
             "wear.end_of_life.preload_fraction",
-            "given with preload_N 0; a fraction needs a preload",
+            "got a fraction of preload_N 0; a fraction needs a preload",
             source=scene.name,
         )
 

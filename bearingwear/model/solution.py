@@ -40,7 +40,7 @@ def check_solution(scene: Scene) -> None:
     """
     if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
         raise NotAvailable(
-            f"{scene.name}: model.dynamic_solution: given periodic with {why}; allowed auto, march"
+            f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto, march"
         )
 
 

@@ -102,8 +102,8 @@ def check_restart(scene: Scene, chosen: Choice) -> None:
     """
     if chosen.tier != "dynamic":
         raise NotAvailable(
-            f"{scene.name}: restart: given with a scene solved with {chosen.tier}; allowed with "
-            "fidelity dynamic"
+            f"{scene.name}: restart: got a scene solved with {chosen.tier}, expected one "
+            "solved with fidelity dynamic"
         )
 
 

@@ -280,7 +280,7 @@ def residual_sentence(case: ThrustCase) -> str:
     return (
         f"friction balance {found.friction:.1e} of the friction forces, "
         f"normal balance {found.equilibrium:.1e} of the contact load, "
-        f"power balance {found.power:.1e} of the shaft power; allowed {LARGEST_RESIDUAL:.0e}"
+        f"power balance {found.power:.1e} of the shaft power, allowed {LARGEST_RESIDUAL:.0e}"
     )
 
 

@@ -85,7 +85,7 @@ def begin(
     except ValueError as error:
         with_cage = "without" if scene.cage is None else "with"
         raise NotAvailable(
-            f"{scene.name}: restart: given a {error}; allowed one that was solved "
+            f"{scene.name}: restart: got a {error}, expected one that was solved "
             f"{with_cage} the cage, as this run is"
         ) from None
     return system, f"the end of a run at {system.time:.6g} s"

@@ -55,18 +55,18 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
         Where the scene asks for it and it cannot be.
     """
     obstacles = {
-        f"model.fidelity: given {tier}": tier != "steady",
-        "wear.counts: given ball": scene.wear.counts != "ball_and_races",
-        "model.slip_over: given line": scene.model.slip_is_over == "line",
-        "arrangement: given two bearings": scene.pair is not None,
-        "friction.film, materials: given films that wear through": changes_as_it_wears(scene),
-        "thermal: given temperatures found from friction heat": scene.thermal is not None,
+        f"model.fidelity {tier}": tier != "steady",
+        "wear.counts ball": scene.wear.counts != "ball_and_races",
+        "model.slip_over line": scene.model.slip_is_over == "line",
+        "two bearings": scene.pair is not None,
+        "films that wear through": changes_as_it_wears(scene),
+        "temperatures found from friction heat": scene.thermal is not None,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
-                f"{scene.name}: model.contact: given worn; {found[0]}; allowed with a steady "
+                f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady "
                 "life that counts ball_and_races, slip over the ellipse, one bearing, "
                 "temperatures as given"
             )

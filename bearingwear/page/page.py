@@ -150,7 +150,7 @@ def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
     for file in files:
         if file.suffix not in suffixes:
             raise CaseFileError(
-                f"{file}: given the suffix {file.suffix!r}; allowed {', '.join(suffixes)}"
+                f"{file}: got the suffix {file.suffix!r}, expected {', '.join(suffixes)}"
             )
 
 
@@ -214,7 +214,7 @@ def _drawing(file: Path, png: Path | None) -> Drawing:
         picture = png.read_bytes() if png and len(text) > HEAVY else None
     except (OSError, UnicodeError, ET.ParseError, KeyError, ValueError) as error:
         reason = " ".join(str(error).split())
-        raise CaseFileError(f"{file}: cannot be read ({reason}); allowed an SVG figure") from None
+        raise CaseFileError(f"{file}: cannot be read ({reason}), expected an SVG figure") from None
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
     description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
     # The page has the message beside the figure. Its glyphs stay: later texts use them, too.

@@ -66,7 +66,7 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     for path, kind in kinds.items():
         if kind not in FORMATS:
             allowed = ", ".join(FORMATS)
-            raise OutputError(f"{path}: given the suffix {path.suffix!r}; allowed {allowed}")
+            raise OutputError(f"{path}: got the suffix {path.suffix!r}, expected {allowed}")
     metadata = {".svg": _in_words(figure), ".png": {}, ".pdf": {"CreationDate": None}}
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):

@@ -32,7 +32,7 @@ def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figur
         dataset = _one_of_both(dataset, name)
     if kind not in figures:
         known = ", ".join(figures) or "none"
-        raise CaseFileError(f"{name}: given a file of the kind {kind}; allowed {known}")
+        raise CaseFileError(f"{name}: got a file of the kind {kind}, expected {known}")
     figure: Figure = function(figures[kind])(dataset)
     return figure
 
@@ -42,7 +42,7 @@ def _one_of_both(dataset: xr.Dataset, name: str | Path) -> xr.Dataset:
     first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
     if not first.equals(second):
         raise CaseFileError(
-            f"{name}: given a file of two bearings that differ; allowed one of them, in Python: "
+            f"{name}: got a file of two bearings that differ, expected one of them, in Python: "
             "plot(case.sel(bearing='first'))"
         )
     return first

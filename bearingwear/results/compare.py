@@ -82,7 +82,7 @@ def difference(
         kind, other_kind = kind_of(a), kind_of(b)
         if kind != other_kind:
             raise CaseFileError(
-                f"{os.fspath(second)}: given a {other_kind} beside a {kind}; allowed two files "
+                f"{os.fspath(second)}: got a {other_kind} beside a {kind}, expected two files "
                 "of one kind"
             )
         found = _differences(a, b, tolerance)

@@ -244,10 +244,10 @@ def readable(path: str | os.PathLike[str]) -> None:
         name.encode()
     except (OSError, UnicodeError) as error:
         raise CaseFileError(
-            f"{name}: given a file that cannot be read ({reason(error)}); allowed a result file"
+            f"{name}: got a file that cannot be read ({reason(error)}), expected a result file"
         ) from None
     if not start:
-        raise CaseFileError(f"{name}: given an empty file; allowed a result file")
+        raise CaseFileError(f"{name}: got an empty file, expected a result file")
     if start != SIGNATURE:
         raise foreign(path)
 
@@ -255,12 +255,12 @@ def readable(path: str | os.PathLike[str]) -> None:
 def damaged(path: str | os.PathLike[str], error: BaseException) -> CaseFileError:
     """The error for a file that netCDF cannot read."""
     return CaseFileError(
-        f"{os.fspath(path)}: given a damaged file ({reason(error)}); allowed a result file"
+        f"{os.fspath(path)}: got a damaged file ({reason(error)}), expected a result file"
     )
 
 
 def foreign(path: str | os.PathLike[str]) -> CaseFileError:
     """The error for a file that is none of ours."""
     return CaseFileError(
-        f"{os.fspath(path)}: given a file that {SOURCE} has not written; allowed a result file"
+        f"{os.fspath(path)}: got a file that {SOURCE} has not written, expected a result file"
     )

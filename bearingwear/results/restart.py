@@ -45,23 +45,23 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
         fidelity = str(getattr(file, "fidelity", "none"))
         if fidelity != "dynamic" or "contact_load" not in file.variables:
             raise CaseFileError(
-                f"{name}: given a file of fidelity {fidelity}; allowed a dynamic case"
+                f"{name}: got a file of fidelity {fidelity}, expected a dynamic case"
             )
         status = int(file["status"][...])
         if status != OK:
             raise CaseFileError(
-                f"{name}: given a case with status {STATUS_NAMES[status]}; allowed status ok"
+                f"{name}: got a case with status {STATUS_NAMES[status]}, expected status ok"
             )
         if file.source_hash != source_hash():
             raise CaseFileError(
-                f"{name}: given a case of another version of the solver, {file.source_hash}; "
-                f"allowed one of this version, {source_hash()}"
+                f"{name}: got a case of another version of the solver, {file.source_hash}, "
+                f"expected one of this version, {source_hash()}"
             )
         state = _numbers(file["final_state"])
         time = float(_numbers(file["final_time"]))
         before = json.loads(file.scene)
     if not np.isfinite(state).all() or not np.isfinite(time):
-        raise CaseFileError(f"{name}: given a case without its last state; allowed one with it")
+        raise CaseFileError(f"{name}: got a case without its last state, expected one with it")
     if scene is not None:
         _same_scene(name, before, scene.to_dict())
     return {"state": state, "time": time, "scene": before}
@@ -81,7 +81,7 @@ def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) ->
     for key in [*other, *one]:
         if one.get(key) != other.get(key) and key not in MAY_DIFFER:
             raise CaseFileError(
-                f"{name}: {key}: given a case with {_shown(one.get(key))}; allowed that of the "
+                f"{name}: {key}: got a case with {_shown(one.get(key))}, expected that of the "
                 f"scene, {_shown(other.get(key))} (only wear, model and {REGULARISATION} may "
                 "differ)"
             )

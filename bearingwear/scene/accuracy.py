@@ -335,19 +335,19 @@ def check_model(scene: Scene) -> None:
     SceneError
     """
     if scene.model.cage_results and scene.cage is None:
-        raise SceneError("model.cage_results", "given true; allowed only with a cage", ("cage",))
+        raise SceneError("model.cage_results", "got true; only allowed with a cage", ("cage",))
     turns, averaged = scene.model.simulated_turns, scene.model.evaluated_turns
     if averaged is not None and averaged > turns:
         raise SceneError(
             "model.evaluated_turns",
-            f"given {averaged:g} with {turns:g} simulated turns; allowed a number <= {turns:g}",
+            f"got {averaged:g} with {turns:g} simulated turns, expected a number <= {turns:g}",
             ("model.simulated_turns",),
         )
     points = scene.model.history_points_per_turn
     if points * turns > MOST_HISTORY_POINTS:
         raise SceneError(
             "model.history_points_per_turn",
-            f"given {points} with {turns:g} simulated turns; allowed a whole number <= "
+            f"got {points} with {turns:g} simulated turns, expected a whole number <= "
             f"{math.floor(MOST_HISTORY_POINTS / turns)}",
             ("model.simulated_turns",),
         )

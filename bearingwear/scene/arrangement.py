@@ -118,8 +118,8 @@ class Arrangement:
             if not name or block not in OWN_BLOCKS or shared:
                 raise SceneError(
                     f"second.{key}" if key else "second",
-                    f"given {shown(flat[key])}, a key that both bearings share or that is none; "
-                    f"allowed keys of {', '.join(OWN_BLOCKS)}, but speeds, preload, counts "
+                    f"got {shown(flat[key])}, a key that both bearings share or that is none, "
+                    f"expected keys of {', '.join(OWN_BLOCKS)}, but speeds, preload, counts "
                     "and end of life",
                 )
         object.__setattr__(self, "second", MappingProxyType(flat))
@@ -171,7 +171,7 @@ def _check_kind(a: Arrangement) -> None:
     for name, value in given.items():
         allowed = {"spring_pair"} if name == "spring_stiffness_N_um" else set(METHODS)
         if value and a.kind not in allowed:
-            problem = f"given {shown(value)} with kind {a.kind}; allowed only with "
+            problem = f"got {shown(value)} with kind {a.kind}; only allowed with "
             raise SceneError(name, problem + " or ".join(sorted(allowed)), ("kind",))
 
 
@@ -213,7 +213,7 @@ def one_bearing(scene: Scene, source: object) -> Scene:
     if scene.arrangement is not None and scene.arrangement.is_pair:
         raise SceneError(
             "arrangement.kind",
-            f"given {scene.arrangement.kind}; allowed single, for a study of states of wear (for a "
+            f"got {scene.arrangement.kind}, expected single, for a study of states of wear (for a "
             "pair: bearingwear solve, life, recommend)",
             source=str(source),
         )
@@ -257,7 +257,7 @@ def check_arrangement(scene: Scene) -> None:
     if METHODS[a.kind] != method:
         raise SceneError(
             "arrangement.kind",
-            f"given {a.kind} with operation.preload_method {method}; allowed {PAIRS[method]}, or "
+            f"got {a.kind} with operation.preload_method {method}, expected {PAIRS[method]}, or "
             f"preload_method {METHODS[a.kind]}",
             ("operation.preload_method",),
         )

@@ -54,12 +54,12 @@ def size_of(designation: str | None, bore: float | None, outside: float | None) 
         for option, given in (("--bore", bore), ("--outside", outside)):
             if given is not None:
                 raise refused_option(
-                    option, given, f"only without a designation, here {designation}"
+                    option, given, f"only allowed without a designation, here {designation}"
                 )
         return designation_of(designation)
     for option, given in (("--bore", bore), ("--outside", outside)):
         if given is None:
-            problem = "given nothing; allowed a designation as 7008C, or --bore and --outside"
+            problem = "got nothing, expected a designation as 7008C, or --bore and --outside"
             raise SceneError("", problem, source=option)
     assert bore is not None and outside is not None
     if not 0.0 < bore < math.inf:
@@ -98,7 +98,7 @@ def numbers_of(
     if given.get(angle_key) == 0.0:  # the nominal angle of a deep groove bearing, not the free one
         given = {key: value for key, value in given.items() if key != angle_key}
     if preload_class is not None and preload_key in given:
-        raise refused_option("--preload-class", preload_class, "only without --preload")
+        raise refused_option("--preload-class", preload_class, "only allowed without --preload")
     found: dict[str, Origin] = {}
 
     def decide(key: str, value: float, rule: str) -> float:
@@ -135,11 +135,15 @@ def _is_deep_groove(size: Designation, angle: float | None, clearance: str | flo
         return size.deep_groove or angle == 0.0
     option = "--clearance" if isinstance(clearance, str) else "--radial-clearance-um"
     if angle:
-        raise refused_option(option, clearance, f"only without a contact angle, here {angle:g}")
+        raise refused_option(
+            option, clearance, f"only allowed without a contact angle, here {angle:g}"
+        )
     if size.name and not size.deep_groove:
-        raise refused_option(option, clearance, f"only for a deep groove bearing, not {size.name}")
+        raise refused_option(
+            option, clearance, f"only allowed for a deep groove bearing, not {size.name}"
+        )
     if size.clearance:
-        raise refused_option(option, clearance, f"only without the suffix {size.clearance}")
+        raise refused_option(option, clearance, f"only allowed without the suffix {size.clearance}")
     return True
 
 
@@ -186,7 +190,8 @@ def _free_angle(
 def refused_option(option: str, value: float | str, what: str) -> SceneError:
     """The error of an option of `bearingwear new`."""
     given = value if isinstance(value, str) else f"{value:g}"
-    return SceneError("", f"given {given}; allowed {what}", source=option)
+    expected = f"; {what}" if what.startswith("only") else f", expected {what}"
+    return SceneError("", f"got {given}{expected}", source=option)
 
 
 def rounded_to(value: float, digits: int = 2) -> float:

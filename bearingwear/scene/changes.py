@@ -25,13 +25,13 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
         key, equals, value = text.partition("=")
         key = key.strip()
         if not equals or not re.fullmatch(KEY, key):
-            problem = f"given {shown(text)}; allowed KEY=VALUE, operation.preload_N=7"
+            problem = f"got {shown(text)}, expected KEY=VALUE, operation.preload_N=7"
             raise SceneError("", problem, source="--set")
         changes.append((key, data_of(value, f"--set {key}")))
     keys = [key for key, _ in changes]
     for key in keys:
         if keys.count(key) > 1:
-            raise SceneError("", "given more than once; allowed once", source=f"--set {key}")
+            raise SceneError("", "set more than once, expected once", source=f"--set {key}")
     return dict(changes)
 
 
@@ -55,7 +55,7 @@ def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[st
                 path = ".".join(blocks[:depth])
                 part = key_of_scene(path)
                 what = part.allowed if part else "another value"
-                problem = f"given a key of {path}, which is no block; allowed {what}"
+                problem = f"got a key of {path}, which is no block, expected {what}"
                 raise SceneError("", problem, source=f"--set {key}")
             block[name] = block = dict(inner or {})
         above = key_of_scene(".".join(blocks))

@@ -64,7 +64,7 @@ def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
     source = os.fspath(path)
     data = data_of(text_of(path), source, anchors=True)
     if not isinstance(data, dict):
-        raise SceneError("", f"given {shown(data)}; allowed a block of keys", source=source)
+        raise SceneError("", f"got {shown(data)}, expected a block of keys", source=source)
     return record(record_type, data, source)
 
 
@@ -87,11 +87,11 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
 def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
     """Plain copy of nested data, refusing what is not plain or not finite."""
     if depth > DEEPEST:
-        raise SceneError(path, f"given more than {DEEPEST} blocks within each other; allowed less")
+        raise SceneError(path, f"got more than {DEEPEST} blocks within each other, expected fewer")
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
-                raise SceneError(path, f"given the key {shown(key)}; allowed text as a key")
+                raise SceneError(path, f"got the key {shown(key)}, expected text as a key")
         return {
             k: _copied(v, f"{path}.{k}" if path else k, depth + 1, file) for k, v in value.items()
         }
@@ -106,7 +106,7 @@ def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
     given = float(value) if isinstance(value, numbers.Real) else value
     part = part_at(file, path)
     raise SceneError(
-        path, f"given {shown(given)}; allowed {part.allowed if part else 'another value'}"
+        path, f"got {shown(given)}, expected {part.allowed if part else 'another value'}"
     )
 
 
@@ -146,14 +146,14 @@ def _faults(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Iterat
     elif part.kind not in ("own", "any"):
         if not _has_kind(value, part.kind):
             hint = _number_hint(value, part) or _text_hint(value, part)
-            problem = f"given {shown(value)}{hint}; allowed {part.allowed}"
+            problem = f"got {shown(value)}{hint}, expected {part.allowed}"
             yield Fault(_WRONG_TYPE, place, path, problem)
         elif not (_text_fits if part.kind == "text" else _in_range)(value, part.key):
             yield _out_of_range(value, given_as, path, place)
 
 
 def _out_of_range(value: Any, part: Part, path: str, place: tuple[int, ...]) -> Fault:
-    problem = f"given {shown(value)}; allowed {part.allowed}"
+    problem = f"got {shown(value)}, expected {part.allowed}"
     return Fault(_OUT_OF_RANGE, place, path, problem)
 
 
@@ -165,12 +165,14 @@ def _block_faults(
     if unknown is not None:
         near = difflib.get_close_matches(unknown, known, n=2, cutoff=0.6)
         free = [key for key in known if key not in given] or list(known)
-        names = f"did you mean {' or '.join(near)}" if near else f"allowed: {', '.join(free)}"
+        names = (
+            f"did you mean {' or '.join(near)}" if near else f"expected one of {', '.join(free)}"
+        )
         where = _joined(path, short(unknown))
-        yield Fault(_UNKNOWN, place, where, f"given an unknown key; {names}")
+        yield Fault(_UNKNOWN, place, where, f"got an unknown key; {names}")
     for name, below in known.items():
         if below.required and name not in given:
-            problem = f"given nothing; allowed {below.allowed}"
+            problem = f"got nothing, expected {below.allowed}"
             yield Fault(_NOTHING, place, _joined(path, name), problem)
     for i, (name, value) in enumerate(given.items()):
         if name in known:
@@ -189,7 +191,7 @@ def _meant(path: str, file: Part) -> str:
     near = difflib.get_close_matches(name, places, n=1, cutoff=0.8)
     meant = [place for one in near for place in places[one]]
     meant = [place for place in meant if place.count(".") == min(p.count(".") for p in meant)]
-    return f"given an unknown key; did you mean {' or '.join(meant)}" if meant else ""
+    return f"got an unknown key; did you mean {' or '.join(meant)}" if meant else ""
 
 
 def _places(block: Part, path: str) -> Iterator[str]:
@@ -206,11 +208,11 @@ def _mapping_faults(
 ) -> Iterator[Fault]:
     assert part.item is not None
     if len(given) < part.key.least:
-        problem = f"given a block of {len(given)} keys; allowed {part.allowed}"
+        problem = f"got a block of {len(given)} keys, expected {part.allowed}"
         yield Fault(_OUT_OF_RANGE, place, path, problem)
     for i, (name, value) in enumerate(given.items()):
         if not _is_name(name, part):
-            problem = f"given the name {shown(name)}; allowed {part.allowed}"
+            problem = f"got the name {shown(name)}, expected {part.allowed}"
             yield Fault(_IMPOSSIBLE_NAME, place, path, problem)
         yield from _faults(value, part.item, _joined(path, name), (*place, i))
 

@@ -145,4 +145,4 @@ def _size(series: str, code: str) -> tuple[float, float, float] | None:
 
 
 def _unknown(text: str, allowed: str) -> SceneError:
-    return SceneError("", f"given {shown(text)}; allowed {allowed}", source="designation")
+    return SceneError("", f"got {shown(text)}, expected {allowed}", source="designation")

@@ -122,7 +122,7 @@ class Friction:
     def coefficient(self) -> float:
         """The one coefficient; raises `SceneError` where a film has none."""
         if self.ball_race is None:
-            raise SceneError("friction.film", "given; allowed here, one friction.ball_race")
+            raise SceneError("friction.film", "got a film, expected here one friction.ball_race")
         return self.ball_race
 
 
@@ -137,13 +137,13 @@ def check_films(scene: Scene) -> None:
     if friction.film is None and friction.ball_race is None:
         raise SceneError(
             "friction.ball_race",
-            "given nothing; allowed a number from 0 to 2, or friction.film",
+            "got nothing, expected a number from 0 to 2, or friction.film",
             ("friction",),
         )
     if friction.film is not None and friction.ball_race is not None:
         raise SceneError(
             "friction.ball_race",
-            f"given {friction.ball_race:g} with friction.film; allowed one of the two",
+            f"got {friction.ball_race:g} with friction.film, expected one of the two",
             ("friction.film",),
         )
     parts = (b.ball_material, b.race_material)
@@ -152,7 +152,7 @@ def check_films(scene: Scene) -> None:
             if getattr(material, key) is not None and name not in parts:
                 raise SceneError(
                     f"materials.{name}.{key}",
-                    "given for a material of neither balls nor races; allowed for "
+                    "got a film of a material of neither balls nor races, expected for "
                     + " and ".join(dict.fromkeys(parts)),
                     ("bearing.ball_material", "bearing.race_material"),
                 )
@@ -161,8 +161,8 @@ def check_films(scene: Scene) -> None:
     if given is not None and given.thickness_um is not None and of_races is not None:
         raise SceneError(
             "friction.film.thickness_um",
-            f"given {given.thickness_um:g} with materials.{b.race_material}.film, which is on the "
-            "races too; allowed one of the two",
+            f"got {given.thickness_um:g} with materials.{b.race_material}.film, which is on the "
+            "races too, expected one of the two",
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)
@@ -176,20 +176,20 @@ def _check_wear_of_films(scene: Scene) -> None:
         if film is not None and film.wear_coefficient is None and common is None:
             raise SceneError(
                 f"materials.{name}.film.wear_coefficient",
-                "given nothing; allowed a number > 0 and <= 1, here or under friction.film",
+                "got nothing, expected a number > 0 and <= 1, here or under friction.film",
                 ("friction.film",),
             )
     if given is not None and given.thickness_um is not None and common is None:
         raise SceneError(
             "friction.film.wear_coefficient",
-            "given nothing; a film with a thickness needs it",
+            "got nothing; a film with a thickness needs it",
             ("friction.film.thickness_um",),
         )
     thick = has_thickness(scene)
     if given is not None and given.bare_ball_race is not None and not thick:
         raise SceneError(
             "friction.film.bare_ball_race",
-            f"given {given.bare_ball_race:g} with a film that never wears through; allowed only "
+            f"got {given.bare_ball_race:g} with a film that never wears through; only allowed "
             "with a thickness",
             ("friction.film",),
         )
@@ -197,7 +197,7 @@ def _check_wear_of_films(scene: Scene) -> None:
     if end is not None and end.film_worn_share is not None and not thick:
         raise SceneError(
             "wear.end_of_life.film_worn_share",
-            f"given {end.film_worn_share:g}; allowed only with a film that has a thickness",
+            f"got {end.film_worn_share:g}; only allowed with a film that has a thickness",
             ("friction.film", "materials"),
         )
 

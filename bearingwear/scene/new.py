@@ -162,11 +162,11 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
 
     path = Path(path)
     if path.suffix not in SCENE_SUFFIXES or not re.search(NAME, path.stem):
-        problem = f"given this name; allowed NAME.yaml, NAME of {NAME_RULE}"
+        problem = f"got this name, expected NAME.yaml, NAME of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
     text, assumed = scene_text(path.stem, **known)
     if "\0" not in str(path) and os.path.lexists(path):
-        raise OutputError(f"{path}: is there already, and is not replaced; allowed a new name")
+        raise OutputError(f"{path}: exists already and is not replaced; choose another name")
     write_text(path, text)
     return assumed
 

@@ -101,12 +101,12 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
     if end is None or not end.criteria:
         names = ", ".join(whole(EndOfLife).below)
         raise SceneError(
-            "wear.end_of_life", f"given no criterion; allowed, for a life: {names}", (), source
+            "wear.end_of_life", f"got no criterion, expected for a life one of {names}", (), source
         )
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(
             "wear.end_of_life.preload_fraction",
-            "given with a preload of 0; allowed only with a preload",
+            "got a fraction of a preload of 0, expected a preload > 0",
             ("operation.preload_N",),
             source,
         )
@@ -134,7 +134,7 @@ class BasedOn:
     def __post_init__(self) -> None:
         for key in self.changes:
             if not re.fullmatch(KEY, key):
-                raise SceneError("set", f"given {shown(key)}; allowed keys, operation.preload_N")
+                raise SceneError("set", f"got {shown(key)}, expected keys, operation.preload_N")
 
 
 def scene_files(path: str | os.PathLike[str]) -> list[str]:
@@ -152,13 +152,13 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
     source = os.fspath(path)
     data = data_of(text_of(path), source)
     if not isinstance(data, dict):
-        problem = f"given {shown(data)}; allowed a block of keys, a scene"
+        problem = f"got {shown(data)}, expected a block of keys, a scene"
         raise SceneError("", problem, source=source)
     if "based_on" not in data:
         return data, [source]
     this = record(BasedOn, data, source)
     if depth > DEEPEST:
-        problem = f"given {this.based_on}, based on itself; allowed another scene"
+        problem = f"got {this.based_on}, based on itself, expected another scene"
         raise SceneError("based_on", problem, source=source)
     base, files = _read(Path(path).with_name(f"{this.based_on}.yaml"), depth + 1)
     own = {key: data[key] for key in ("name", "description") if key in data}
@@ -181,7 +181,7 @@ def _check_spread(data: Mapping[str, Any]) -> None:
             value = spread.get(end)
             if value is not None and not fits(value, part):
                 raise SceneError(
-                    f"uncertainty.{name}.{end}", f"given {shown(value)}; allowed {part.allowed}"
+                    f"uncertainty.{name}.{end}", f"got {shown(value)}, expected {part.allowed}"
                 )
 
 

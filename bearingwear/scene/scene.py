@@ -254,7 +254,7 @@ def _check_materials(scene: Scene) -> None:
         if name not in scene.materials:
             names = ", ".join(scene.materials)
             raise SceneError(
-                key, f"given {name!r}, not under materials; allowed {names}", ("materials",)
+                key, f"got {name!r}, not under materials, expected {names}", ("materials",)
             )
 
 
@@ -272,16 +272,16 @@ def _check_balls(scene: Scene) -> None:
     if b.ball_diameter_mm >= b.pitch_diameter_mm:
         raise SceneError(
             "bearing.pitch_diameter_mm",
-            f"given {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm; "
-            f"allowed a number > {b.ball_diameter_mm:g}",
+            f"got {b.pitch_diameter_mm:g} with balls of {b.ball_diameter_mm:g} mm, "
+            f"expected a number > {b.ball_diameter_mm:g}",
             keys,
         )
     most = most_balls(b.ball_diameter_mm, b.pitch_diameter_mm)
     if b.ball_count > most:
         raise SceneError(
             "bearing.ball_count",
-            f"given {b.ball_count} balls of {b.ball_diameter_mm:g} mm on a pitch circle of "
-            f"{b.pitch_diameter_mm:g} mm, where they do not fit; allowed at most {most}",
+            f"got {b.ball_count} balls of {b.ball_diameter_mm:g} mm on a pitch circle of "
+            f"{b.pitch_diameter_mm:g} mm, where they do not fit, expected at most {most}",
             keys,
         )
 
@@ -300,8 +300,8 @@ def _check_rings(scene: Scene) -> None:
             ends = [f"> {above:g}"] * (above > 0.0) + [f"< {below:g}"] * (below < math.inf)
             raise SceneError(
                 f"bearing.{name}",
-                f"given {value:g} with balls of {D:g} mm on a pitch circle of {dm:g} mm; "
-                f"allowed a number {' and '.join(ends)}",
+                f"got {value:g} with balls of {D:g} mm on a pitch circle of {dm:g} mm, "
+                f"expected a number {' and '.join(ends)}",
                 ("bearing.ball_diameter_mm", "bearing.pitch_diameter_mm"),
             )
 
@@ -313,7 +313,7 @@ def _check_wear(scene: Scene) -> None:
     if len(loss) not in (1, count):
         raise SceneError(
             key,
-            f"given {len(loss)} values; allowed one number, or a list of one number for each of "
+            f"got {len(loss)} values, expected one number, or a list of one number for each of "
             f"the {count} balls",
             ("bearing.ball_count",),
         )
@@ -329,7 +329,7 @@ def _check_wear(scene: Scene) -> None:
         if value >= largest:
             raise SceneError(
                 where,
-                f"given {value:g}; allowed a number < {largest:g} "
+                f"got {value:g}, expected a number < {largest:g} "
                 f"({100 * LARGEST_LOSS:g} % of the ball diameter)",
                 ("bearing.ball_diameter_mm",),
             )
@@ -345,7 +345,7 @@ def _check_cage_limits(scene: Scene) -> None:
         value = getattr(end, name)
         if value is not None and not there:
             raise SceneError(
-                f"wear.end_of_life.{name}", f"given {value:g}; allowed only {needed}", ("cage",)
+                f"wear.end_of_life.{name}", f"got {value:g}; only allowed {needed}", ("cage",)
             )
 
 
@@ -356,7 +356,7 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
     if cage.inner_diameter_mm >= cage.outer_diameter_mm:
         raise SceneError(
             rim[0],
-            f"given {cage.inner_diameter_mm:g}; allowed a number < {cage.outer_diameter_mm:g}, "
+            f"got {cage.inner_diameter_mm:g}, expected a number < {cage.outer_diameter_mm:g}, "
             f"the cage's outer diameter",
             rim,
         )
@@ -367,8 +367,8 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
     if cage.inner_diameter_mm >= outside or cage.outer_diameter_mm <= inside:
         raise SceneError(
             rim[0],
-            f"given a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
-            f"misses the balls; allowed diameters that overlap {inside:g} to {outside:g} mm",
+            f"got a cage from {cage.inner_diameter_mm:g} to {cage.outer_diameter_mm:g} mm that "
+            f"misses the balls, expected diameters that overlap {inside:g} to {outside:g} mm",
             rim + circle,
         )
     pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
@@ -376,7 +376,7 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
         widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm
         raise SceneError(
             "cage.pocket_clearance_mm",
-            f"given {cage.pocket_clearance_mm:g}, which makes the pockets overlap; allowed a "
+            f"got {cage.pocket_clearance_mm:g}, which makes the pockets overlap, expected a "
             f"number <= {widest:.4g}",
             ("bearing.ball_count", *circle),
         )
@@ -387,6 +387,6 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
     if most >= wall * width:
         raise SceneError(
             "cage.width_mm",
-            f"given {width:g}, which the pockets cut through; allowed a number > {most / wall:.4g}",
+            f"got {width:g}, which the pockets cut through, expected a number > {most / wall:.4g}",
             ("cage.pocket_clearance_mm", "bearing.ball_count", *circle),
         )

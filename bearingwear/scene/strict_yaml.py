@@ -72,12 +72,12 @@ def text_of(path: str | os.PathLike[str]) -> str:
             data = file.read(LARGEST_FILE + 1)
         if len(data) <= LARGEST_FILE:
             return data.decode("utf-8-sig")
-        problem = f"given more than {LARGEST_FILE} bytes; allowed at most that"
+        problem = f"got more than {LARGEST_FILE} bytes, expected at most that"
     except UnicodeDecodeError as error:
-        problem = f"given bytes that are not text (byte {error.start}); allowed UTF-8"
+        problem = f"got bytes that are not text (byte {error.start}), expected UTF-8"
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        problem = f"given a file that cannot be read ({reason}); allowed a YAML file"
+        problem = f"got a file that cannot be read ({reason}), expected a YAML file"
     raise SceneError("", problem, source=source)
 
 
@@ -111,7 +111,7 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
         mark = getattr(error, "problem_mark", None)
         where = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         reason = getattr(error, "problem", None) or getattr(error, "reason", None) or "broken"
-        problem = f"given text that is not YAML{where} ({reason}); allowed YAML"
+        problem = f"got text that is not YAML{where} ({reason}), expected YAML"
         raise SceneError("", problem, source=source) from None
 
 
@@ -137,7 +137,7 @@ def _check_events(text: str, anchors: bool) -> None:
         ):
             if refused:
                 line = event.start_mark.line + 1
-                raise SceneError("", f"given {what} in line {line}; allowed {allowed}")
+                raise SceneError("", f"got {what} in line {line}, expected {allowed}")
 
 
 def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
@@ -150,12 +150,12 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
         for key_node, value_node in node.value:
             line = key_node.start_mark.line + 1
             if not isinstance(key_node, yaml.ScalarNode):
-                problem = f"given a list or block as a key in line {line}; allowed text"
+                problem = f"got a list or block as a key in line {line}, expected text"
                 raise SceneError(path, problem)
             key = key_node.value
             here = f"{path}.{key}" if path else key
             if key in block:
-                raise SceneError(here, f"given a second time in line {line}; allowed once")
+                raise SceneError(here, f"stands a second time in line {line}, expected once")
             value = _plain(loader, value_node, here, anchors)
             if key == "<<" and anchors and isinstance(value, dict):
                 merged = value
@@ -165,5 +165,5 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
     try:
         return loader.construct_object(node)
     except ValueError:  # an integer of thousands of digits
-        problem = f"given {len(node.value)} digits; allowed a number that can be read"
+        problem = f"got {len(node.value)} digits, expected a number that can be read"
         raise SceneError(path, problem) from None

@@ -99,7 +99,7 @@ def check_uncertainty(scene: Scene) -> None:
         key = f"uncertainty.{name}"
         if name == "ball_race" and scene.friction.ball_race is None:
             raise SceneError(
-                key, "given with friction.film; allowed only with friction.ball_race", (key,)
+                key, "got it with friction.film; only allowed with friction.ball_race", (key,)
             )
         needs, takes = PARAMETERS[given.distribution]
         parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
@@ -107,17 +107,17 @@ def check_uncertainty(scene: Scene) -> None:
             if value is None and part in needs:
                 raise SceneError(
                     f"{key}.{part}",
-                    f"given nothing; the distribution {given.distribution} needs it",
+                    f"got nothing; the distribution {given.distribution} needs it",
                     (key,),
                 )
             if value is not None and part not in needs + takes:
                 raise SceneError(
                     f"{key}.{part}",
-                    f"given {value:g} with the distribution {given.distribution}; "
-                    f"allowed {', '.join(needs + takes)}",
+                    f"got {value:g} with the distribution {given.distribution}, "
+                    f"expected {', '.join(needs + takes)}",
                     (key,),
                 )
         if given.low is not None and given.high is not None and given.low >= given.high:
             raise SceneError(
-                f"{key}.high", f"given {given.high:g}; allowed a number > {given.low:g}", (key,)
+                f"{key}.high", f"got {given.high:g}, expected a number > {given.low:g}", (key,)
             )

@@ -119,7 +119,7 @@ def check_warmth(scene: Scene) -> None:
     if scene.temperature is not None and scene.thermal is not None:
         raise SceneError(
             "thermal",
-            "given with temperature; allowed one of the two: temperatures are given or found",
+            "got thermal and temperature, expected one: temperatures are given or found",
             ("temperature",),
         )
     _check_fits(scene)
@@ -135,7 +135,7 @@ def _check_fits(scene: Scene) -> None:
         material = getattr(fits, name)
         if material is not None and material not in scene.materials:
             names = ", ".join(scene.materials)
-            problem = f"given {material!r}, not under materials; allowed {names}"
+            problem = f"got {material!r}, not under materials, expected {names}"
             raise SceneError(f"fits.{name}", problem, ("materials",))
     for name, ring in (
         ("shaft_interference_um", "bore_mm"),
@@ -144,12 +144,12 @@ def _check_fits(scene: Scene) -> None:
     ):
         value = getattr(fits, name)
         if value and getattr(b, ring) is None:
-            problem = f"given {value:g}; allowed only with bearing.{ring}"
+            problem = f"got {value:g}; only allowed with bearing.{ring}"
             raise SceneError(f"fits.{name}", problem, (f"bearing.{ring}",))
     if b.bore_mm is not None and fits.shaft_bore_mm >= b.bore_mm:
         raise SceneError(
             "fits.shaft_bore_mm",
-            f"given {fits.shaft_bore_mm:g}; allowed a number < {b.bore_mm:g}, the bore of the ring",
+            f"got {fits.shaft_bore_mm:g}, expected a number < {b.bore_mm:g}, the bore of the ring",
             ("bearing.bore_mm",),
         )
     for name, diameter in (
@@ -160,7 +160,7 @@ def _check_fits(scene: Scene) -> None:
         if abs(value) > most > 0.0:
             raise SceneError(
                 f"fits.{name}",
-                f"given {value:g}; allowed a number from {-most:g} to {most:g} "
+                f"got {value:g}, expected a number from {-most:g} to {most:g} "
                 f"({100.0 * LARGEST_STRAIN:g} % of the diameter)",
                 ("bearing.bore_mm", "bearing.outside_diameter_mm"),
             )
@@ -183,7 +183,7 @@ def _check_expansions(scene: Scene) -> None:
             if scene.materials[name].thermal_expansion_1_K is None:
                 raise SceneError(
                     f"materials.{name}.thermal_expansion_1_K",
-                    "given nothing, with temperatures and parts of unlike materials; allowed a "
+                    "got nothing, with temperatures and parts of unlike materials, expected a "
                     "number from 0 to 1e-4",
                     (key, "temperature", "thermal"),
                 )
@@ -193,7 +193,7 @@ def _check_expansions(scene: Scene) -> None:
             most = LARGEST_STRAIN / alpha
             raise SceneError(
                 key,
-                f"given a temperature {abs(kelvin):g} K from that of mounting; allowed at most "
+                f"got a temperature {abs(kelvin):g} K from that of mounting, expected at most "
                 f"{most:.4g} K for {name} ({100.0 * LARGEST_STRAIN:g} % of growth)",
                 (key.replace(key.rpartition(".")[2], "reference_C"), f"materials.{name}"),
             )
@@ -220,7 +220,7 @@ def _check_play(scene: Scene) -> None:
             balls = t.reference_C if t.balls_C is None else t.balls_C
             raise SceneError(
                 f"temperature.{ring}_ring_C",
-                f"given {given:g} with balls of {balls:g} degC; allowed only where the groove "
+                f"got {given:g} with balls of {balls:g} degC; only allowed where the groove "
                 f"stays wider than the balls (bearing.{ring}_groove_factor {factor:g})",
                 ("temperature.balls_C", f"bearing.{ring}_groove_factor"),
             )

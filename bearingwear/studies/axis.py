@@ -25,7 +25,7 @@ class Steps:
         beyond = abs(self.first + (self.count - 1) * self.step - self.last)
         if not 1 <= self.count <= MOST_POINTS or beyond > 1e-6 * self.step:
             raise ValueError(
-                f"given {self.first:g} to {self.last:g} by {self.step:g}; allowed at most "
+                f"got {self.first:g} to {self.last:g} by {self.step:g}, expected at most "
                 f"{MOST_POINTS} steps that end at the last value"
             )
 
@@ -80,4 +80,4 @@ def check_rising(values: Sequence[float]) -> None:
     """
     if list(values) != sorted(set(values)):
         given = ", ".join(f"{value:g}" for value in values)
-        raise ValueError(f"given {given}; allowed rising numbers > 0")
+        raise ValueError(f"got {given}, expected rising numbers > 0")

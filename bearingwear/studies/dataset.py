@@ -136,7 +136,7 @@ def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
         for value in values:
             if value not in dataset[axis]:
                 allowed = ", ".join(f"{known:g}" for known in dataset[axis].values)
-                raise CaseFileError(f"{path}: {axis}: given {value:g}; allowed {allowed}")
+                raise CaseFileError(f"{path}: {axis}: got {value:g}, expected {allowed}")
     return dataset
 
 

@@ -67,7 +67,7 @@ def launch(
     NoStudy
     """
     if not (folder / CONFIG).is_file():
-        raise NoStudy(f"study: given a folder without {CONFIG}; allowed one that holds a study")
+        raise NoStudy(f"study: got a folder without {CONFIG}, expected one that holds a study")
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     if not TOLD & set(more):  # of a dry run the table of jobs; never the files of each
         more = [*more, "--quiet", "host", "reason", *(["rules"] if DRY_RUN & set(more) else [])]
@@ -102,8 +102,12 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
         refuse(str(error))
     if unknown:
         near = difflib.get_close_matches(unknown[0].partition("=")[0], own, n=1)
-        allowed = f"did you mean {near[0]}" if near else "allowed options of ours or of Snakemake"
-        refuse(f"given {unknown[0]!r}; {allowed}")
+        allowed = (
+            f"did you mean {near[0]}"
+            if near
+            else "expected an option of bearingwear or of Snakemake"
+        )
+        refuse(f"got {unknown[0]!r}; {allowed}")
 
 
 def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
@@ -161,7 +165,7 @@ def only_run(folder: Path) -> Iterator[int]:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise NoStudy(
-                f"{folder}: given a study that is running; allowed when it is done"
+                f"{folder}: got a study that is running, expected when it is done"
             ) from None
         yield held.fileno()
 

@@ -25,7 +25,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
     if scene.friction.film is not None or changes_as_it_wears(scene):
         raise SceneError(
             "friction.film",
-            "given a film, or materials with one or with running_in; allowed, for a study, one "
+            "got a film, or materials with one or with running_in, expected, for a study, one "
             f"friction.ball_race (for its own life: bearingwear life {os.fspath(path)})",
             source=os.fspath(path),
         )
@@ -33,7 +33,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
     if tier != "steady":
         raise SceneError(
             "",
-            f"given a scene whose life is found by {tier}; allowed one with a steady "
+            f"got a scene whose life is found by {tier}, expected one with a steady "
             f"state (for its own life: bearingwear life {os.fspath(path)} --fidelity dynamic)",
             source=os.fspath(path),
         )

@@ -48,7 +48,7 @@ def run_step(
     try:
         arguments = inspect.signature(function).bind(**inputs, **settings)
     except TypeError as error:
-        raise StepError(f"step: given {step} with other arguments than it takes; {error}") from None
+        raise StepError(f"step: got {step} with other arguments than it takes; {error}") from None
     made = function(*arguments.args, **arguments.kwargs)
     if isinstance(made, (tuple, Iterator)):
         for one, path in zip(made, outputs, strict=True):
@@ -60,13 +60,13 @@ def run_step(
 def _function(step: str) -> Any:
     module, _, name = step.rpartition(".")
     if not module.startswith(("studies.", "page.")):
-        raise StepError(f"step: given {step}; allowed studies.STUDY.MODULE.FUNCTION")
+        raise StepError(f"step: got {step}, expected studies.STUDY.MODULE.FUNCTION")
     try:
         return getattr(importlib.import_module(f"{_PACKAGE}.{module}"), name)
     except (ModuleNotFoundError, AttributeError) as error:
         if isinstance(error, ModuleNotFoundError) and not str(error.name).startswith(_PACKAGE):
             raise  # a library that is not installed
-        raise StepError(f"step: given {step}, which is not there") from None
+        raise StepError(f"step: got {step}, which is not there") from None
 
 
 def write_outputs(made: Any, outputs: Sequence[Path]) -> None:

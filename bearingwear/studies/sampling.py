@@ -22,6 +22,6 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
-            raise SceneError("samples", f"given {self.samples}; allowed a power of two")
+            raise SceneError("samples", f"got {self.samples}, expected a power of two")
         if self.chunks > self.samples:
-            raise SceneError("chunks", f"given {self.chunks}; allowed at most the samples")
+            raise SceneError("chunks", f"got {self.chunks}, expected at most the samples")

@@ -92,7 +92,7 @@ def sweep(
         Some points were not solved; or there is more to say of them: each warning at its worst.
     """
     if what not in ("solve", "life"):
-        raise ValueError(f"what: given {what!r}; allowed solve, life")
+        raise ValueError(f"what: got {what!r}, expected solve, life")
     base = as_scene(scene)
     axes = {key: _values(key, values) for key, values in changes.items()}
     points = _points(base, axes, what, fidelity)
@@ -113,10 +113,10 @@ def sweep(
 def _values(key: str, values: Any) -> list[Any]:
     """The values of one key as plain data."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise SceneError("", f"given {shown(values)}; allowed a list of values", source=key)
+        raise SceneError("", f"got {shown(values)}, expected a list of values", source=key)
     plain = values.tolist() if hasattr(values, "tolist") else list(values)
     if not plain:
-        raise SceneError("", "given no value; allowed one or more", source=key)
+        raise SceneError("", "got no value, expected one or more", source=key)
     return [value.item() if hasattr(value, "item") else value for value in plain]
 
 
@@ -132,7 +132,7 @@ def _points(
         scene = base.with_(dict(zip(axes, point, strict=True)))
         bearings[len(scene.sides)] = scene.arrangement.kind if scene.arrangement else "single"
         if len(bearings) > 1:
-            problem = f"given {' and '.join(bearings.values())}; allowed pairs, or single, alone"
+            problem = f"got {' and '.join(bearings.values())}, expected pairs, or single, alone"
             raise SceneError("arrangement.kind", problem, source=base.name)
         if what == "life":
             found.append((for_life(scene), choice_for_life(scene, fidelity).tier))

@@ -171,7 +171,7 @@ def test_failed_case(monkeypatch, solver, tmp_path, capsys):
     monkeypatch.setattr(transient, "solve_dynamic", failed)
     assert solve(tmp_path / "x.nc") == 3
     assert "contact_lost" in capsys.readouterr().err
-    with pytest.raises(CaseFileError, match="status contact_lost; allowed status ok"):
+    with pytest.raises(CaseFileError, match="status contact_lost, expected status ok"):
         restart_from(tmp_path / "x.nc")
 
 
@@ -244,14 +244,14 @@ def test_restart_from(case):
 def refused(capsys, argv) -> str:
     assert main(argv) == 2
     err = capsys.readouterr().err
-    assert err.count("\n") == 1 and "given " in err and "allowed" in err and len(err) < 500
+    assert err.count("\n") == 1 and "got " in err and "expected" in err and len(err) < 500
     return err
 
 
 @pytest.mark.parametrize(
     "setting, key",
     [
-        ("operation.preload_N=9", "operation.preload_N: given a case with 7.0"),
+        ("operation.preload_N=9", "operation.preload_N: got a case with 7.0"),
         ("operation.radial_load_N=[0, 1]", "operation.radial_load_N"),
         ("friction.cage=0.1", "friction.cage"),
         ("bearing.ball_count=8", "bearing.ball_count"),
@@ -281,8 +281,8 @@ def test_restart_of_a_steady_scene(case, tmp_path, capsys):
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--restart", str(case)]
     for more, tier in (([], "steady"), (["--fidelity", "race_control"], "race_control")):
         line = refused(capsys, [*argv, *more])
-        assert line.startswith("--restart: given with a scene solved with " + tier)
-    with pytest.raises(NotAvailable, match="restart: given with"):
+        assert line.startswith("--restart: got with a scene solved with " + tier)
+    with pytest.raises(NotAvailable, match="restart: got with"):
         bearingwear.solve(S1, restart=case)
 
 
@@ -294,13 +294,13 @@ def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
     capsys.readouterr()  # warnings of the life
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic", "--restart"]
     for file, problem in (
-        (steady, "fidelity steady; allowed a dynamic case"),
-        (life, "fidelity steady; allowed a dynamic case"),
+        (steady, "fidelity steady, expected a dynamic case"),
+        (life, "fidelity steady, expected a dynamic case"),
         (text, "has not written"),
         (tmp_path / "none.nc", "cannot be read"),
     ):
         line = refused(capsys, [*argv, str(file)])
-        assert line.startswith(f"{file}: given ") and problem in line
+        assert line.startswith(f"{file}: got ") and problem in line
 
 
 @pytest.mark.parametrize(
@@ -317,7 +317,7 @@ def test_restart_of_a_file_that_was_changed(change, problem, case):
         change(file)
     with pytest.raises(CaseFileError, match=problem) as caught:
         restart_from(case, load_scene(S1))
-    assert str(caught.value).startswith(f"{case}: given ") and "\n" not in str(caught.value)
+    assert str(caught.value).startswith(f"{case}: got ") and "\n" not in str(caught.value)
 
 
 # show
@@ -425,14 +425,14 @@ def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
 @pytest.mark.parametrize(
     "settings, fidelity, problem",
     [
-        (["operation.tilt_mrad=1"], "steady", "model.fidelity: given 'steady'; a scene with tilt"),
-        (["model.cage_results=true"], "steady", "model.fidelity: given 'steady'; cage motion"),
-        (["model.cage_results=true"], "race_control", "model.fidelity: given 'race_control'"),
-        (["operation.shaft_speed_rpm=0"], "dynamic", "operation.shaft_speed_rpm: given 0"),
+        (["operation.tilt_mrad=1"], "steady", "model.fidelity: got 'steady'; a scene with tilt"),
+        (["model.cage_results=true"], "steady", "model.fidelity: got 'steady'; cage motion"),
+        (["model.cage_results=true"], "race_control", "model.fidelity: got 'race_control'"),
+        (["operation.shaft_speed_rpm=0"], "dynamic", "operation.shaft_speed_rpm: got 0"),
     ],
 )
 def test_what_does_not_apply(settings, fidelity, problem):
-    with pytest.raises(NotAvailable, match=f"^gyro_s1: {problem}.*; allowed"):
+    with pytest.raises(NotAvailable, match=f"^gyro_s1: {problem}.*, expected"):
         choice(load_scene(S1, settings), fidelity)
 
 
@@ -463,7 +463,9 @@ def test_limits_of_the_cage_need_its_wear():
     assert not any("not watched" in reason for reason in in_time.reasons)
     alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
     assert choice_for_life(alone, "dynamic").tier == "dynamic"
-    with pytest.raises(NotAvailable, match="guide_clearance_mm alone.*; allowed.*fidelity dynamic"):
+    with pytest.raises(
+        NotAvailable, match="guide_clearance_mm alone.*, expected.*fidelity dynamic"
+    ):
         choice_for_life(alone)
 
 
@@ -472,7 +474,7 @@ def test_limits_of_slip_need_a_balance_of_friction():
     told = choice_for_life(scene, "race_control").reasons[-1]
     assert told == "criteria: gyroscopic_slip_share, skid_ratio not watched"
     alone = load_scene(S1, ["wear.end_of_life={skid_ratio: 0.1}"])
-    with pytest.raises(NotAvailable, match="skid_ratio alone.*; allowed.*fidelity auto"):
+    with pytest.raises(NotAvailable, match="skid_ratio alone.*, expected.*fidelity auto"):
         choice_for_life(alone, "race_control")
 
 

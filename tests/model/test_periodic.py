@@ -103,7 +103,7 @@ def test_where_there_is_none(scene, changes, why):
     asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"} | changes)
     if not asked.model.cage_results:
         asked = asked.without_cage
-    with pytest.raises(NotAvailable, match=f"dynamic_solution: given periodic with {why}; allowed"):
+    with pytest.raises(NotAvailable, match=f"dynamic_solution: got periodic with {why}, expected"):
         solve(asked)
 
 

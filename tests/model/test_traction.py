@@ -210,5 +210,5 @@ def test_runs_in_time_are_without_and_say_so(scene):
     s = scene("gyro_s1", HERTZ)
     assert "(in time)" in "\n".join(choice(s, "dynamic").reasons)
     asked = s.with_({"model.normal_balance": "with_traction"})
-    with pytest.raises(NotAvailable, match="model.normal_balance: given with_traction"):
+    with pytest.raises(NotAvailable, match="model.normal_balance: got with_traction"):
         choice(asked, "dynamic")

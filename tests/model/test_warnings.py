@@ -260,7 +260,7 @@ def test_edge_of_an_ellipse_that_just_reaches_its_shoulder(spindle):
     ],
 )
 def test_rings_that_do_not_fit(spindle, key, value, allowed):
-    with pytest.raises(SceneError, match=f"bearing.{key}: given {value} .*number {allowed}$"):
+    with pytest.raises(SceneError, match=f"bearing.{key}: got {value} .*number {allowed}$"):
         variant(spindle, {f"bearing.{key}": value})
 
 

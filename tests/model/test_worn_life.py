@@ -233,7 +233,7 @@ def test_what_cannot_follow_grooves_says_so():
         replace(scene, wear=replace(scene.wear, counts="ball")),
         replace(scene, model=replace(scene.model, slip_over="line")),
     ):
-        with pytest.raises(NotAvailable, match=r"model.contact: given worn"):
+        with pytest.raises(NotAvailable, match=r"model.contact: got worn"):
             life(changed)
     with pytest.raises(NotAvailable, match="race_control"):
         life(scene, fidelity="race_control")

@@ -384,7 +384,7 @@ def test_a_file_that_the_page_has_no_place_for(among, folder, tmp_path, capsys):
     given[among].append(table)
     assert step(PAGE, tmp_path / "index.html", **given) == 2
     told = capsys.readouterr().err
-    assert told.startswith(f"{table}: given the suffix '.csv'; allowed ")
+    assert told.startswith(f"{table}: got the suffix '.csv', expected ")
     assert told.count("\n") == 1 and os.listdir(tmp_path) == []
 
 

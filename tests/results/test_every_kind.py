@@ -227,9 +227,9 @@ def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("first", "second", "said"),
     [
-        ("steady case", "life", "given a life beside a case; allowed two files of one kind"),
-        ("study", "wear life", "given a wear life beside a study"),
-        ("study", None, "given a file that cannot be read"),
+        ("steady case", "life", "got a life beside a case, expected two files of one kind"),
+        ("study", "wear life", "got a wear life beside a study"),
+        ("study", None, "got a file that cannot be read"),
     ],
 )
 def test_what_cannot_be_compared(kinds, first, second, said, tmp_path, capsys):
@@ -288,7 +288,7 @@ def test_what_cannot_be_drawn_says_so(kinds, kind, tmp_path, capsys):
     """Parts of a study of accuracy are no results of their own."""
     capsys.readouterr()
     assert main(["plot", str(kinds[kind]), "-o", str(tmp_path / "a.svg")]) == 2
-    assert re.fullmatch(r"given .*sweep.*; allowed .*\n", capsys.readouterr().err)
+    assert re.fullmatch(r"got .*sweep.*, expected .*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -76,6 +76,6 @@ def test_a_study_draws_its_own_kind(path, tmp_path, monkeypatch):
     monkeypatch.setattr("bearingwear.plotting.plot.figure_of_a_map", figure_of_a_map, raising=False)
     plot(path, [tmp_path / "a.svg"], {KIND: "bearingwear.plotting.plot:figure_of_a_map"})
     assert (tmp_path / "a.svg").stat().st_size > 0
-    with pytest.raises(CaseFileError, match=f"{KIND}; allowed case, life"):
+    with pytest.raises(CaseFileError, match=f"{KIND}, expected case, life"):
         figure_of(load(path), path, {"case": "no:such", "life": "no:such"})
     assert load(path).attrs["kind"] == KIND

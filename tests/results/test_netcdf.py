@@ -292,7 +292,7 @@ def test_bad_file(reader, name, contents, text, tmp_path):
         path.write_bytes(contents)
     with pytest.raises(CaseFileError, match=text) as caught:
         reader(path)
-    assert str(caught.value).startswith(f"{path}: given ") and "\n" not in str(caught.value)
+    assert str(caught.value).startswith(f"{path}: got ") and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])

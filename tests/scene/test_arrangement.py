@@ -42,8 +42,8 @@ def read(*settings, name="gyro_s1"):
         ((*RIGID, "arrangement.tandem=2"), "arrangement.tandem", ("2",)),
         ((*RIGID, "arrangement.tandem=[2]"), "arrangement.tandem", ("list of 1",)),
         ((*RIGID, "arrangement.tandem=[2, 1, 1]"), "arrangement.tandem", ("list of 3",)),
-        ((*RIGID, "arrangement.tandem=[0, 1]"), "arrangement.tandem[0]", ("given 0",)),
-        ((*RIGID, "arrangement.tandem=[1, 9]"), "arrangement.tandem[1]", ("given 9",)),
+        ((*RIGID, "arrangement.tandem=[0, 1]"), "arrangement.tandem[0]", ("got 0",)),
+        ((*RIGID, "arrangement.tandem=[1, 9]"), "arrangement.tandem[1]", ("got 9",)),
         ((*RIGID, "arrangement.tandem=[1.5, 1]"), "arrangement.tandem[0]", ("1.5",)),
         ((*RIGID, "arrangement.tandem=[a, 1]"), "arrangement.tandem[0]", ("'a'",)),
         (("arrangement.tandem=[2, 1]",), "arrangement.tandem", ("list of 2", "kind single")),
@@ -133,5 +133,5 @@ def test_held_by_another_method():
 
 def test_studies_of_states_of_wear_take_one_bearing():
     assert one_bearing(read(), "x").pair is None
-    with pytest.raises(SceneError, match="arrangement.kind: given rigid_pair"):
+    with pytest.raises(SceneError, match="arrangement.kind: got rigid_pair"):
         one_bearing(read(*RIGID), "mine.yaml")

@@ -21,35 +21,35 @@ ON_STEEL = {"materials.bearing_steel.film.thickness_um": 0.5}
 STEEL = "materials.bearing_steel"
 LAW = "friction.film"
 REFUSED = [
-    ({"friction.ball_race": None, "uncertainty": None}, "friction.ball_race: given nothing"),
-    ({"friction.film.shear_strength_MPa": 24.8}, "friction.ball_race: given 0.08 with friction.f"),
+    ({"friction.ball_race": None, "uncertainty": None}, "friction.ball_race: got nothing"),
+    ({"friction.film.shear_strength_MPa": 24.8}, "friction.ball_race: got 0.08 with friction.f"),
     ({**FILM, "uncertainty": {"ball_race": {"distribution": "normal", "standard_deviation": 0.1}}},
-     "uncertainty.ball_race: given with friction.film"),
-    (FILM | {f"{LAW}.shear_strength_MPa": -1}, f"{LAW}.shear_strength_MPa: given -1; allowed"),
-    (FILM | {f"{LAW}.shear_strength_MPa": 1e5}, f"{LAW}.shear_strength_MPa: given 1"),
-    (FILM | {f"{LAW}.shear_strength_MPa": "MoS2"}, f"{LAW}.shear_strength_MPa: given 'MoS2'"),
-    (FILM | {f"{LAW}.pressure_coefficient": 2.1}, f"{LAW}.pressure_coefficient: given 2.1"),
-    (FILM | {f"{LAW}.pressure_coefficient": float("nan")}, f"{LAW}.pressure_coefficient: given"),
-    (FILM | {f"{LAW}.thickness_um": 0}, f"{LAW}.thickness_um: given 0; allowed a number > 0"),
-    (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: given nothing"),
-    (THIN | {f"{LAW}.wear_coefficient": 0}, f"{LAW}.wear_coefficient: given 0"),
-    (THIN | {f"{LAW}.brinell_hardness_GPa": True}, f"{LAW}.brinell_hardness_GPa: given true"),
-    (THIN | {f"{LAW}.bare_ball_race": -0.1}, f"{LAW}.bare_ball_race: given -0.1"),
-    (FILM | {f"{LAW}.bare_ball_race": 0.4}, f"{LAW}.bare_ball_race: given 0.4 with a film that n"),
-    (FILM | {f"{LAW}.mu": 0.4}, f"{LAW}.mu: given an unknown key"),
-    (THIN | ON_STEEL, f"{LAW}.thickness_um: given 0.5 with {STEEL}.film"),
-    (ON_STEEL, f"{STEEL}.film.wear_coefficient: given nothing"),
-    ({f"{STEEL}.film.wear_coefficient": 1e-7}, f"{STEEL}.film.thickness_um: given nothing"),
-    (ON_STEEL | {f"{STEEL}.film.thickness_um": 1001}, f"{STEEL}.film.thickness_um: given 1001"),
+     "uncertainty.ball_race: got it with friction.film"),
+    (FILM | {f"{LAW}.shear_strength_MPa": -1}, f"{LAW}.shear_strength_MPa: got -1, expected"),
+    (FILM | {f"{LAW}.shear_strength_MPa": 1e5}, f"{LAW}.shear_strength_MPa: got 1"),
+    (FILM | {f"{LAW}.shear_strength_MPa": "MoS2"}, f"{LAW}.shear_strength_MPa: got 'MoS2'"),
+    (FILM | {f"{LAW}.pressure_coefficient": 2.1}, f"{LAW}.pressure_coefficient: got 2.1"),
+    (FILM | {f"{LAW}.pressure_coefficient": float("nan")}, f"{LAW}.pressure_coefficient: got"),
+    (FILM | {f"{LAW}.thickness_um": 0}, f"{LAW}.thickness_um: got 0, expected a number > 0"),
+    (FILM | {f"{LAW}.thickness_um": 0.5}, f"{LAW}.wear_coefficient: got nothing"),
+    (THIN | {f"{LAW}.wear_coefficient": 0}, f"{LAW}.wear_coefficient: got 0"),
+    (THIN | {f"{LAW}.brinell_hardness_GPa": True}, f"{LAW}.brinell_hardness_GPa: got true"),
+    (THIN | {f"{LAW}.bare_ball_race": -0.1}, f"{LAW}.bare_ball_race: got -0.1"),
+    (FILM | {f"{LAW}.bare_ball_race": 0.4}, f"{LAW}.bare_ball_race: got 0.4 with a film that n"),
+    (FILM | {f"{LAW}.mu": 0.4}, f"{LAW}.mu: got an unknown key"),
+    (THIN | ON_STEEL, f"{LAW}.thickness_um: got 0.5 with {STEEL}.film"),
+    (ON_STEEL, f"{STEEL}.film.wear_coefficient: got nothing"),
+    ({f"{STEEL}.film.wear_coefficient": 1e-7}, f"{STEEL}.film.thickness_um: got nothing"),
+    (ON_STEEL | {f"{STEEL}.film.thickness_um": 1001}, f"{STEEL}.film.thickness_um: got 1001"),
     ({"materials.phenolic.film": {"thickness_um": 1, "wear_coefficient": 1e-7}},
-     "materials.phenolic.film: given for a material of neither balls nor races"),
-    ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5}}, f"{STEEL}.running_in.depth_um: given no"),
+     "materials.phenolic.film: got a film of a material of neither balls nor races"),
+    ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5}}, f"{STEEL}.running_in.depth_um: got no"),
     ({f"{STEEL}.running_in": {"wear_coefficient": 1e-5, "depth_um": -1}},
-     f"{STEEL}.running_in.depth_um: given -1"),
+     f"{STEEL}.running_in.depth_um: got -1"),
     ({f"{STEEL}.running_in": {"wear_coefficient": 2, "depth_um": 1}},
-     f"{STEEL}.running_in.wear_coefficient: given 2"),
-    ({"wear.end_of_life.film_worn_share": 0.5}, "wear.end_of_life.film_worn_share: given 0.5; all"),
-    (THIN | {"wear.end_of_life.film_worn_share": 1.5}, "film_worn_share: given 1.5"),
+     f"{STEEL}.running_in.wear_coefficient: got 2"),
+    ({"wear.end_of_life.film_worn_share": 0.5}, "wear.end_of_life.film_worn_share: got 0.5; only"),
+    (THIN | {"wear.end_of_life.film_worn_share": 1.5}, "film_worn_share: got 1.5"),
 ]  # fmt: skip
 
 
@@ -90,4 +90,4 @@ def test_studies_refuse_a_film_in_one_line(capsys, tmp_path, command):
     argv += ["-o", str(tmp_path / "a.nc")] if command == "uncertainty" else []
     assert main(argv) == 2
     said = capsys.readouterr().err.strip().splitlines()[-1]
-    assert "friction.film" in said and "allowed, for a study" in said
+    assert "friction.film" in said and "expected, for a study" in said

@@ -18,7 +18,7 @@ class Sampling:
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
-            raise SceneError("samples", f"given {self.samples}; allowed a power of two")
+            raise SceneError("samples", f"got {self.samples}, expected a power of two")
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Axis:
     @classmethod
     def from_plain(cls, given: Any) -> "Axis":
         if not isinstance(given, list) or given != sorted(given):
-            raise ValueError(f"given {given}; allowed rising numbers")
+            raise ValueError(f"got {given}, expected rising numbers")
         return cls(tuple(map(float, given)))
 
 
@@ -66,30 +66,30 @@ def test_data_become_records():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"secnes": []}, "secnes: given an unknown key; did you mean scenes"),
-        ({"": 1}, "given an unknown key; allowed: sampling, factor, aim"),
-        ({"sampling": {"samples": 0}}, "sampling.samples: given 0; allowed a whole number >= 1"),
-        ({"sampling": {"samples": 3}}, "sampling.samples: given 3; allowed a power of two"),
-        ({"sampling": {"seed": 1.5}}, "sampling.seed: given 1.5; allowed a whole number >= 0"),
-        ({"sweeps": {}}, "sweeps: given a block of 0 keys; allowed one or more blocks named by"),
-        ({"sweeps": {"one": {}}}, "sweeps.one.title: given nothing; allowed text"),
-        ({"sweeps": {"a b": {"title": "x"}}}, "sweeps: given the name 'a b'; allowed"),
-        ({"sweeps": {"one": 3}}, "sweeps.one: given 3; allowed a block of keys"),
+        ({"secnes": []}, "secnes: got an unknown key; did you mean scenes"),
+        ({"": 1}, "got an unknown key; expected one of sampling, factor, aim"),
+        ({"sampling": {"samples": 0}}, "sampling.samples: got 0, expected a whole number >= 1"),
+        ({"sampling": {"samples": 3}}, "sampling.samples: got 3, expected a power of two"),
+        ({"sampling": {"seed": 1.5}}, "sampling.seed: got 1.5, expected a whole number >= 0"),
+        ({"sweeps": {}}, "sweeps: got a block of 0 keys, expected one or more blocks named by"),
+        ({"sweeps": {"one": {}}}, "sweeps.one.title: got nothing, expected text"),
+        ({"sweeps": {"a b": {"title": "x"}}}, "sweeps: got the name 'a b', expected"),
+        ({"sweeps": {"one": 3}}, "sweeps.one: got 3, expected a block of keys"),
         (
             {"sweeps": {"one": {"title": "x", "from": "short"}}},
-            "sweeps.one.from: given 'short'; allowed steady or long",
+            "sweeps.one.from: got 'short', expected steady or long",
         ),
         (
             {"sweeps": {"one": {"title": "x", "along": [2, 1]}}},
-            "sweeps.one.along: given [2, 1]; allowed rising numbers",
+            "sweeps.one.along: got [2, 1], expected rising numbers",
         ),
-        ({"scenes": []}, "scenes: given a list of 0; allowed"),
-        ({"scenes": ["a", "c"]}, "scenes[1]: given 'c'; allowed a or b"),
-        ({"factor": 1}, "factor: given 1; allowed a number > 1 and <= 9"),
-        ({"factor": "2"}, "factor: given '2', text, not a number (write 2); allowed"),
-        ({"factor": True}, "factor: given true; allowed"),
-        ({"factor": float("nan")}, "factor: given .nan; allowed a number > 1 and <= 9"),
-        ({"aim": -1}, "aim: given -1; allowed low, high or a number >= 0"),
+        ({"scenes": []}, "scenes: got a list of 0, expected"),
+        ({"scenes": ["a", "c"]}, "scenes[1]: got 'c', expected a or b"),
+        ({"factor": 1}, "factor: got 1, expected a number > 1 and <= 9"),
+        ({"factor": "2"}, "factor: got '2', text, not a number (write 2), expected"),
+        ({"factor": True}, "factor: got true, expected"),
+        ({"factor": float("nan")}, "factor: got .nan, expected a number > 1 and <= 9"),
+        ({"aim": -1}, "aim: got -1, expected low, high or a number >= 0"),
     ],
 )
 def test_first_fault_takes_one_line(changes, message):
@@ -106,7 +106,7 @@ def test_files_may_hold_anchors(tmp_path):
     )
     assert read_record(Plan, path).sweeps["two"].settings == {"a.b": 3, "a.c": 2}
     path.write_text("- a\n")
-    with pytest.raises(SceneError, match="given a list of 1; allowed a block of keys"):
+    with pytest.raises(SceneError, match="got a list of 1, expected a block of keys"):
         read_record(Plan, path)
 
 

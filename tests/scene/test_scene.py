@@ -201,10 +201,10 @@ def test_scene_is_frozen_and_hashable(scene):
 
 
 def test_scene_built_in_python_is_checked(scene):
-    with pytest.raises(SceneError, match="bearing.ball_count: given 30 balls"):
+    with pytest.raises(SceneError, match="bearing.ball_count: got 30 balls"):
         dataclasses.replace(scene, bearing=dataclasses.replace(scene.bearing, ball_count=30))
     slow = dataclasses.replace(scene.operation, shaft_speed_rpm=-1.0)
-    with pytest.raises(SceneError, match="operation.shaft_speed_rpm: given -1.0"):
+    with pytest.raises(SceneError, match="operation.shaft_speed_rpm: got -1.0"):
         config.as_scene(dataclasses.replace(scene, operation=slow))
 
 
@@ -216,8 +216,8 @@ def test_balls_that_touch_fit():
 
 
 def test_error_survives_pickling():
-    error = pickle.loads(pickle.dumps(SceneError("a.b", "given 1; allowed 2", ("c",), "f.yaml")))
-    assert str(error) == "f.yaml: a.b: given 1; allowed 2" and error.involved == ("c",)
+    error = pickle.loads(pickle.dumps(SceneError("a.b", "got 1, expected 2", ("c",), "f.yaml")))
+    assert str(error) == "f.yaml: a.b: got 1, expected 2" and error.involved == ("c",)
 
 
 @pytest.mark.parametrize("bad", [3, None, ["gyro_s1.yaml"]])
@@ -234,7 +234,7 @@ def test_dict_that_contains_itself(plain):
 
 def test_keys_must_be_text(plain):
     plain["materials"][440] = plain["materials"]["bearing_steel"]
-    with pytest.raises(SceneError, match="materials: given the key 440"):
+    with pytest.raises(SceneError, match="materials: got the key 440"):
         config.scene_from_dict(plain)
 
 

@@ -35,11 +35,11 @@ def test_variants_are_what_set_makes():
 
 
 def test_fault_of_a_change_is_told_as_its_own():
-    with pytest.raises(SceneError, match="^--set bearing.ball_count: given 30 balls"):
+    with pytest.raises(SceneError, match="^--set bearing.ball_count: got 30 balls"):
         variant(S1, {"bearing.ball_count": 30})
-    with pytest.raises(SceneError, match="^--set bearing.ball_count.x: given a key of bearing.b"):
+    with pytest.raises(SceneError, match="^--set bearing.ball_count.x: got a key of bearing.b"):
         variant(S1, {"bearing.ball_count.x": 30})
-    with pytest.raises(SceneError, match="^--set friction.mu: given an unknown key"):
+    with pytest.raises(SceneError, match="^--set friction.mu: got an unknown key"):
         variant(S1, {"friction.mu": None})
 
 
@@ -47,7 +47,7 @@ def test_null_leaves_an_entry_out():
     scene = variant(S1, {"uncertainty.preload_N": None, "cage": None, "materials.phenolic": None})
     assert "preload_N" not in scene.uncertainty and "phenolic" not in scene.materials
     assert "ball_race" in scene.uncertainty and scene.cage is None
-    with pytest.raises(SceneError, match="cage.restitution: given nothing"):
+    with pytest.raises(SceneError, match="cage.restitution: got nothing"):
         variant(S1, {"cage.restitution": None})
 
 
@@ -59,7 +59,7 @@ def test_file_based_on_another(folder):
     scene, base = load_scene(fast), load_scene(S1)
     assert scene.operation.shaft_speed_rpm == 40000 and scene.name == "fast"
     assert scene.description == base.description and scene.cage == base.cage
-    with pytest.raises(SceneError, match="Both.yaml: operation.shaft_speed_rpm: given nothing"):
+    with pytest.raises(SceneError, match="Both.yaml: operation.shaft_speed_rpm: got nothing"):
         load_scene(both)
     write(folder, "Both", "based_on: fast\nset: {operation.preload_N: 9}\n")
     assert load_scene(both, ["friction.cage=0"]).operation.preload_N == 9
@@ -70,14 +70,14 @@ def test_file_based_on_another(folder):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("based_on: ../gyro_s1\n", "based_on: given '../gyro_s1'; allowed a-z"),
-        ("based_on: other\n", "other.yaml: given a file that cannot be read"),
-        ("based_on: broken\n", "based_on: given broken, based on itself"),
-        ("based_on: gyro_s1\nbearing: {ball_count: 8}\n", "bearing: given an unknown key"),
-        ("based_on: gyro_s1\nset: {bearing.ball_count: 30}\n", "bearing.ball_count: given 30"),
-        ("based_on: gyro_s1\nset: {name.x: 30}\n", "set.name.x: given a key of name"),
-        ("based_on: gyro_s1\nset: {a..b: 30}\n", "set: given 'a..b'; allowed keys"),
-        ("based_on: gyro_s1\nset: 3\n", "set: given 3; allowed KEY: VALUE"),
+        ("based_on: ../gyro_s1\n", "based_on: got '../gyro_s1', expected a-z"),
+        ("based_on: other\n", "other.yaml: got a file that cannot be read"),
+        ("based_on: broken\n", "based_on: got broken, based on itself"),
+        ("based_on: gyro_s1\nbearing: {ball_count: 8}\n", "bearing: got an unknown key"),
+        ("based_on: gyro_s1\nset: {bearing.ball_count: 30}\n", "bearing.ball_count: got 30"),
+        ("based_on: gyro_s1\nset: {name.x: 30}\n", "set.name.x: got a key of name"),
+        ("based_on: gyro_s1\nset: {a..b: 30}\n", "set: got 'a..b', expected keys"),
+        ("based_on: gyro_s1\nset: 3\n", "set: got 3, expected KEY: VALUE"),
     ],
 )
 def test_broken_file_based_on_another(text, said, folder):

@@ -87,12 +87,12 @@ def test_a_point_that_fails(coarse):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({PRELOAD: [5, -1]}, "operation.preload_N: given -1; allowed"),
-        ({PRELOAD: 5}, "operation.preload_N: given 5; allowed a list of values"),
-        ({METHOD: "constant_force"}, "operation.preload_method: given 'constant_force'; allowed a"),
-        ({PRELOAD: []}, "operation.preload_N: given no value; allowed one or more"),
+        ({PRELOAD: [5, -1]}, "operation.preload_N: got -1, expected"),
+        ({PRELOAD: 5}, "operation.preload_N: got 5, expected a list of values"),
+        ({METHOD: "constant_force"}, "operation.preload_method: got 'constant_force', expected a"),
+        ({PRELOAD: []}, "operation.preload_N: got no value, expected one or more"),
         ({"operation.preload": [5]}, "operation.preload: "),
-        ({PRELOAD: [5], "wear.end_of_life": [None]}, "wear.end_of_life: given no criterion"),
+        ({PRELOAD: [5], "wear.end_of_life": [None]}, "wear.end_of_life: got no criterion"),
     ],
 )
 def test_nothing_is_solved_before_all_is_checked(coarse, changes, said, monkeypatch):
@@ -230,5 +230,5 @@ def test_pairs(coarse):
 @pytest.mark.parametrize("kinds", [["single", "spring_pair"], ["spring_pair", "single"]])
 def test_pairs_and_single_bearings_do_not_mix(coarse, kinds, monkeypatch):
     monkeypatch.setattr(module, "_solved", not_to_be_solved)
-    with pytest.raises(SceneError, match="arrangement.kind: given .*single"):
+    with pytest.raises(SceneError, match="arrangement.kind: got .*single"):
         bearingwear.sweep(coarse, {"arrangement.kind": kinds}, workers=1)

@@ -6,6 +6,7 @@ Of each block marked `text` the lines must stand in what was printed before it, 
 in a thousand.
 """
 
+import json
 import os
 import re
 import shutil
@@ -34,7 +35,7 @@ SHOWN = {
     r"snakemake --report": "tests/workflow/test_study.py::test_the_report_of_the_jobs",
     r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",
     r"make (test|quick|test-\w+|fuzz|docs|gallery)$": "Makefile",
-    r"python benchmarks/\w+\.py$": "benchmarks",
+    r"python benchmarks/\w+\.py( \w+)?$": "benchmarks",
 }
 """Lines of `console` blocks, and the test or the program that runs them."""
 
@@ -82,20 +83,54 @@ def run(tmp_path):
     }
 
     def run(language, text):
-        argv = {"sh": ["bash", "-eu", "-c"], "python": [sys.executable, "-c"]}[language]
+        if language == "python":
+            return session.run(text)
         done = subprocess.run(
-            [*argv, text], cwd=folder, env=environment, capture_output=True, text=True, timeout=900
-        )
+            ["bash", "-eu", "-c", text],
+            cwd=folder, env=environment, capture_output=True, text=True, timeout=900,
+        )  # fmt: skip
         assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
         return done.stdout
 
     run.folder = folder
-    return run
+    session = Session(cwd=folder, env=environment)
+    yield run
+    session.close()
+
+
+class Session:
+    """A Python that runs one block after the other, as a reader's does."""
+
+    LOOP = """
+import json, sys
+names = {"__name__": "__main__"}
+for line in sys.stdin:
+    exec(compile(json.loads(line), "block", "exec"), names)
+    print("\\0", flush=True)
+"""
+
+    def __init__(self, **where):
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        self.python = subprocess.Popen([sys.executable, "-c", self.LOOP], **pipes, **where)
+
+    def run(self, text):
+        self.python.stdin.write(json.dumps(text) + "\n")
+        self.python.stdin.flush()
+        printed = ""
+        while (line := self.python.stdout.readline()) != "\0\n":
+            assert line, f"ended in:\n{text}\n{printed}"
+            printed += line
+        return printed
+
+    def close(self):
+        self.python.stdin.close()
+        self.python.stdout.close()
+        self.python.wait(10)
 
 
 def typed(run, page, languages):
     """Run the blocks of a page in these languages; the number of lines that were compared."""
-    printed, script, compared = "", "", 0
+    printed, compared = "", 0
     if page.name == "python.md":  # which loads a file of the reader's
         shutil.copy(ROOT / "config/scenes/gyro_s1.yaml", run.folder / "mine.yaml")
     ran = False
@@ -106,8 +141,7 @@ def typed(run, page, languages):
                 assert any(agree(said, line) for line in lines), f"{said!r} is not in\n{printed}"
                 compared += 1
         elif language == "python" and language in languages:
-            script += text  # a block goes on from the ones before it
-            printed = run("python", script)
+            printed = run("python", text)
         elif language in languages:
             printed = run("sh", text)
         if language in ("sh", "bash", "python"):

@@ -112,9 +112,9 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "notes.txt").touch()
     for arguments, said in (
-        ((), "folder: given a folder with other files; allowed a new one"),
-        (("--stiffness", "-3"), "argument --stiffness: given '-3'; allowed a number > 0"),
-        (("--stifness", "3"), "study: given '--stifness'; did you mean --stiffness"),
+        ((), "folder: got a folder with other files, expected a new one"),
+        (("--stiffness", "-3"), "argument --stiffness: got '-3', expected a number > 0"),
+        (("--stifness", "3"), "study: got '--stifness'; did you mean --stiffness"),
         (("--cores", "many"), "study: Error parsing number of cores"),
     ):
         status, told = study(*arguments)

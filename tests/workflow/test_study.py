@@ -223,7 +223,7 @@ def test_a_point_off_the_grid_is_refused(solved):
     case = "constant_force-mu0.030-loss0.00"
     run = solved.run("-n", f"results/gyro_s1/cases/{case}.nc")
     assert run.status == 1 and "Traceback" not in run.text and run.text.count("\n") == 1
-    assert run.text.startswith(f"results/gyro_s1/cases/{case}.nc: given a point off the grid")
+    assert run.text.startswith(f"results/gyro_s1/cases/{case}.nc: got a point off the grid")
     assert "friction 0.02, 0.08" in run.text
 
 
@@ -310,35 +310,35 @@ def test_a_broken_scene_stops_with_one_line(new_project):
 @pytest.mark.parametrize(
     ("keys", "value", "said"),
     [
-        (["studies"], [], "config: studies: given a list of 0"),
+        (["studies"], [], "config: studies: got a list of 0"),
         (
             ["studies", 0, "friction"],
             ["1e-2"],
-            "studies[0].friction[0]: given '1e-2', text, not a number",
+            "studies[0].friction[0]: got '1e-2', text, not a number",
         ),
-        (["studies", 0, "friction"], [0.0201], "studies[0].friction: given 0.0201"),
+        (["studies", 0, "friction"], [0.0201], "studies[0].friction: got 0.0201"),
         (
             ["studies", 0, "ball_diameter_loss_um"],
             [0, 500],
-            "loss500.00: wear.ball_diameter_loss_um: given 500; allowed a number < 200",
+            "loss500.00: wear.ball_diameter_loss_um: got 500, expected a number < 200",
         ),
         (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
         (
             ["studies", 0, "scenes"],
             ["../scenes/gyro_s1"],
-            "studies[0].scenes[0]: given '../scenes/gyro_s1'",
+            "studies[0].scenes[0]: got '../scenes/gyro_s1'",
         ),
-        (["studies", 0, "frictoin"], [0.1], "studies[0].frictoin: given an unknown key"),
+        (["studies", 0, "frictoin"], [0.1], "studies[0].frictoin: got an unknown key"),
         (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
         (
             ["dynamic"],
             [{**ONE_CASE, "model": {"simulated_turns": "1; touch results"}}],
-            "loss0.00: model.simulated_turns: given '1; touch results', text, not a number",
+            "loss0.00: model.simulated_turns: got '1; touch results', text, not a number",
         ),
         (
             ["dynamic"],
             [{**ONE_CASE, "model": {"simulated_turns": 0}}],
-            "loss0.00: model.simulated_turns: given 0; allowed a number > 0",
+            "loss0.00: model.simulated_turns: got 0, expected a number > 0",
         ),
     ],
     ids=[

@@ -327,7 +327,7 @@ def figure(trade: Path, which: str) -> Figure:
         One line: there is no such figure.
     """
     if which not in _FIGURES:
-        raise CaseFileError(f"figure: given {which}; allowed {', '.join(_FIGURES)}")
+        raise CaseFileError(f"figure: got {which}, expected {', '.join(_FIGURES)}")
     return _FIGURES[which](loaded(trade, point=()))
 
 
@@ -340,9 +340,9 @@ def accuracy_plot(trade: xr.Dataset) -> Figure:
         One line: a single sweep has no errors yet; both kinds of sweeps stand side by side.
     """
     if "scene" not in trade:
-        raise CaseFileError("given a single sweep; allowed all of them, gathered in one file")
+        raise CaseFileError("got a single sweep, expected all of them, gathered in one file")
     if not all(of_sweeps(trade, against).sizes["point"] for against in ("steady", "long")):
-        raise CaseFileError("given sweeps of one kind; allowed steady ones and ones in time")
+        raise CaseFileError("got sweeps of one kind, expected steady ones and ones in time")
     return overview_figure(trade)
 
 

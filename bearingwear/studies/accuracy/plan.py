@@ -127,7 +127,7 @@ class Sweep:
     def __post_init__(self) -> None:
         for key, values in self.grid.items():
             if not isinstance(values, list):
-                raise SceneError(f"grid.{key}", f"given {values!r}; allowed a list")
+                raise SceneError(f"grid.{key}", f"got {values!r}, expected a list")
 
     @property
     def against(self) -> str:
@@ -279,7 +279,7 @@ class AccuracyPlan:
 def _check_known(given: Any, allowed: Iterable[Any], where: str) -> None:
     """Refuse what is not one of the allowed values."""
     if given not in allowed:
-        raise SceneError(where, f"given {given}; allowed {', '.join(map(str, allowed))}")
+        raise SceneError(where, f"got {given}, expected {', '.join(map(str, allowed))}")
 
 
 def _texts(settings: Mapping[str, Any]) -> dict[str, str]:

@@ -81,12 +81,12 @@ class CagePlan:
             raise SceneError("gravity_m_s2", str(error)) from None
         if self.turns % self.stretch_turns:
             raise SceneError(
-                "stretch_turns", f"given {self.stretch_turns}; allowed a divisor of {self.turns}"
+                "stretch_turns", f"got {self.stretch_turns}, expected a divisor of {self.turns}"
             )
         most = self.turns // self.stretch_turns
         if self.evaluated_stretches > most:
             raise SceneError(
-                "evaluated_stretches", f"given {self.evaluated_stretches}; allowed at most {most}"
+                "evaluated_stretches", f"got {self.evaluated_stretches}, expected at most {most}"
             )
 
     @property

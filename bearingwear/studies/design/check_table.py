@@ -122,7 +122,7 @@ def _cases(
 ) -> dict[float, dict[str, xr.Dataset]]:
     """Both tiers of each preload."""
     if recommendation.attrs.get("kind") != RECOMMENDATION:
-        raise CaseFileError("given no recommendation; allowed recommendation.nc of a design study")
+        raise CaseFileError("got no recommendation, expected recommendation.nc of a design study")
     name = scene_of(recommendation)["name"]
     cases: dict[float, dict[str, xr.Dataset]] = {}
     for path in paths:
@@ -132,12 +132,12 @@ def _cases(
             raise CaseFileError(f"{path}: not a steady or dynamic case")
         scene = scene_of(case)
         if scene["name"] != name:
-            raise CaseFileError(f"{path}: of the scene {scene['name']}; allowed {name}")
+            raise CaseFileError(f"{path}: of the scene {scene['name']}, expected {name}")
         cases.setdefault(scene["operation"]["preload_N"], {})[str(tier)] = case
     for preload, tiers in cases.items():
         for tier in CHECKED_FIDELITIES:
             if tier not in tiers:
-                raise CaseFileError(f"preload {preload:g} N: given no {tier} case")
+                raise CaseFileError(f"preload {preload:g} N: got no {tier} case")
     return cases
 
 

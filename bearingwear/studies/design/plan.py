@@ -85,7 +85,7 @@ class MapAxes:
 
     def __post_init__(self) -> None:
         if len(set(self.preload_method)) < len(self.preload_method):
-            raise SceneError("preload_method", "given a method twice; allowed each once")
+            raise SceneError("preload_method", "got a method twice, expected each once")
 
     @property
     def lives(self) -> int:
@@ -109,7 +109,7 @@ def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene")
     """
     own = scene.operation.preload_N
     if own <= 0.0:
-        problem = f"given {own:g}; allowed, for a map around it, a number > 0"
+        problem = f"got {own:g}, expected, for a map around it, a number > 0"
         raise SceneError("operation.preload_N", problem, source=source)
     preload = key_of_scene("operation.preload_N")
     assert preload is not None
@@ -142,7 +142,7 @@ class Design:
     def __post_init__(self) -> None:
         if self.map and any(mu != round(mu, 3) for mu in self.map.friction):
             # as the files of its parts are named
-            raise SceneError("map.friction", "allowed numbers of at most three decimals")
+            raise SceneError("map.friction", "expected numbers of at most three decimals")
 
 
 @dataclass(frozen=True, kw_only=True)

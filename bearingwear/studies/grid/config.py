@@ -64,7 +64,7 @@ class UncertainLives:
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
-            raise ValueError(f"samples: given {self.samples}; allowed a power of two")
+            raise ValueError(f"samples: got {self.samples}, expected a power of two")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ def draw_wear(studies: Sequence[Path], friction: Sequence[float]) -> Figure:
     """QV, preload, angles and rate of wear; a column for each file, or several of one file."""
     paths = [*studies] * len(friction) if len(studies) == 1 else studies
     if len(paths) != len(friction):
-        raise CaseFileError(f"friction: given {len(friction)} values; allowed {len(paths)}")
+        raise CaseFileError(f"friction: got {len(friction)} values, expected {len(paths)}")
     columns = [
         loaded(path, friction=[mu], ball_diameter_loss=())
         for path, mu in zip(paths, friction, strict=True)

@@ -225,7 +225,7 @@ def reference_values(path: str | Path) -> dict[str, np.ndarray]:
         raise CaseFileError(f"{path}: cannot be read ({error})") from None
     rows = list(csv.reader(line for line in text.splitlines() if line and line[0] != "#"))
     if not rows or rows[0] != REFERENCE_COLUMNS:
-        raise CaseFileError(f"{path}: allowed a table with header {','.join(REFERENCE_COLUMNS)}")
+        raise CaseFileError(f"{path}: expected a table with header {','.join(REFERENCE_COLUMNS)}")
     found: dict[str, list[tuple[float, float]]] = {part: [] for part in PARTS}
     for row in rows[1:]:
         try:
@@ -233,7 +233,7 @@ def reference_values(path: str | Path) -> dict[str, np.ndarray]:
             found[part].append((float(time), float(rate)))
         except (KeyError, ValueError):
             raise CaseFileError(
-                f"{path}: given {','.join(row)}; allowed {' or '.join(PARTS)} and two numbers"
+                f"{path}: got {','.join(row)}, expected {' or '.join(PARTS)} and two numbers"
             ) from None
     return {part: np.array(values).reshape(-1, 2) for part, values in found.items()}
 

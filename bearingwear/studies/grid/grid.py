@@ -86,10 +86,10 @@ class Grid:
             if not values:
                 raise ValueError(f"{axis}: empty; at least one value is needed")
             if len(set(values)) < len(values):
-                raise ValueError(f"{axis}: given {list(values)}; a value stands there twice")
+                raise ValueError(f"{axis}: got {list(values)}; a value stands there twice")
         for method in self.preload_method:
             if method not in PRELOAD_METHODS:
-                raise ValueError(f"preload_method: given {method}; allowed {PRELOAD_METHODS}")
+                raise ValueError(f"preload_method: got {method}, expected {PRELOAD_METHODS}")
         # A value with more digits than its case id shows would be solved as another value.
         for axis, values, digits in (
             ("friction", self.friction, 3),
@@ -98,7 +98,7 @@ class Grid:
             for value in values:
                 if not value >= 0.0 or value != round(value, digits):
                     raise ValueError(
-                        f"{axis}: given {value}; allowed 0 or more, at most {digits} decimals"
+                        f"{axis}: got {value}, expected 0 or more, at most {digits} decimals"
                     )
 
     @classmethod
@@ -152,7 +152,7 @@ def grids(blocks: Sequence[Any], key: str = "studies") -> dict[str, Grid]:
         for scene in block.scenes:
             if scene in found:
                 raise ValueError(
-                    f"config: {key}[{number}].scenes: given {scene}; it stands there twice"
+                    f"config: {key}[{number}].scenes: got {scene}; it stands there twice"
                 )
             found[scene] = grid
     return found

@@ -71,32 +71,30 @@ class Plan:
         for scene in self.uncertain_lives.scenes:
             if scene not in self.grids:
                 allowed = ", ".join(self.grids)
-                raise ValueError(
-                    f"config: uncertain_lives.scenes: given {scene}; allowed {allowed}"
-                )
+                raise ValueError(f"config: uncertain_lives.scenes: got {scene}, expected {allowed}")
         for scene in self.config.figures.running_averages:
             if scene not in self.dynamic:
                 allowed = ", ".join(self.dynamic) or "none, since dynamic is empty"
                 raise ValueError(
-                    f"config: figures.running_averages: given scene {scene}; allowed {allowed}"
+                    f"config: figures.running_averages: got scene {scene}, expected {allowed}"
                 )
         for scene in self.compared:
             # a case in time without its steady twin could not be set beside it
             for case_id in self.dynamic[scene].cases():
                 if case_id not in self.grids[scene].cases():
                     raise ValueError(
-                        f"config: dynamic: given {scene}, {case_id}; "
-                        "allowed cases of the same scene under studies"
+                        f"config: dynamic: got {scene}, {case_id}, "
+                        "expected cases of the same scene under studies"
                     )
 
     def _check_studied(self, key: str, scene: str, mu: float) -> None:
         if scene not in self.grids:
             allowed = ", ".join(self.grids)
-            raise ValueError(f"config: figures.{key}: given scene {scene}; allowed {allowed}")
+            raise ValueError(f"config: figures.{key}: got scene {scene}, expected {allowed}")
         if mu not in self.grids[scene].friction:
             allowed = ", ".join(f"{value:g}" for value in self.grids[scene].friction)
             raise ValueError(
-                f"config: figures.{key}: given {scene}, friction {mu:g}; allowed {allowed}"
+                f"config: figures.{key}: got {scene}, friction {mu:g}, expected {allowed}"
             )
 
     @property
@@ -128,8 +126,8 @@ class Plan:
         for scene in self.uncertain_lives.scenes:
             if not load_scene(_scene_file(scene)).uncertainty:
                 raise ValueError(
-                    f"config: uncertain_lives.scenes: given {scene}, whose file has no "
-                    "uncertainty; allowed scenes that have"
+                    f"config: uncertain_lives.scenes: got {scene}, whose file has no "
+                    "uncertainty, expected scenes that have"
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:
@@ -216,16 +214,16 @@ class Plan:
         scene, folder, case = found.groups()
         if folder == "chunks":
             known = [file for name in self.grids for file in self.chunks(name)]
-            return None if path in known else f"{path}: given a chunk that config.yaml has not"
+            return None if path in known else f"{path}: got a chunk that config.yaml has not"
         grids = self.grids if folder == "cases" else self.dynamic
         if scene not in grids:
-            return f"{path}: given scene {scene}; allowed {', '.join(grids) or 'none'}"
+            return f"{path}: got scene {scene}, expected {', '.join(grids) or 'none'}"
         if case in grids[scene].cases():
             return None
         axes = "; ".join(
             f"{axis} {', '.join(map(str, values))}" for axis, values in vars(grids[scene]).items()
         )
-        return f"{path}: given a point off the grid of config.yaml; allowed {axes}"
+        return f"{path}: got a point off the grid of config.yaml, expected {axes}"
 
     def inputs(self) -> list[str]:
         """Files the cases and figures are made from, besides the program."""

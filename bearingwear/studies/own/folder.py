@@ -54,7 +54,7 @@ def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | 
 
     name = file.stem
     if not re.match(NAME, name):
-        raise UsageError(f"{file}: given the name {name}; allowed {NAME_RULE}")
+        raise UsageError(f"{file}: got the name {name}, expected {NAME_RULE}")
     plans = plan_of(one_bearing(life_scene(file), file), name, limits, os.fspath(file))
     bodies = {
         path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
@@ -112,7 +112,7 @@ def _check_folder(folder: Path, head: str) -> None:
             if not (_text(config) or "").startswith(head):
                 what = head.removeprefix("# Written by ")
                 raise UsageError(
-                    f"{folder}: given a folder with other files; allowed a new one, or that of "
+                    f"{folder}: got a folder with other files, expected a new one, or that of "
                     f"{what}"
                 )
     except OSError as error:
@@ -126,7 +126,7 @@ def _check_unedited(path: Path, head: str, folder: Path) -> None:
         first, _, rest = text.partition("\n")
         if not first.startswith(head) or _hash(rest) not in first:
             raise UsageError(
-                f"{path}: given an edited file; allowed one as it was written, or none (the study "
+                f"{path}: got an edited file, expected one as it was written, or none (the study "
                 f"as it is edited: `bearingwear study`, run in {folder})"
             )
 

@@ -53,7 +53,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
 def _frictions(scene: Scene, source: str) -> list[float]:
     own, key = scene.friction.coefficient, "friction.ball_race"
     if own <= 0.0 or own != round(own, 3):
-        problem = f"given {own:g}; allowed, for a study, a number > 0 of at most three decimals"
+        problem = f"got {own:g}, expected, for a study, a number > 0 of at most three decimals"
         raise SceneError(key, problem, source=source)
     part = key_of_scene(key)
     assert part is not None

@@ -58,7 +58,7 @@ def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None
     for name, ends in (("log", log), ("even", even)):
         if ends is not None and (ends[0] > ends[1] or (name == "log" and not ends[0] > 0.0)):
             positive = " > 0" if name == "log" else ""
-            raise SceneError(name, f"given {list(ends)}; allowed two rising ends{positive}")
+            raise SceneError(name, f"got {list(ends)}, expected two rising ends{positive}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ class Draw:
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)
         if not (self.log or self.even or self.of):
-            raise ValueError("given nothing to draw from; allowed log, even or of")
+            raise ValueError("got nothing to draw from, expected log, even or of")
 
     def value(self, chance: random.Random) -> Any:
         """One value."""
@@ -115,7 +115,7 @@ def draws(blocks: Mapping[str, Any]) -> dict[str, Draw]:
     found = {}
     for key, block in blocks.items():
         if "." not in key and key not in STAND_INS:
-            raise SceneError(f"draw.{key}", f"given {key}; allowed {', '.join(STAND_INS)}")
+            raise SceneError(f"draw.{key}", f"got {key}, expected {', '.join(STAND_INS)}")
         try:
             found[key] = record(Draw, block)
         except SceneError as error:
@@ -143,7 +143,7 @@ class KeyAxis:
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)
         if (self.log is None) == (self.even is None):
-            raise ValueError("given no ends, or two pairs; allowed log or even")
+            raise ValueError("got no ends, or two pairs, expected log or even")
 
     @property
     def is_log(self) -> bool:
@@ -208,7 +208,7 @@ class RobustnessPlan:
             if scene_class.like and scene_class.like not in before:
                 allowed = ", ".join(before) or "none, since there is no class before it"
                 raise SceneError(
-                    f"scene_classes.{name}.like", f"given {scene_class.like}; allowed {allowed}"
+                    f"scene_classes.{name}.like", f"got {scene_class.like}, expected {allowed}"
                 )
             before.append(name)
 

@@ -82,7 +82,7 @@ def fuzz(plan: Path, name: str, count: int, seed: int) -> xr.Dataset:
     classes = read_record(RobustnessPlan, plan)
     if name not in classes.scene_classes:
         allowed = ", ".join(classes.scene_classes)
-        raise CaseFileError(f"{plan}: scene_classes: given {name}; allowed {allowed}")
+        raise CaseFileError(f"{plan}: scene_classes: got {name}, expected {allowed}")
     settings = classes.class_settings(name) | {"count": count, "seed": seed}
     return random_scenes(plan.parent / "scenes" / f"{classes.scene}.yaml", **settings)
 

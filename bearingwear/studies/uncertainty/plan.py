@@ -60,14 +60,14 @@ def uncertain_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
     scene, source = life_scene(path, settings), os.fspath(path)
     if not scene.uncertainty:
         raise SceneError(
-            "uncertainty", "given nothing; allowed at least one distribution", source=source
+            "uncertainty", "got nothing, expected at least one distribution", source=source
         )
     for name, given in scene.uncertainty.items():
         # not an error of the scene: other values may be set in it, which no sample is asked of
         if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
             raise SceneError(
                 f"uncertainty.{name}.median",
-                f"given {scene.nominal(name):g}, the scene's own value; allowed, for a lognormal, "
+                f"got {scene.nominal(name):g}, the scene's own value, expected, for a lognormal, "
                 "a number > 0",
                 source=source,
             )

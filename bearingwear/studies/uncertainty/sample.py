@@ -195,7 +195,7 @@ def sampled_lives(
     """
     plan = Sampling(**sampling)
     if not 0 <= chunk < plan.chunks:
-        raise CaseFileError(f"chunk: given {chunk}; allowed 0 to {plan.chunks - 1}")
+        raise CaseFileError(f"chunk: got {chunk}, expected 0 to {plan.chunks - 1}")
     found = None if recommendation is None else load(recommendation)
     return sample_part(uncertain_scene(scene), plan, method, preload_choice, chunk, found)
 

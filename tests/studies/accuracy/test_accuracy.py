@@ -149,12 +149,12 @@ def test_presets_are_those_of_the_scenes(plan):
     [
         (
             {"sweeps": {"a": {"title": "a", "from": "nowhere", "grid": {}}}},
-            "given nowhere",
+            "got nowhere",
         ),
-        ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "sweeps.a.title: given nothing"),
-        ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: given x"),
-        ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: given x"),
-        ({"scenes": 3}, "accuracy.yaml: scenes: given 3; allowed"),
+        ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "sweeps.a.title: got nothing"),
+        ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: got x"),
+        ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: got x"),
+        ({"scenes": 3}, "accuracy.yaml: scenes: got 3, expected"),
     ],
 )
 def test_a_broken_plan_is_refused_in_one_line(change, said, tmp_path):
@@ -234,7 +234,7 @@ def test_figures(trade, which, tmp_path):
 
 def test_unknown_figure(trade, capsys, tmp_path):
     assert step("figures.figure", f"trade={trade}", outputs=[tmp_path / "a.svg"], which="x") == 2
-    assert "given x; allowed overview" in capsys.readouterr().err
+    assert "got x, expected overview" in capsys.readouterr().err
 
 
 def test_titles_say_what_the_data_show(trade):

@@ -46,12 +46,12 @@ def test_plan_of_the_project(monkeypatch):
 @pytest.mark.parametrize(
     ("path", "value", "told"),
     [
-        ("cage_friction", [0.1, 0.05], "cage_friction: given 0.1, 0.05; allowed rising"),
-        ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: given 9.81, 0; allowed rising"),
+        ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected rising"),
+        ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: got 9.81, 0, expected rising"),
         ("gravity_m_s2", [-9.81], "gravity_m_s2"),
         ("starts", ["nowhere"], "starts"),
-        ("stretch_turns", 7, "stretch_turns: given 7; allowed a divisor of 150"),
-        ("evaluated_stretches", 16, "evaluated_stretches: given 16; allowed at most 15"),
+        ("stretch_turns", 7, "stretch_turns: got 7, expected a divisor of 150"),
+        ("evaluated_stretches", 16, "evaluated_stretches: got 16, expected at most 15"),
     ],
 )
 def test_a_bad_plan_takes_one_line(path, value, told, tmp_path):

@@ -85,16 +85,16 @@ def test_small_map_of_the_project_is_around_its_scene():
 @pytest.mark.parametrize(
     "path, value, told",
     [
-        ("scenes.gyro_s1.map.friction.step", 0.07, "given 0.02 to 0.17 by 0.07"),
-        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "allowed rising numbers > 0"),
-        ("scenes.gyro_s1.map.preload_method", ["spring"], "allowed constant_force"),
-        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: given an unknown key"),
+        ("scenes.gyro_s1.map.friction.step", 0.07, "got 0.02 to 0.17 by 0.07"),
+        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "expected rising numbers > 0"),
+        ("scenes.gyro_s1.map.preload_method", ["spring"], "expected constant_force"),
+        ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: got an unknown key"),
         (
             "scenes.gyro_s1.limits.friction_power_W",
             "much",
-            "given 'much', text, not a number; allowed a number > 0",
+            "got 'much', text, not a number, expected a number > 0",
         ),
-        ("scenes.gyro_s1.map.friction", [0.0805], "allowed numbers of at most three decimals"),
+        ("scenes.gyro_s1.map.friction", [0.0805], "expected numbers of at most three decimals"),
     ],
 )
 def test_bad_plan_takes_one_line(tmp_path, path, value, told):

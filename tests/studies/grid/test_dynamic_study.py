@@ -237,7 +237,7 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     paths = make(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
     assert step(GATHER, tmp_path / "few.nc", paths=paths) == 0
     assert step(COMPARED, output, study=tmp_path / "few.nc", dynamic=dynamic) == 2
-    assert "few.nc: friction: given 0.08; allowed 0.02" in capsys.readouterr().err
+    assert "few.nc: friction: got 0.08, expected 0.02" in capsys.readouterr().err
     other = make(tmp_path / "other", DYNAMIC, "dynamic", scene="gyro_s1_drag")
     assert step(GATHER, tmp_path / "other.nc", paths=other) == 0
     assert step(COMPARED, output, study=steady, dynamic=tmp_path / "other.nc") == 2
@@ -286,11 +286,11 @@ def test_the_place_for_reference_values_is_empty():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "allowed a table with header part,time_s,wear_rate_m3_s"),
-        ("a,b\n", "allowed a table with header part,time_s,wear_rate_m3_s"),
-        ("part,time_s,wear_rate_m3_s\nball,1,2\n", "given ball,1,2; allowed ball_1 or cage"),
-        ("part,time_s,wear_rate_m3_s\ncage,1\n", "given cage,1; allowed"),
-        ("part,time_s,wear_rate_m3_s\ncage,1,x\n", "given cage,1,x; allowed"),
+        ("", "expected a table with header part,time_s,wear_rate_m3_s"),
+        ("a,b\n", "expected a table with header part,time_s,wear_rate_m3_s"),
+        ("part,time_s,wear_rate_m3_s\nball,1,2\n", "got ball,1,2, expected ball_1 or cage"),
+        ("part,time_s,wear_rate_m3_s\ncage,1\n", "got cage,1, expected"),
+        ("part,time_s,wear_rate_m3_s\ncage,1,x\n", "got cage,1,x, expected"),
     ],
 )
 def test_a_broken_reference_is_refused(folder, text, said, tmp_path, capsys):

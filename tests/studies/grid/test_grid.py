@@ -57,14 +57,14 @@ def test_order_does_not_matter():
 @pytest.mark.parametrize(
     ("methods", "mus", "losses", "said"),
     [
-        (["constant_force"], [0.1 + 0.2], [0.0], "friction: given 0.30000000000000004"),
-        (["constant_force"], [0.0005], [0.0], "friction: given 0.0005"),
-        (["constant_force"], [-0.1], [0.0], "friction: given -0.1"),
-        (["constant_force"], [float("nan")], [0.0], "friction: given nan"),
-        (["constant_force"], [0.1], [0.001], "ball_diameter_loss_um: given 0.001"),
+        (["constant_force"], [0.1 + 0.2], [0.0], "friction: got 0.30000000000000004"),
+        (["constant_force"], [0.0005], [0.0], "friction: got 0.0005"),
+        (["constant_force"], [-0.1], [0.0], "friction: got -0.1"),
+        (["constant_force"], [float("nan")], [0.0], "friction: got nan"),
+        (["constant_force"], [0.1], [0.001], "ball_diameter_loss_um: got 0.001"),
         (["constant_force"], [0.1, 0.1], [0.0], "twice"),
         (["constant_force"], [], [0.0], "friction: empty"),
-        (["rigid"], [0.1], [0.0], "preload_method: given rigid"),
+        (["rigid"], [0.1], [0.0], "preload_method: got rigid"),
     ],
 )
 def test_grids_that_are_refused(methods, mus, losses, said):
@@ -75,7 +75,7 @@ def test_grids_that_are_refused(methods, mus, losses, said):
 
 def test_a_scene_is_studied_once():
     study = {**CONFIG["studies"][0], "scenes": ["gyro_s1"]}
-    with pytest.raises(ValueError, match=r"studies\[1\].scenes: given gyro_s1"):
+    with pytest.raises(ValueError, match=r"studies\[1\].scenes: got gyro_s1"):
         Plan.from_config(CONFIG | {"studies": [study, study], "dynamic": []}).cases()
 
 
@@ -165,16 +165,16 @@ def test_names_that_no_scene_has(name):
     studies = [{**CONFIG["studies"][0], "scenes": [name]}]
     with pytest.raises(ValueError, match="^[^\n]*$") as error:
         Plan.from_config(CONFIG | {"studies": studies})
-    assert "studies[0].scenes[0]: given " in str(error.value)
-    assert "allowed a-z, A-Z, 0-9, _ and - (at most 64" in str(error.value)
+    assert "studies[0].scenes[0]: got " in str(error.value)
+    assert "expected a-z, A-Z, 0-9, _ and - (at most 64" in str(error.value)
     assert ('write "7008"' in str(error.value)) == (name == 7008)
 
 
 @pytest.mark.parametrize(
     ("column", "said"),
     [
-        ({"scene": "other", "friction": 0.02}, "given scene other; allowed gyro_s1"),
-        ({"scene": "gyro_s1", "friction": 0.03}, "given gyro_s1, friction 0.03; allowed 0.02"),
+        ({"scene": "other", "friction": 0.02}, "got scene other, expected gyro_s1"),
+        ({"scene": "gyro_s1", "friction": 0.03}, "got gyro_s1, friction 0.03, expected 0.02"),
     ],
 )
 def test_a_figure_of_what_is_not_studied(column, said):
@@ -223,9 +223,9 @@ def test_settings_of_what_is_solved_in_time():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"friction": [0.03]}, "dynamic: given gyro_s1, constant_force-mu0.030-loss0.00; allowed"),
-        ({"friction": [0.0201]}, "dynamic[0].friction: given 0.0201"),
-        ({"scenes": ["turbine", "turbine"]}, "dynamic[0].scenes: given turbine; it stands there"),
+        ({"friction": [0.03]}, "dynamic: got gyro_s1, constant_force-mu0.030-loss0.00, expected"),
+        ({"friction": [0.0201]}, "dynamic[0].friction: got 0.0201"),
+        ({"scenes": ["turbine", "turbine"]}, "dynamic[0].scenes: got turbine; it stands there"),
     ],
 )
 def test_what_cannot_be_solved_in_time(changes, said):
@@ -237,7 +237,7 @@ def test_what_cannot_be_solved_in_time(changes, said):
 def test_running_averages_of_what_is_not_solved_in_time():
     config = dynamic_config()
     config["figures"]["running_averages"] = {"turbine": None}
-    with pytest.raises(ValueError, match="running_averages: given scene turbine; allowed gyro_s1"):
+    with pytest.raises(ValueError, match="running_averages: got scene turbine, expected gyro_s1"):
         Plan.from_config(config)
 
 
@@ -247,8 +247,8 @@ def test_lives_that_cannot_be_spread(monkeypatch):
     figures = {"worn_loss_um": 0.5, "friction": [0.02]}
     config = {"studies": [one], "figures": figures}
     for scene, said in {
-        "turbine": "given turbine; allowed turbopump",
-        "turbopump": "given turbopump, whose file has no uncertainty; allowed scenes that have",
+        "turbine": "got turbine, expected turbopump",
+        "turbopump": "got turbopump, whose file has no uncertainty, expected scenes that have",
     }.items():
         with pytest.raises(ValueError, match=f"^config: uncertain_lives.scenes: {said}$"):
             Plan.from_config(config | {"uncertain_lives": {"scenes": [scene]}}).check_scenes()

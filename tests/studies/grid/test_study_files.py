@@ -468,7 +468,7 @@ def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):
     path, output = folder / "study.nc", tmp_path / "figure.svg"
     wear, life = "studies.grid.draw.draw_wear", "studies.grid.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2
-    assert capsys.readouterr().err == f"{path}: friction: given 0.03; allowed 0, 0.02, 0.08\n"
+    assert capsys.readouterr().err == f"{path}: friction: got 0.03, expected 0, 0.02, 0.08\n"
     assert step(life, output, lives=path, settings={"friction": [0.02]}) == 2
     assert "interpolated_step" in capsys.readouterr().err
     assert not output.exists()
@@ -480,7 +480,7 @@ def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
     outputs = [tmp_path / "figure.svg", tmp_path / name]
     assert step("studies.grid.draw.draw_slip", *outputs, cases=[case]) == 2
     told = capsys.readouterr().err
-    assert told.startswith(f"{outputs[1]}: given the suffix ") and told.count("\n") == 1
+    assert told.startswith(f"{outputs[1]}: got the suffix ") and told.count("\n") == 1
     assert os.listdir(tmp_path) == []
 
 

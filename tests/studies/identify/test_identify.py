@@ -26,10 +26,10 @@ def test_plan_of_the_project():
 @pytest.mark.parametrize(
     "path, value, told",
     [
-        ("statements.preload_loss", 0, "preload_loss: given 0; allowed a number > 0"),
-        ("statements.qv_least_um", [0.5, 0.3], "qv_least_um: given 0.5, 0.3; allowed rising"),
-        ("ball_count", [7, 7], "ball_count: given 7, 7; allowed rising numbers"),
-        ("pitch_diameter_mm.step", 0, "pitch_diameter_mm: step: given 0; allowed a number > 0"),
+        ("statements.preload_loss", 0, "preload_loss: got 0, expected a number > 0"),
+        ("statements.qv_least_um", [0.5, 0.3], "qv_least_um: got 0.5, 0.3, expected rising"),
+        ("ball_count", [7, 7], "ball_count: got 7, 7, expected rising numbers"),
+        ("pitch_diameter_mm.step", 0, "pitch_diameter_mm: step: got 0, expected a number > 0"),
     ],
 )
 def test_bad_plan_takes_one_line(tmp_path, path, value, told):

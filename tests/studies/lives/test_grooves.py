@@ -34,4 +34,4 @@ def test_what_cannot_follow_grooves_is_refused_in_one_line(tmp_path, capsys):
     out = str(tmp_path / "life.nc")
     assert main(["life", str(scene_file("gyro_s1")), "-o", out, *sets]) == 2
     told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "wear.counts: given ball" in told
+    assert told.count("\n") == 1 and "wear.counts ball" in told

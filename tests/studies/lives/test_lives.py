@@ -30,9 +30,9 @@ def test_every_life_of_the_plan_is_a_valid_scene(monkeypatch):
     ("life", "said"),
     [
         ({"scene": "gyro_s1", "set": {"operation.preload": 1.0}}, "lives.a: operation.preload: "),
-        ({"scene": "gyro_s1", "st": {}}, "lives.a.st: given an unknown key"),
-        ({"set": CHANGED}, "lives.a.scene: given nothing"),
-        ({"scene": "../gyro_s1"}, "lives.a.scene: given '../gyro_s1'; allowed"),
+        ({"scene": "gyro_s1", "st": {}}, "lives.a.st: got an unknown key"),
+        ({"set": CHANGED}, "lives.a.scene: got nothing"),
+        ({"scene": "../gyro_s1"}, "lives.a.scene: got '../gyro_s1', expected"),
         ({"scene": "gyro_s1", "set": {"wear.end_of_life": None}}, "lives.a: "),
         ({"scene": "nowhere"}, "lives.a: "),
     ],

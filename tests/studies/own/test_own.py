@@ -67,7 +67,7 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
 
 @pytest.mark.parametrize("mu", [0.0, 0.0805])
 def test_a_friction_that_no_file_name_shows(scene, mu):
-    with pytest.raises(SceneError, match=r"mine.yaml: friction.ball_race: given .*three decimals"):
+    with pytest.raises(SceneError, match=r"mine.yaml: friction.ball_race: got .*three decimals"):
         plans(with_friction(scene, mu))
 
 
@@ -78,7 +78,7 @@ def test_no_preload_to_study_around(scene):
         operation=dataclasses.replace(scene.operation, preload_N=0.0),
         wear=dataclasses.replace(scene.wear, end_of_life=end),
     )
-    with pytest.raises(SceneError, match=r"operation.preload_N: given 0; allowed.*a number > 0"):
+    with pytest.raises(SceneError, match=r"operation.preload_N: got 0, expected.*a number > 0"):
         plans(scene)
 
 
@@ -132,7 +132,7 @@ def test_what_was_edited_there_is_not_replaced(mine, tmp_path, name):
     edited.write_text(edited.read_text() + "# mine\n")
     before = contents(folder)
     mine.write_text(mine.read_text() + "# another\n")
-    with pytest.raises(UsageError, match=rf"{name}: given an edited file; allowed"):
+    with pytest.raises(UsageError, match=rf"{name}: got an edited file, expected"):
         write_study(mine, folder, DesignLimits())
     assert contents(folder) == before
 
@@ -141,7 +141,7 @@ def test_a_folder_of_something_else_is_left_alone(mine, tmp_path):
     folder = tmp_path / "study"
     folder.mkdir()
     (folder / "notes.txt").touch()
-    with pytest.raises(UsageError, match="given a folder with other files"):
+    with pytest.raises(UsageError, match="got a folder with other files"):
         write_study(mine, folder, LIMITS)
     (folder / "notes.txt").unlink()
     write_study(mine, folder, LIMITS)

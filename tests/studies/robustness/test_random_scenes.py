@@ -276,17 +276,17 @@ def test_a_wrong_answer_fails_after_the_table_is_written(tmp_path, capsys):
     assert not verdict.exists()
     assert "1 wrong, the first: more heat than mu QV" in capsys.readouterr().err
     assert step("run.fuzz", plan, output=solved, **settings) == 2
-    assert "scene_classes: given few; allowed steady" in capsys.readouterr().err
+    assert "scene_classes: got few, expected steady" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("log: [10,", "log: [0,", "shaft_speed_rpm.log: given [0.0, 500000.0]; allowed two rising"),
-        ("stress_GPa:", "stress_MPa:", "steady_stress.draw.stress_MPa: given stress_MPa; allowed"),
-        ("like: steady_stress", "like: x", "race_control_stress.like: given x; allowed steady,"),
-        ("points: 41", "points: 1", "maps.friction_loss.y.points: given 1; allowed a whole number"),
-        ("[gyroscopic_slip]", "[slip]", "limits[0]: given 'slip'; allowed contact, gyroscopic_sl"),
+        ("log: [10,", "log: [0,", "shaft_speed_rpm.log: got [0.0, 500000.0], expected two rising"),
+        ("stress_GPa:", "stress_MPa:", "steady_stress.draw.stress_MPa: got stress_MPa, expected"),
+        ("like: steady_stress", "like: x", "race_control_stress.like: got x, expected steady,"),
+        ("points: 41", "points: 1", "maps.friction_loss.y.points: got 1, expected a whole number"),
+        ("[gyroscopic_slip]", "[slip]", "limits[0]: got 'slip', expected contact, gyroscopic_sl"),
     ],
 )
 def test_bad_plan_is_one_line(old, new, said, tmp_path, capsys):

@@ -36,9 +36,9 @@ def test_plan_of_the_project():
 @pytest.mark.parametrize(
     "key, value, told",
     [
-        ("samples", 1000, "sampling.samples: given 1000; allowed a power of two"),
-        ("seed", -1, "sampling.seed: given -1; allowed a whole number >= 0"),
-        ("chunks", 2048, "sampling.chunks: given 2048; allowed at most the samples"),
+        ("samples", 1000, "sampling.samples: got 1000, expected a power of two"),
+        ("seed", -1, "sampling.seed: got -1, expected a whole number >= 0"),
+        ("chunks", 2048, "sampling.chunks: got 2048, expected at most the samples"),
     ],
 )
 def test_bad_plan_takes_one_line(tmp_path, key, value, told):
@@ -53,15 +53,15 @@ def test_bad_plan_takes_one_line(tmp_path, key, value, told):
 @pytest.mark.parametrize(
     "spread, told",
     [
-        ({"ball_race": {"distribution": "normal"}}, "ball_race.standard_deviation: given nothing"),
+        ({"ball_race": {"distribution": "normal"}}, "ball_race.standard_deviation: got nothing"),
         ({"ball_race": {"distribution": "uniform", "low": 0.2, "high": 0.1}}, "ball_race.high"),
         ({"ball_race": {"distribution": "uniform", "low": -0.2, "high": 0.1}}, "ball_race.low"),
         ({"ball_race": {"distribution": "lognormal", "factor": 1.0}}, "ball_race.factor"),
         (
             {"ball_race": {"distribution": "normal", "standard_deviation": 0.1, "factor": 2.0}},
-            "ball_race.factor: given 2 with the distribution normal",
+            "ball_race.factor: got 2 with the distribution normal",
         ),
-        ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "given the name 'speed'"),
+        ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "got the name 'speed'"),
     ],
 )
 def test_bad_uncertainty_takes_one_line(scene, spread, told):
@@ -75,7 +75,7 @@ def test_lives_about_a_lognormal_of_nothing_cannot_be_perturbed(tmp_path):
     plain["uncertainty"] = {"drag_density_kg_m3": {"distribution": "lognormal", "factor": 2.0}}
     (tmp_path / "scene.yaml").write_text(yaml.safe_dump(plain))
     assert load_scene(tmp_path / "scene.yaml", ["friction.ball_race=0"]).uncertainty
-    with pytest.raises(ValueError, match="drag_density_kg_m3.median: given 0"):
+    with pytest.raises(ValueError, match="drag_density_kg_m3.median: got 0"):
         uncertain_scene(tmp_path / "scene.yaml")
 
 
@@ -122,9 +122,9 @@ def test_wear_values_of_both_materials_go_together(scene):
 @pytest.mark.parametrize(
     ("option", "said"),
     [
-        (["--samples", "100"], "--samples: given 100; allowed a power of two"),
-        (["--samples", "0"], "--samples: given 0; allowed a whole number >= 1"),
-        (["--seed", "-1"], "--seed: given -1; allowed a whole number >= 0"),
+        (["--samples", "100"], "--samples: got 100, expected a power of two"),
+        (["--samples", "0"], "--samples: got 0, expected a whole number >= 1"),
+        (["--seed", "-1"], "--seed: got -1, expected a whole number >= 0"),
     ],
 )
 def test_samplings_that_are_refused(option, said, tmp_path, capsys):
