@@ -262,7 +262,6 @@ def life(
         from bearingwear.model.worn_outputs import grooves_followed, solve_worn_life
 
         followed, why = grooves_followed(scene, chosen.tier)
-        worn = followed is not None
         if why:
             chosen = replace(chosen, reasons=(*chosen.reasons, why))
         with Interrupt():

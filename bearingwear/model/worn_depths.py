@@ -12,7 +12,7 @@ from bearingwear.kernels.worn_balance import Arc, WornForce
 from bearingwear.kernels.worn_state import WornSeat
 from bearingwear.model.steady import ThrustProblem
 
-EVEN = Arc(0.0, 1.0, np.zeros((4, 0)))
+UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
 _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
 NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
 NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
@@ -64,7 +64,7 @@ class WornPoint:
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
     """A depth over equally spaced places; none is an even one."""
     if not depth.size:
-        return EVEN
+        return UNWORN_ARC
     c = np.ascontiguousarray(CubicSpline(places, depth).c)
     return Arc(float(places[0]), float(step), c)
 

@@ -33,8 +33,8 @@ from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_sta
 from bearingwear.kernels.worn_verification import contact_check
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.worn_depths import (
-    EVEN,
     NO_FORCE,
+    UNWORN_ARC,
     WornDepths,
     WornPoint,
     depth_spline,
@@ -135,8 +135,8 @@ class WornBearing:
             wear=np.zeros(n),
             x=np.zeros(n),
             rise=np.zeros(n),
-            groove=EVEN,
-            band=EVEN,
+            groove=UNWORN_ARC,
+            band=UNWORN_ARC,
             alpha_ref=float(self.angle[k]),
         )
 
