@@ -262,16 +262,19 @@ def life(
         from bearingwear.model.worn_outputs import grooves_followed, solve_worn_life
 
         followed, why = grooves_followed(scene, chosen.tier)
-        worn = followed is not None
         if why:
             chosen = replace(chosen, reasons=(*chosen.reasons, why))
         with Interrupt():
-            if scene.pair is not None:
+            if followed is not None:
+                values, attrs = solve_worn_life(followed)
+                if followed is not scene:  # one of two alike
+                    from bearingwear.model.pair_life import of_both
+
+                    values = of_both(values, values)
+            elif scene.pair is not None:
                 from bearingwear.model.pair_life import pair_life
 
-                values, attrs = pair_life(scene, chosen.tier, worn)
-            elif worn:
-                values, attrs = solve_worn_life(scene)
+                values, attrs = pair_life(scene, chosen.tier)
             else:
                 values, attrs = solve_life_over_loss(scene, chosen.tier)
     elapsed = time.perf_counter() - started

@@ -251,15 +251,10 @@ def _ended(criterion: int) -> tuple[int, int]:
     return criterion, code.CRITERION_NOT_REACHED if criterion == NO_CRITERION else code.OK
 
 
-def pair_life(scene: Scene, tier: str, worn: bool = False) -> tuple[dict, dict]:
-    """Values and attributes of a life of two bearings; `worn` follows the grooves of two alike."""
+def pair_life(scene: Scene, tier: str) -> tuple[dict, dict]:
+    """Values and attributes of a life of two bearings whose contacts stay Hertz'."""
     a = scene.pair
     assert a is not None
-    if a.is_symmetric and worn:
-        from bearingwear.model.worn_outputs import solve_worn_life
-
-        values, attrs = solve_worn_life(scene.sides[0])
-        return of_both(values, values), attrs
     if a.is_symmetric:
         side = scene.sides[0]
         states = steady_states if tier == "steady" else race_control_states

@@ -8,7 +8,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.model.courses import WearCourses
+from bearingwear.model.courses import WearCourses, worse_halves
 from bearingwear.model.life import margins
 from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife
@@ -34,7 +34,12 @@ def worn_history(scene: Scene, quick: bool = True) -> LifeHistory | None:
     if alone is None:
         return None
     cells, step = (FEWER_CELLS, QUICK_STEP) if quick else (WORN_CELLS, STEP)
-    return WornLife(alone, cells=cells, step=step).march().history
+    found = WornLife(alone, cells=cells, step=step).march()
+    history = found[0].history
+    if alone.pair is None:
+        return history
+    both = zip(*(one.history.states for one in found), strict=True)
+    return replace(history, states=worse_halves(both, alone.pair.tandem))
 
 
 def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[EndOfLife], float]:

@@ -1,157 +1,281 @@
 """Wear life with grooves that are followed as they wear (theory.md section 21)."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
-from bearingwear.kernels.profile import contact_approach, semi_axis
-from bearingwear.kernels.thrust import skid_ratio
-from bearingwear.kernels.worn_friction import unworn_contact
 from bearingwear.model import parameters
+from bearingwear.model.heat import SteadyHeat
 from bearingwear.model.life import in_half_of_pair, margins
 from bearingwear.model.life_integrator import LifeHistory, WearState
+from bearingwear.model.pair import Pair
+from bearingwear.model.pair_balance import SideState
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.model.values import friction_used, wear_values
-from bearingwear.model.worn_states import WornBearing, WornDepths, WornPoint
+from bearingwear.model.thermal import warmed
+from bearingwear.model.values import wear_values
+from bearingwear.model.worn_depths import WornDepths, WornPoint
+from bearingwear.model.worn_side import WornSide
+from bearingwear.model.worn_states import WornBearing
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.scene import LARGEST_LOSS, Scene
 
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.08  # deepest wear of a step, over the gap A a^2
+WORN_ROTOR_BALANCED = 1e-7  # force left on a rotor, over the larger one
 _MOST_STEPS = 1000
 _SHORTENINGS = 6  # of a step that fails, each by half
 _SHORT = 0.3  # of the step before
 _END = 1e-4  # of the last step, to which its end is found
 
+Wears = tuple[WornDepths, ...]
+
 
 @dataclass(frozen=True)
 class WornLifeHistory:
-    """A life step by step: states, what the rotor sees of them, and the profiles."""
+    """A bearing's life step by step: states, what the rotor sees of them, and the profiles."""
 
     history: LifeHistory
     points: list[WornPoint]
     approach_loss: np.ndarray  # (steps,) L [m]
-    bearing: WornBearing
+    bearing: WornBearing | None
+
+
+@dataclass(frozen=True)
+class Instant:
+    """The bearing, or both, with some wear."""
+
+    status: int
+    wears: Wears
+    sides: tuple[SideState, ...] = ()
+    states: tuple[WearState, ...] = ()
+
+    @property
+    def points(self) -> list[WornPoint]:
+        """What has been solved, of each bearing."""
+        return [side.answer for side in self.sides]
+
+
+@dataclass
+class _Course:
+    """Instants on the way, and when they are reached [s]."""
+
+    instants: list[Instant]
+    times: list[float] = field(default_factory=lambda: [0.0])
+    criterion: int = len(CRITERIA) - 1
+    status: int = code.CRITERION_NOT_REACHED
 
 
 class WornLife:
-    """Heun steps of the wear of a bearing, watching the criteria."""
+    """Heun steps of the wear of a bearing, or of two on a rotor, watching the criteria.
+
+    Parameters
+    ----------
+    scene : Scene
+    cells, step
+        Instead of the usual ones.
+    perturbed : int, optional
+        Which of `ThrustProblem.perturbed` is solved, instead of the scene's own problem.
+    """
 
     def __init__(
         self,
         scene: Scene,
-        problem: ThrustProblem | None = None,
         cells: tuple[int, int] = WORN_CELLS,
         step: float = STEP,
+        perturbed: int | None = None,
     ):
-        self.scene, self.step = scene, step
-        self.problem = problem or ThrustProblem.of(scene)
-        self.D = float(parameters.ball_diameters(scene)[0])
-        self.factors = parameters.wear_factors(scene)
-        self.mounted = parameters.static_place(scene)
+        self.scene, self.step, self.cells, self.perturbed = scene, step, cells, perturbed
         self.end = scene.wear.end_of_life or EndOfLife()
         self.solves = 0
-        self.offset: float | None = None  # of the even loss, at the start [m]
-        self.bearing = WornBearing(
-            self.problem,
-            self.D,
-            cells,
-            bands=scene.wear.ball_track == "bands",
-            wander=scene.wear.track_wander,
-        )
+        self.pair: Pair | None = None
+        self.status = code.OK
+        self.sides: tuple[WornSide, ...] = self._pair() if scene.pair else self._single()
 
-    def at(self, wear: WornDepths, stiffness: bool = True) -> WornPoint:
+    def _single(self) -> tuple[WornSide, ...]:
+        problem = self._problem(self.scene)
+        self.status = problem.undetermined()
+        if self.status != code.OK:
+            return ()
+        loss = float(self.scene.wear.ball_diameter_loss_um[0]) * parameters.UM
+        case = problem.solve(problem.g.D0 - loss)
+        if self.scene.thermal is not None:
+            heat = SteadyHeat(loss, problem)
+            found = warmed(self.scene, heat)
+            if found.status != code.OK:
+                self.status = found.status
+                return ()
+            problem, case = heat.problem, heat.case
+        self.status = case.status
+        if self.status != code.OK:
+            return ()
+        return (WornSide(self.scene, 1, problem, case, self.cells),)
+
+    def _pair(self) -> tuple[WornSide, ...]:
+        pair = self.scene.pair
+        assert pair is not None
+        hertz = Pair.of(self.scene, "steady")
+        found = hertz.solve(hertz.losses)
+        self.status = found.status
+        if self.status != code.OK:
+            return ()
+        sides = []
+        for scene, n, state in zip(self.scene.sides, pair.tandem, found.sides, strict=True):
+            problem = replace(self._problem(scene), g=state.problem.g)
+            problem = replace(problem, preload=state.problem.preload)
+            sides.append(WornSide(scene, n, problem, state.answer, self.cells))
+        self.pair = Pair(self.scene, sides, WORN_ROTOR_BALANCED)
+        return tuple(sides)
+
+    def _problem(self, scene: Scene) -> ThrustProblem:
+        problem = ThrustProblem.of(scene)
+        return problem if self.perturbed is None else problem.perturbed(scene)[self.perturbed]
+
+    def at(self, wears: Wears, stiff: bool = True) -> Instant:
+        """The state with some wear; with its stiffness, or with that of the last one."""
         self.solves += 1
-        return self.bearing.solve(wear, stiffness)
+        for side, wear in zip(self.sides, wears, strict=True):
+            side.wear, side.stiff = wear, stiff
+        if self.pair is None:
+            states: tuple[SideState, ...] = (self.sides[0].alone(),)
+            status, shift, stiffness = states[0].status, np.nan, np.nan
+        else:
+            found = self.pair.solve((self.sides[0].progress, self.sides[1].progress))
+            states, status = found.sides, found.status
+            shift, stiffness = found.shift, found.stiffness
+        if status != code.OK:
+            return Instant(status, wears)
+        made = []
+        for side, state in zip(self.sides, states, strict=True):
+            side.bearing.count_from(state.answer)
+            one = side.wear_state(0.0, state)
+            if self.pair is None:
+                one = in_half_of_pair(self.scene, side.mounted, one)
+            else:
+                one = replace(one, system_stiffness=stiffness, shift=shift)
+            made.append(one)
+        return Instant(status, wears, states, tuple(made))
 
-    def rate(self, point: WornPoint) -> WornDepths:
-        return self.bearing.rate(point, *self.factors)
+    def rates(self, now: Instant) -> Wears:
+        """Wear per second of each bearing."""
+        return tuple(side.rate(point) for side, point in zip(self.sides, now.points, strict=True))
 
-    def heun(self, point: WornPoint, rate: WornDepths, dt: float) -> WornPoint:
+    def heun(self, now: Instant, rates: Wears, dt: float) -> Instant:
         """The state after the time dt; the one that failed, if one does."""
-        ahead = self.at(point.wear.plus(dt, rate), stiffness=False)
+        ahead = self.at(_after(now.wears, dt, rates), stiff=False)
         if ahead.status != code.OK:
             return ahead
-        return self.at(point.wear.plus(dt, rate.mean(self.rate(ahead))))
+        mean = tuple(a.mean(b) for a, b in zip(rates, self.rates(ahead), strict=True))
+        return self.at(_after(now.wears, dt, mean))
 
-    def longest_step(self, point: WornPoint, rate: WornDepths) -> float:
+    def longest_step(self, now: Instant, rates: Wears) -> float:
         """Time in which the deepest place wears by `step` of the gap at the edge [s]."""
-        deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
-        return float(self.step / (deepest / self.bearing.gap_at_edge(point)).max())
+        lengths = []
+        for side, point, rate in zip(self.sides, now.points, rates, strict=True):
+            deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
+            lengths.append(self.step / (deepest / side.bearing.gap_at_edge(point)).max())
+        return float(min(lengths))
 
-    def margin(self, point: WornPoint) -> np.ndarray:
+    def margin(self, now: Instant) -> np.ndarray:
         """How far each criterion is from being met (4,), as `life.margins`."""
-        return margins(self.state(point), self.end, self.scene.operation.preload_N)
+        left = [
+            margins(state, self.end, side.scene.operation.preload_N)
+            for side, state in zip(self.sides, now.states, strict=True)
+        ]
+        return np.min(left, axis=0)
 
-    def march(self) -> WornLifeHistory:
-        """Steps to the first criterion, or to where the solver or the range ends."""
-        history = LifeHistory(
-            states=[],
-            times=[np.zeros(2)],
-            error=np.zeros(2),
-            criterion=len(CRITERIA) - 1,
-            status=code.CRITERION_NOT_REACHED,
-        )
-        found = WornLifeHistory(history, [], np.zeros(0), self.bearing)
-        status = self.problem.undetermined()
-        if status == code.OK:
-            status = self.bearing.status
-        start = WornPoint(status, WornDepths(0.0, np.zeros(0), np.zeros(0)))
-        if status == code.OK:
-            start = self.at(self.bearing.unworn())
+    def march(self) -> tuple[WornLifeHistory, ...]:
+        """Steps to the first criterion, or to where the solver or the range ends.
+
+        Returns
+        -------
+        tuple of WornLifeHistory
+            One of each bearing.
+        """
+        if self.status == code.OK:
+            self.status = next(
+                (s.bearing.status for s in self.sides if s.bearing.status != code.OK), code.OK
+            )
+        start = Instant(self.status, ())
+        if self.status == code.OK:
+            start = self.at(tuple(side.bearing.unworn() for side in self.sides))
         if start.status != code.OK:
-            history.status = start.status
-            history.states.append(WearState(self.problem.g.D0 - self.D, start.status))
-            return found
-        points, times = [start], [0.0]
+            return self._nothing(start.status)
+        course = _Course([start])
         met = np.flatnonzero(self.margin(start) <= 0.0)
         if met.size:
-            history.criterion, history.status = int(met[0]), code.OK
-        elif max(self.factors) > 0.0:
-            self._extend(points, times, history)
-        history.solves = self.solves
-        history.states = self._states(points, np.array(times))
-        history.times = [np.array([np.nan, t]) for t in times]
-        losses = np.array([self.approach_loss(p) for p in points])
-        return replace(found, points=points, approach_loss=losses)
+            course.criterion, course.status = int(met[0]), code.OK
+        elif max(max(side.factors) for side in self.sides) > 0.0:
+            self._extend(course)
+        return tuple(self._history(k, course) for k in range(len(self.sides)))
 
-    def _extend(self, points: list[WornPoint], times: list[float], history: LifeHistory) -> None:
+    def _nothing(self, status: int) -> tuple[WornLifeHistory, ...]:
+        """Histories of a life that has no start."""
+        scenes = self.scene.sides if self.scene.pair else (self.scene,)
+        found = []
+        for scene in scenes:
+            loss = float(scene.wear.ball_diameter_loss_um[0]) * parameters.UM
+            history = LifeHistory(
+                states=[WearState(loss, status)],
+                times=[np.zeros(2)],
+                error=np.zeros(2),
+                criterion=len(CRITERIA) - 1,
+                status=status,
+                solves=self.solves,
+            )
+            found.append(WornLifeHistory(history, [], np.zeros(0), None))
+        return tuple(found)
+
+    def _history(self, k: int, course: _Course) -> WornLifeHistory:
+        side, points = self.sides[k], [now.points[k] for now in course.instants]
+        states = [now.states[k] for now in course.instants]
+        history = LifeHistory(
+            states=_with_rates(side, points, states, np.array(course.times)),
+            times=[np.array([np.nan, t]) for t in course.times],
+            error=np.zeros(2),
+            criterion=course.criterion,
+            status=course.status,
+            solves=self.solves,
+        )
+        losses = np.array([side.approach_loss(point) for point in points])
+        return WornLifeHistory(history, points, losses, side.bearing)
+
+    def _extend(self, course: _Course) -> None:
         """Take steps until a criterion is met."""
-        largest = LARGEST_LOSS * self.problem.g.D0
+        largest = [
+            LARGEST_LOSS * side.scene.bearing.ball_diameter_mm * parameters.MM
+            for side in self.sides
+        ]
         for _ in range(_MOST_STEPS):
-            point = points[-1]
-            rate = self.rate(point)
-            dt = self.longest_step(point, rate)
-            new = self.heun(point, rate, dt)
+            now = course.instants[-1]
+            rates = self.rates(now)
+            dt = self.longest_step(now, rates)
+            new = self.heun(now, rates, dt)
             for _ in range(_SHORTENINGS):
                 if new.status == code.OK:
                     break
                 dt *= 0.5
-                new = self.heun(point, rate, dt)
+                new = self.heun(now, rates, dt)
             if new.status != code.OK:
-                history.status = new.status
+                course.status = new.status
                 return
-            before, after = self.margin(point), self.margin(new)
+            before, after = self.margin(now), self.margin(new)
             met = np.flatnonzero(after <= 0.0)
             if met.size:
                 shares = before[met] / (before[met] - after[met])
                 k = int(met[np.argmin(shares)])
-                dt, new = self._end_of(point, rate, dt, k, (before[k], after[k]), new)
-                points.append(new)
-                times.append(times[-1] + dt)
-                history.criterion, history.status = k, code.OK
-                return
-            points.append(new)
-            times.append(times[-1] + dt)
-            if self.state(new).loss > largest:
+                dt, new = self._end_of(now, rates, dt, k, (before[k], after[k]), new)
+                course.criterion, course.status = k, code.OK
+            course.instants.append(new)
+            course.times.append(course.times[-1] + dt)
+            far = any(s.loss > most for s, most in zip(new.states, largest, strict=True))
+            if met.size or far:
                 return
 
-    def _end_of(self, point, rate, dt, k, margins_at, new):
+    def _end_of(self, now, rates, dt, k, margins_at, new):
         """Length and end of the step that meets criterion k."""
         reached = {dt: new}
 
@@ -160,7 +284,7 @@ class WornLife:
                 return margins_at[0]
             if part == dt:
                 return margins_at[1]
-            reached[part] = self.heun(point, rate, part)
+            reached[part] = self.heun(now, rates, part)
             return self.margin(reached[part])[k] if reached[part].status == code.OK else -1.0
 
         root = brentq(value, 0.0, dt, xtol=_END * dt, rtol=1e-12)
@@ -168,110 +292,28 @@ class WornLife:
         part = min(solved, key=lambda length: abs(length - root))
         return part, solved[part]
 
-    def approach_loss(self, point: WornPoint) -> float:
-        """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
-        D = self.D - point.wear.ball
-        loss = self.problem.g.D0 - D
-        for k, force in enumerate(self.bearing.forces(point)):
-            depth = self.bearing.lengths(point)[k]
-            loss += depth - contact_approach(force.hertz.K, force.Q)
-        return loss
 
-    def even_loss(self, point: WornPoint) -> float:
-        """L_eq: even loss of diameter with the same rotor position, or the same preload [m].
+def _after(wears: Wears, dt: float, rates: Wears) -> Wears:
+    """Wear after the time dt."""
+    return tuple(wear.plus(dt, rate) for wear, rate in zip(wears, rates, strict=True))
 
-        Counted from that of the start, where it is that of the scene.
-        """
-        if self.offset is None:
-            self.offset = 0.0
-            self.offset = self.even_loss(point) - (self.problem.g.D0 - self.D)
-        preload = self.preload(point)
-        g, held, seat = self.problem.g, self.problem.preload, point.seat
-        load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
-        state = cold_start()
 
-        def away(loss: float) -> float:
-            nonlocal state
-            delta_a, state = thrust_equilibrium(
-                g, g.D0 - loss, load, held.F_x, seat.delta_a, held.constant_force, state
-            )
-            if held.constant_force:
-                return (delta_a - seat.delta_a) / scale
-            return 1.0 - g.n_balls * state.F_ix / preload
-
-        scale = seat.inner.approach + seat.outer.approach
-        guess = self.approach_loss(point)
-        low, high = guess - 0.5 * scale, guess + 0.5 * scale
-        for _ in range(20):
-            if away(low) <= 0.0:
-                break
-            low -= scale
-        for _ in range(20):
-            if away(high) >= 0.0:
-                break
-            high += scale
-        try:
-            root = brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14)
-            return float(root) - self.offset
-        except ValueError:
-            return float("nan")
-
-    def preload(self, point: WornPoint) -> float:
-        """Axial force of all balls on the inner race [N]."""
-        inner, across = point.seat.inner, point.seat.inner.T + point.seat.F_i
-        axial = inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)
-        return float(self.problem.g.n_balls * axial)
-
-    def state(self, point: WornPoint) -> WearState:
-        """A point as the other lives have it; the rate of loss is not known from it alone."""
-        g, op = self.problem.g, self.problem.op
-        forces = self.bearing.forces(point)
-        D, r = self.D - point.wear.ball, g.R_o + point.seat.X2
-        alpha = np.array([f.alpha for f in forces])
-        qv, heat, share, _ = point.slip.T
-        ball, race = self.factors
-        drag = drag_force(g, D, op.drag, point.u[3])[0] * r * point.u[3]
-        moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
-        load = np.array([f.Q for f in forces])
-        mu = np.array([unworn_contact(g, op, k, f).mu for k, f in enumerate(forces)])
-        state = WearState(
-            loss=self.even_loss(point),
-            status=point.status,
-            rate=np.full(2, np.nan),
-            preload=self.preload(point),
-            load=load,
-            angle=alpha,
-            major=np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]),
-            qv=qv,
-            total_qv=float(g.n_balls * qv.sum()),
-            share=share,
-            skid=skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
-            pressure=max(f.peak for f in forces),
-            stiffness=point.stiffness,
-            friction_power=float(g.n_balls * (heat.sum() + drag)),
-            ball_rate=float(ball * qv.sum()),
-            race_rate=g.n_balls * race * qv,
-            place=point.seat.delta_a,
-            friction_used=float(friction_used(mu[None], np.array([D]), moment, load[None])[0]),
-            friction=mu,
+def _with_rates(
+    side: WornSide, points: Sequence[WornPoint], states: Sequence[WearState], times: np.ndarray
+) -> list[WearState]:
+    """States of a bearing, with the rate at which its even loss grows."""
+    loss = np.array([s.loss for s in states])
+    if len(states) < 2:
+        p, first = points[0], states[0]
+        wear = wear_values(
+            side.scene, np.array([p.D]), first.qv[None], first.major[None], p.track[None]
         )
-        return in_half_of_pair(self.scene, self.mounted, state)
-
-    def _states(self, points: list[WornPoint], times: np.ndarray) -> list[WearState]:
-        """States of the points, with the rate at which the even loss grows."""
-        states = [self.state(p) for p in points]
-        loss = np.array([s.loss for s in states])
-        if len(states) < 2:
-            p, first = points[0], states[0]
-            wear = wear_values(
-                self.scene, np.array([self.D]), first.qv[None], first.major[None], p.track[None]
-            )
-            return [replace(first, rate=wear["ball_diameter_loss_rate"])]
-        # A last step that is short says nothing of a rate.
-        steps = np.diff(times)
-        n = len(times) - (len(times) > 2 and steps[-1] < _SHORT * steps[-2])
-        rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
-        rates = np.append(rates, rates[-1:])[: len(times)]
-        return [
-            replace(s, rate=np.array([np.nan, rate])) for s, rate in zip(states, rates, strict=True)
-        ]
+        return [replace(first, rate=wear["ball_diameter_loss_rate"])]
+    # A last step that is short says nothing of a rate.
+    steps = np.diff(times)
+    n = len(times) - (len(times) > 2 and steps[-1] < _SHORT * steps[-2])
+    rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
+    rates = np.append(rates, rates[-1:])[: len(times)]
+    return [
+        replace(s, rate=np.array([np.nan, rate])) for s, rate in zip(states, rates, strict=True)
+    ]

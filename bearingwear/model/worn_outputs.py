@@ -12,7 +12,8 @@ from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life_history, life_values, steady_states
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.life_integrator import LifeHistory
+from bearingwear.model.pair_life import PairLife, of_both, pair_states
 from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
@@ -58,22 +59,19 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
         f"model.fidelity {tier}": tier != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
-        "two bearings": scene.pair is not None,
         "films that wear through": changes_as_it_wears(scene),
-        "temperatures found from friction heat": scene.thermal is not None,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
                 f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady "
-                "life that counts ball_and_races, slip over the ellipse, one bearing, "
-                "temperatures as given"
+                "life that counts ball_and_races, slip over the ellipse, films that last"
             )
         return True, "grooves: followed as they wear; asked for"
     if scene.model.contact != "auto" or found:
         return False, ""
-    share = wear_over_gap(scene)
+    share = max(wear_over_gap(one) for one in (scene.sides if scene.pair else (scene,)))
     size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
     if math.isinf(share):
         size = "the loss at the end of life is not known before"
@@ -83,7 +81,7 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
 
 
 def grooves_followed(scene: Scene, tier: str) -> tuple[Scene | None, str]:
-    """The bearing whose grooves a life follows, one of two alike; None if it follows none. And why.
+    """The scene whose grooves a life follows, of two alike one; None if it follows none. And why.
 
     Raises
     ------
@@ -97,35 +95,46 @@ def grooves_followed(scene: Scene, tier: str) -> tuple[Scene | None, str]:
 
 
 def solve_worn_life(scene: Scene) -> tuple[dict, dict]:
-    """Values and attributes of a life with worn grooves."""
+    """Values and attributes of a life with worn grooves, of one bearing or of two."""
     found = WornLife(scene).march()
-    values = life_values(scene, found.history) if found.points else {}
-    values |= {"status": found.history.status, "end_criterion": found.history.criterion}
-    if found.points:
-        values |= groove_values(found) | worn_error_estimates(scene, found)
-    if "life" in values and found.history.status == code.OK:
-        # Where the grooves do not count, they do not wear.
-        even = life_history(scene, steady_states(scene))
-        if even.status == code.OK:
-            ball = (1.0, parameters.wear_factors(scene)[0])
-            for name, factor in zip(("life", "normalised_life"), ball, strict=True):
-                values[name] = np.array([factor * even.times[-1][0], values[name][1]])
-    return values, {"solves": found.history.solves, "contact": "worn"}
+    history = found[0].history
+    each = []
+    for one in found:
+        each.append(life_values(scene, one.history) if one.points else {})
+        each[-1] |= groove_values(one) if one.points else {}
+    values = each[0] if len(each) == 1 else of_both(*each)
+    values |= {"status": history.status, "end_criterion": history.criterion}
+    if found[0].points:
+        values |= worn_error_estimates(scene, history)
+    if "life" in values and history.status == code.OK:
+        ball = (1.0, parameters.wear_factors(scene)[0])
+        without = life_without_grooves(scene)
+        for name, factor in zip(("life", "normalised_life"), ball, strict=True):
+            values[name] = np.array([factor * without, values[name][1]])
+    return values, {"solves": history.solves, "contact": "worn"}
 
 
-def worn_error_estimates(scene: Scene, found: WornLifeHistory) -> dict:
+def life_without_grooves(scene: Scene) -> float:
+    """Life where only the balls' wear counts, and grooves do not wear; NaN if it has no end [s]."""
+    if scene.pair is not None:
+        ended = PairLife(pair_states(scene, "steady"), scene, 0, scene.model.tolerance).integrate()
+        return ended.times[-1] if ended.status == code.OK else math.nan
+    even = life_history(scene, steady_states(scene))
+    return float(even.times[-1][0]) if even.status == code.OK else math.nan
+
+
+def worn_error_estimates(scene: Scene, history: LifeHistory) -> dict:
     """Bound on the error of the steps, and the estimate of all; by lives in steps twice as long.
 
     Heun's error is about a third of what twice the step changes. That of the cells, of v_r and of
     the points is taken from lives with fewer cells, half of v_r and twice the points.
     """
-    history = found.history
     now = history.times[-1][1]
     if history.status != code.OK or not now > 0.0:
         return {}
 
-    def time(problem: ThrustProblem | None, cells: tuple[int, int]) -> float:
-        other = WornLife(scene, problem, cells, 2.0 * STEP).march().history
+    def time(perturbed: int | None, cells: tuple[int, int]) -> float:
+        other = WornLife(scene, cells, 2.0 * STEP, perturbed).march()[0].history
         same = (other.status, other.criterion) == (history.status, history.criterion)
         return float(other.times[-1][1]) if same else math.nan
 
@@ -133,10 +142,8 @@ def worn_error_estimates(scene: Scene, found: WornLifeHistory) -> dict:
     history.error[1] = abs(coarse - now)
     values = {"life_error_bound": np.array([math.nan, history.error[1]])}
     estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now
-    for weight, problem in zip(
-        (HALVED, DOUBLED), ThrustProblem.of(scene).perturbed(scene), strict=True
-    ):
-        estimate += weight * abs(time(problem, FEWER_CELLS) / few - 1.0)
+    for k, weight in enumerate((HALVED, DOUBLED)):
+        estimate += weight * abs(time(k, FEWER_CELLS) / few - 1.0)
     if math.isfinite(estimate):
         values["life_error_estimate"] = np.array([math.nan, estimate])
     return values
@@ -145,8 +152,9 @@ def worn_error_estimates(scene: Scene, found: WornLifeHistory) -> dict:
 def groove_values(found: WornLifeHistory) -> dict:
     """What has worn, and the profiles of a few states."""
     points, bearing = found.points, found.bearing
+    assert bearing is not None
     states = found.history.states
-    D = np.array([bearing.D - p.wear.ball for p in points])
+    D = np.array([bearing.D - p.wear.ball for p in points])  # as new, less what is worn
     depth = np.array([p.wear.grooves for p in points])  # (steps, race, arcs)
     track = np.array([p.track for p in points])
     area = depth.sum(axis=2) * bearing.arc_step
@@ -190,7 +198,8 @@ def half_lengths(point) -> np.ndarray:
 
 def pressures(found: WornLifeHistory, point) -> np.ndarray:
     """Pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
-    bearing, g = found.bearing, found.bearing.problem.g
+    bearing, g = found.bearing, point.problem.g
+    assert bearing is not None
     rows = []
     for k, force in enumerate(bearing.forces(point)):
         shift = arc_shift(bearing.races[k], (g.r_i, g.r_o)[k], (INNER, OUTER)[k], force.alpha)

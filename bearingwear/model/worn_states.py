@@ -3,21 +3,16 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import drag_force
+from bearingwear.kernels.ellipse import most_points
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
-from bearingwear.kernels.params import Hertz
 from bearingwear.kernels.profile import contact_approach, contact_load, middle_height, profile
-from bearingwear.kernels.steady_balance import ThrustBearing
 from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.kernels.worn_balance import (
     Arc,
     WornForce,
@@ -28,10 +23,23 @@ from bearingwear.kernels.worn_balance import (
 )
 from bearingwear.kernels.worn_cells import contact_buffers
 from bearingwear.kernels.worn_contact import contact_cells
-from bearingwear.kernels.worn_friction import friction_work, unworn_contact, worn_dissipation
+from bearingwear.kernels.worn_friction import (
+    FrictionWork,
+    friction_work,
+    unworn_contact,
+    worn_dissipation,
+)
 from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
 from bearingwear.kernels.worn_verification import contact_check
 from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.worn_depths import (
+    NO_FORCE,
+    UNWORN_ARC,
+    WornDepths,
+    WornPoint,
+    depth_spline,
+    wandering,
+)
 
 SIDES = (INNER, OUTER)
 ARC_STEP = 0.05  # of the initial semi-major axis
@@ -42,69 +50,40 @@ SPARE = 3.0  # cells beyond the contact, at least
 LARGEST_GAP = 1e-7  # left by a contact, over the approach
 LARGEST_POWER_ERROR = 1e-8  # of the shaft power
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
-
-
-_NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
-_NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
-NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, _NO_FORCE, _NO_FORCE, 0.0, 0.0)
-"""Of a point that was not solved."""
-
-
-@dataclass(frozen=True, eq=False)
-class WornDepths:
-    """What has been worn off, of even shares and of depths over the grids."""
-
-    ball: float  # even loss of ball diameter [m]
-    grooves: np.ndarray  # (2, arcs) depth [m]
-    band: np.ndarray  # (latitudes,) of the balls, empty where they wear evenly [m]
-
-    def plus(self, dt: float, rate: "WornDepths") -> "WornDepths":
-        """Wear after the time dt at a rate, itself a wear per second."""
-        return WornDepths(
-            self.ball + dt * rate.ball,
-            self.grooves + dt * rate.grooves,
-            self.band + dt * rate.band,
-        )
-
-    def mean(self, other: "WornDepths") -> "WornDepths":
-        """Half of the sum of two rates."""
-        return WornDepths(
-            0.5 * (self.ball + other.ball),
-            0.5 * (self.grooves + other.grooves),
-            0.5 * (self.band + other.band),
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class WornPoint:
-    """A steady state with some wear, or what it failed with."""
-
-    status: int
-    wear: WornDepths
-    seat: WornSeat = NOWHERE
-    u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
-    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
-    qv_along: tuple[np.ndarray, ...] = ()  # QV per length at the cells, inner and outer [W/m]
-    x: tuple[np.ndarray, ...] = ()  # the cells along the major axis [m]
-    pressure: tuple[np.ndarray, ...] = ()  # (m, n) each, over the peak of Hertz
-    track: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2,) radius [m]
-    stiffness: float = np.nan  # axial, of the whole bearing [N/m]
+_MOST_WIDENINGS = 6
 
 
 class WornBearing:
-    """A bearing under thrust whose contacts follow its worn grooves."""
+    """A bearing under thrust whose contacts follow its worn grooves.
+
+    Parameters
+    ----------
+    problem : ThrustProblem
+        As new; a state may have another geometry and preload.
+    case : ThrustCase
+        Its unworn state, the start.
+    loss : float
+        Of ball diameter, as new [m].
+    cells : tuple of int
+        Along the major axis, and on each side of it.
+    bands : bool
+        Whether the balls wear in bands, not evenly.
+    wander : float
+        rms of the track's places, over the initial semi-major axes.
+    """
 
     def __init__(
         self,
         problem: ThrustProblem,
-        D: float,
+        case: ThrustCase,
+        loss: float,
         cells: tuple[int, int] = (48, 10),
         bands: bool = False,
         wander: float = 0.1,
     ):
-        self.problem, self.D, self.cell_numbers = problem, D, cells
-        self.bands, self.traction, self.wander = bands, problem.traction, wander
-        self.case = problem.solve(D)
+        self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
+        self.bands, self.wander = bands, wander
+        self.D = problem.g.D0 - loss
         self.status = self.case.status
         if self.status == code.OK:
             self._start()
@@ -129,13 +108,14 @@ class WornBearing:
             X2=float(length * np.cos(self.angle[1])),
             delta_a=float(self.case.delta_a),
             beta=float(pitch(self.case.u)),
-            inner=_NO_FORCE,
-            outer=_NO_FORCE,
+            inner=NO_FORCE,
+            outer=NO_FORCE,
             F_i=float(self.case.T_i),
             F_o=float(self.case.T_o),
         )
         self.u = self.case.u[:4].copy()
         self.state = state_work()
+        self._work: tuple[tuple[int, ...], FrictionWork] | None = None
 
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
@@ -155,64 +135,38 @@ class WornBearing:
             wear=np.zeros(n),
             x=np.zeros(n),
             rise=np.zeros(n),
-            groove=self._spline(self.arc[k], self.arc_step[k], np.zeros(self.arc[k].size)),
-            band=self._spline(self.latitude, self.band_step, np.zeros(self.latitude.size)),
+            groove=UNWORN_ARC,
+            band=UNWORN_ARC,
             alpha_ref=float(self.angle[k]),
         )
-
-    @staticmethod
-    def _spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
-        if not depth.size:
-            return Arc(0.0, 1.0, np.zeros((4, 0)))
-        c = np.ascontiguousarray(CubicSpline(places, depth).c)
-        return Arc(float(places[0]), float(step), c)
 
     def unworn(self, ball: float = 0.0) -> WornDepths:
         """No wear but an even loss of ball diameter."""
         return WornDepths(ball, np.zeros_like(self.arc), np.zeros_like(self.latitude))
 
-    def solve(self, wear: WornDepths, stiffness: bool = True) -> WornPoint:
-        """Steady state with some wear, from the last one solved; with its stiffness or without."""
-        D = self.D - wear.ball
-        band = self._spline(self.latitude, self.band_step, wear.band)
-        for _ in range(6):
-            races = tuple(
-                race._replace(
-                    groove=self._spline(self.arc[k], self.arc_step[k], wear.grooves[k]), band=band
-                )
-                for k, race in enumerate(self.races)
-            )
-            n, m = max(r.x.size for r in races), self.cell_numbers[1]
-            work, u, p = friction_work(self.problem.rule, n, m), self.u.copy(), self.problem
-            bearing = ThrustBearing(p.g, D, p.op, p.preload, self.traction)
-            seat = worn_state(
-                bearing, races, self.reference, p.rule, work, self.state, self.seat, u
-            )
-            status = seat.status
-            if status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(races):
-                break
+    def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
+        """Steady state with some wear, from the last one solved."""
+        p = problem or self.problem
+        D = p.g.D0 - self.loss - wear.ball
+        seat, u, races, work = self._settled(p, D, wear)
+        status = seat.status
         if status != code.OK:
             for race in races:  # nothing to start from
                 np.copyto(race.pressure, race.cells.fresh)
             self.state.slope.fill(0.0)
-            return WornPoint(status, wear)
-        self.seat, self.u = seat, u
+            return WornPoint(status, wear, p)
+        self.seat, self.u, self.worn_races = seat, u, races
         slip = np.empty((2, 4))
         qv_along = np.empty((2, max(r.x.size for r in races)))
         worn_dissipation(p.g, p.op, D, races, seat, p.rule, work, u, slip, qv_along)
         forces = (seat.inner, seat.outer)
-        if not self._verified(races, seat, slip, u, D):
-            return WornPoint(code.UNVERIFIED, wear)
-        self.reference = np.array(
-            [
-                self.reference[k] + f.approach - contact_approach(f.hertz.K, f.Q)
-                for k, f in enumerate(forces)
-            ]
-        )
+        if not self._verified(p, races, seat, slip, u, D):
+            return WornPoint(code.UNVERIFIED, wear, p)
         r = p.g.R_o + seat.X2
         return WornPoint(
             status=status,
             wear=wear,
+            problem=p,
             seat=seat,
             u=u.copy(),
             slip=slip,
@@ -225,7 +179,76 @@ class WornBearing:
                     for s, r_g, f in zip(SIDES, (p.g.r_i, p.g.r_o), forces, strict=True)
                 ]
             ),
-            stiffness=self._axial_stiffness(races, seat, D) if stiffness else np.nan,
+            D=D,
+        )
+
+    def _settled(
+        self, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+        """Seat and motion, and the contacts there, with as many cells as these need."""
+        arcs = self._arcs(wear)
+        for _ in range(_MOST_WIDENINGS):
+            races = tuple(
+                race._replace(groove=arcs[k], band=arcs[2]) for k, race in enumerate(self.races)
+            )
+            work = self._friction_work(p, races)
+            seat, u = self._moved(p, D, races, work)
+            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(races):
+                break
+        return seat, u, races, work
+
+    def _moved(
+        self, p: ThrustProblem, D: float, races: tuple[WornRace, ...], work: FrictionWork
+    ) -> tuple[WornSeat, np.ndarray]:
+        """Seat and motion from the last ones; where the race is far from there, in several moves.
+
+        In each the ball goes half of the way of the race.
+        """
+        held = not p.preload.constant_force
+        way = p.preload.delta_a - self.seat.delta_a if held else 0.0
+        kept = [race.pressure.copy() for race in races]
+        for moves in (1, 8) if way != 0.0 else (1,):
+            seat, u = self.seat, self.u.copy()
+            for race, pressure in zip(races, kept, strict=True):
+                np.copyto(race.pressure, pressure)
+            for left in range(moves - 1, -1, -1):
+                delta_a = p.preload.delta_a - way * left / moves if held else seat.delta_a
+                X1 = seat.X1 + 0.5 * (delta_a - seat.delta_a)
+                there = p.preload._replace(delta_a=delta_a)
+                seat = worn_state(
+                    p.bearing(D)._replace(preload=there), races, self.reference, p.rule, work,
+                    self.state, seat._replace(delta_a=delta_a, X1=X1), u,
+                )  # fmt: skip
+                if seat.status != code.OK:
+                    break
+            if seat.status != code.NOT_CONVERGED:
+                break
+        return seat, u
+
+    def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc, Arc]:
+        """Splines of both grooves, and of the band."""
+        inner, outer = (
+            depth_spline(*arc) for arc in zip(self.arc, self.arc_step, wear.grooves, strict=True)
+        )
+        return inner, outer, depth_spline(self.latitude, self.band_step, wear.band)
+
+    def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
+        """Buffers that are kept as long as they fit."""
+        size = (max(race.x.size for race in races), most_points(p.rule), p.rule.across.size)
+        if self._work is None or size != self._work[0]:
+            self._work = size, friction_work(p.rule, size[0], self.cell_numbers[1])
+        return self._work[1]
+
+    def count_from(self, point: WornPoint) -> None:
+        """Count the depths of the next states from what the contacts of this one gave way.
+
+        The cells then lie as the contacts are loaded.
+        """
+        self.reference = np.array(
+            [
+                reference + force.approach - contact_approach(force.hertz.K, force.Q)
+                for reference, force in zip(self.reference, self.forces(point), strict=True)
+            ]
         )
 
     def rate(self, point: WornPoint, ball: float, race: float) -> WornDepths:
@@ -236,7 +259,7 @@ class WornBearing:
         ball, race : float
             K_s/H of ball and race [1/Pa].
         """
-        g, D = self.problem.g, self.D - point.wear.ball
+        g, D = point.problem.g, point.D
         R = 0.5 * D
         grooves, band = np.zeros_like(self.arc), np.zeros_like(self.latitude)
         beta = pitch(point.u)
@@ -260,7 +283,7 @@ class WornBearing:
 
     def lengths(self, point: WornPoint) -> np.ndarray:
         """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
-        g, seat, R = self.problem.g, point.seat, 0.5 * (self.D - point.wear.ball)
+        g, seat, R = point.problem.g, point.seat, 0.5 * point.D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
         return np.array([inner, np.hypot(seat.X1, seat.X2) - (g.r_o - R)])
@@ -273,9 +296,17 @@ class WornBearing:
             gaps.append(s * force.approach)
         return np.array(gaps)
 
-    def _verified(self, races, seat: WornSeat, slip: np.ndarray, u: np.ndarray, D: float) -> bool:
+    def _verified(
+        self,
+        p: ThrustProblem,
+        races: tuple[WornRace, ...],
+        seat: WornSeat,
+        slip: np.ndarray,
+        u: np.ndarray,
+        D: float,
+    ) -> bool:
         """Whether contacts and power balance by sums that the solver did not take."""
-        g, op = self.problem.g, self.problem.op
+        g, op = p.g, p.op
         for race, force in zip(races, (seat.inner, seat.outer), strict=True):
             check = contact_check(race.cells, race.wear, race.pressure)
             unworn = race.cells.fresh.sum() * race.cells.area
@@ -295,16 +326,16 @@ class WornBearing:
         self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
         return bool(self.power_error <= LARGEST_POWER_ERROR)
 
-    def _axial_stiffness(self, races, seat: WornSeat, D: float) -> float:
-        """N times the axial stiffness of one ball, its centre free [N/m]."""
-        g, beta = self.problem.g, pitch(self.u)
+    def axial_stiffness(self, point: WornPoint) -> float:
+        """Of all balls, their centres free, in the state last solved [N/m]."""
+        g, seat, races, D = point.problem.g, point.seat, self.worn_races, point.D
         A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
         places = ((A1 - seat.X1, A2 - seat.X2), (seat.X1, seat.X2))
         k_i, k_o = found = np.empty((2, 2, 2))
         for race, sigma, reference, y, k in zip(
             races, SIDES, self.reference, places, found, strict=True
         ):
-            find_stiffness(g, D, race, sigma, reference, *y, beta, k)
+            find_stiffness(g, D, race, sigma, reference, *y, seat.beta, k)
         series = k_i - k_i @ np.linalg.solve(k_i + k_o, k_i)
         return float(g.n_balls * series[0, 0])
 
@@ -321,23 +352,3 @@ class WornBearing:
                 wider = True
         self.races = tuple(kept)
         return wider
-
-
-def wandering(
-    grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
-) -> np.ndarray:
-    """Values at equally spaced places on a grid, wandering about; their integral is kept.
-
-    Parameters
-    ----------
-    wander : float
-        rms of the places, in the unit of the grid.
-    """
-    found = np.interp(grid, places, values, left=0.0, right=0.0)
-    step = grid[1] - grid[0]
-    total = found.sum() * step
-    if total > 0.0:
-        found *= values.sum() * (places[1] - places[0]) / total
-    if wander > 0.0:
-        found = gaussian_filter1d(found, wander / step, mode="constant", truncate=6.0)
-    return found

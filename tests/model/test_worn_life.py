@@ -11,9 +11,9 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life, life_history, steady_states
+from bearingwear.model.worn_depths import WornDepths
 from bearingwear.model.worn_life import WornLife
 from bearingwear.model.worn_outputs import half_lengths, wear_over_gap
-from bearingwear.model.worn_states import WornDepths
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 
@@ -40,9 +40,10 @@ METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"]
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_a_groove_without_wear_is_hertz(method, balance):
     course = WornLife(scene_of(method, balance=balance))
-    bearing = course.bearing
-    point = bearing.solve(bearing.unworn())
-    case, state = bearing.case, course.state(point)
+    (side,) = course.sides
+    now = course.at((side.bearing.unworn(),))
+    (point,), (state,) = now.points, now.states
+    case, bearing = side.bearing.case, side.bearing
     assert point.status == code.OK
     assert state.load == pytest.approx(case.contacts[:, LOAD], rel=1e-9)
     assert state.angle == pytest.approx(case.contacts[:, ANGLE], rel=1e-9)
@@ -54,7 +55,7 @@ def test_a_groove_without_wear_is_hertz(method, balance):
     stiffness = bearing.problem.g.n_balls * case.S_xx
     assert state.stiffness == pytest.approx(stiffness, rel=1e-3)  # by differences
     assert state.skid == pytest.approx(case.skid, abs=1e-12)
-    assert abs(course.approach_loss(point)) < 1e-9 * UM
+    assert abs(side.approach_loss(point)) < 1e-9 * UM
     assert abs(state.loss) < 1e-6 * UM
 
 
@@ -62,11 +63,12 @@ def test_a_groove_without_wear_is_hertz(method, balance):
 @pytest.mark.parametrize("wander", [0.0, 0.1])
 def test_worn_volumes_are_those_of_archard(track, wander):
     course = WornLife(scene_of(ball_track=track, track_wander=wander))
-    bearing = course.bearing
-    wear, (ball, race) = bearing.unworn(), course.factors
+    (side,) = course.sides
+    bearing = side.bearing
+    wear, (ball, race) = bearing.unworn(), side.factors
     for _ in range(3):
-        point = bearing.solve(wear, stiffness=False)
-        rate = course.rate(point)
+        now = course.at((wear,))
+        (point,), (rate,) = now.points, course.rates(now)
         for k in range(2):
             volume = 2.0 * np.pi * point.track[k] * rate.grooves[k].sum() * bearing.arc_step[k]
             assert volume == pytest.approx(9 * race * point.slip[k, 0], rel=1e-9)
@@ -77,23 +79,24 @@ def test_worn_volumes_are_those_of_archard(track, wander):
             ring = 2.0 * np.pi * R**2 * np.cos(bearing.latitude) * bearing.band_step
             off_ball = (rate.band * ring).sum()
         assert off_ball == pytest.approx(ball * point.slip[:, 0].sum(), rel=1e-9)
-        wear = wear.plus(course.longest_step(point, rate), rate)
+        wear = wear.plus(course.longest_step(now, (rate,)), rate)
 
 
 class UniformWear(WornLife):
     """Every groove wears evenly, as deep as its volume over the length of the ellipse says."""
 
-    def rate(self, point):
-        found = super().rate(point)
-        volume = found.grooves.sum(axis=1) * self.bearing.arc_step
-        depth = volume / (2.0 * self.state(point).major)
-        return WornDepths(found.ball, np.ones_like(found.grooves) * depth[:, None], found.band)
+    def rates(self, now):
+        (found,) = super().rates(now)
+        volume = found.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
+        depth = volume / (2.0 * now.states[0].major)
+        grooves = np.ones_like(found.grooves) * depth[:, None]
+        return (WornDepths(found.ball, grooves, found.band),)
 
 
 @METHODS
 def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
     scene = scene_of(method)
-    even = UniformWear(scene).march()
+    (even,) = UniformWear(scene).march()
     hertz = life_history(scene, steady_states(scene))
     assert even.history.status == hertz.status == code.OK
     loss = np.array([s.loss for s in hertz.states])
@@ -126,7 +129,7 @@ def test_the_numbers_of_other_programs(row):
     method, track, wander = row
     times, equivalent, qv, pressures, lengths = ROWS[row]
     end = EndOfLife(ball_diameter_loss_um=0.78)
-    found = WornLife(
+    (found,) = WornLife(
         scene_of(method, ball_track=track, track_wander=wander, end_of_life=end)
     ).march()
     assert found.history.status == code.OK
@@ -180,12 +183,12 @@ def test_lives_with_traction_reach_their_criterion(method, track):
     scene = scene_of(
         method, balance="with_traction", ball_track=track, track_wander=0.1, end_of_life=end
     )
-    found = WornLife(scene).march()
+    (found,) = WornLife(scene).march()
     assert found.history.status == code.OK
     assert found.history.criterion == CRITERIA.index(
         "preload_fraction" if method == "fixed_position" else "ball_diameter_loss_um"
     )
-    coarse = WornLife(scene, cells=(32, 8)).march()
+    (coarse,) = WornLife(scene, cells=(32, 8)).march()
     last, other = found.history.times[-1][1], coarse.history.times[-1][1]
     assert other == pytest.approx(last, rel=0.02)
 
@@ -249,6 +252,6 @@ def test_a_criterion_met_at_the_start_is_a_life_of_nothing():
 def test_wear_that_ends_otherwise_is_a_lower_bound():
     scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
     course = WornLife(scene, step=2.0, cells=(24, 5))
-    found = course.march()
+    (found,) = course.march()
     assert found.history.status != code.OK
     assert found.history.criterion == 6 or found.history.criterion == len(EndOfLife.__annotations__)

@@ -1,0 +1,89 @@
+"""What has worn off a bearing along its grooves and balls, and a state with it (section 21)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.params import Hertz
+from bearingwear.kernels.worn_balance import Arc, WornForce
+from bearingwear.kernels.worn_state import WornSeat
+from bearingwear.model.steady import ThrustProblem
+
+UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
+_NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
+NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
+NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
+"""Of a point that was not solved."""
+
+
+@dataclass(frozen=True, eq=False)
+class WornDepths:
+    """What has been worn off, of even shares and of depths over the grids."""
+
+    ball: float  # even loss of ball diameter [m]
+    grooves: np.ndarray  # (2, arcs) depth [m]
+    band: np.ndarray  # (latitudes,) of the balls, empty where they wear evenly [m]
+
+    def plus(self, dt: float, rate: "WornDepths") -> "WornDepths":
+        """Wear after the time dt at a rate, itself a wear per second."""
+        return WornDepths(
+            self.ball + dt * rate.ball,
+            self.grooves + dt * rate.grooves,
+            self.band + dt * rate.band,
+        )
+
+    def mean(self, other: "WornDepths") -> "WornDepths":
+        """Half of the sum of two rates."""
+        return WornDepths(
+            0.5 * (self.ball + other.ball),
+            0.5 * (self.grooves + other.grooves),
+            0.5 * (self.band + other.band),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class WornPoint:
+    """A steady state with some wear, or what it failed with."""
+
+    status: int
+    wear: WornDepths
+    problem: ThrustProblem  # that is solved
+    seat: WornSeat = NOWHERE
+    u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
+    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
+    qv_along: tuple[np.ndarray, ...] = ()  # QV per length at the cells, inner and outer [W/m]
+    x: tuple[np.ndarray, ...] = ()  # the cells along the major axis [m]
+    pressure: tuple[np.ndarray, ...] = ()  # (m, n) each, over the peak of Hertz
+    track: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2,) radius [m]
+    D: float = np.nan  # ball diameter, its even loss taken off [m]
+
+
+def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
+    """A depth over equally spaced places; none is an even one."""
+    if not depth.size:
+        return UNWORN_ARC
+    c = np.ascontiguousarray(CubicSpline(places, depth).c)
+    return Arc(float(places[0]), float(step), c)
+
+
+def wandering(
+    grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
+) -> np.ndarray:
+    """Values at equally spaced places on a grid, wandering about; their integral is kept.
+
+    Parameters
+    ----------
+    wander : float
+        rms of the places, in the unit of the grid.
+    """
+    found = np.interp(grid, places, values, left=0.0, right=0.0)
+    step = grid[1] - grid[0]
+    total = found.sum() * step
+    if total > 0.0:
+        found *= values.sum() * (places[1] - places[0]) / total
+    if wander > 0.0:
+        found = gaussian_filter1d(found, wander / step, mode="constant", truncate=6.0)
+    return found

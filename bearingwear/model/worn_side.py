@@ -1,0 +1,220 @@
+"""One bearing whose grooves are followed as they wear: alone, or a side of a pair (section 21)."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.profile import contact_approach, semi_axis
+from bearingwear.kernels.thrust import ThrustCase, skid_ratio
+from bearingwear.kernels.worn_friction import unworn_contact
+from bearingwear.model import parameters
+from bearingwear.model.heat import NOTHING
+from bearingwear.model.life_integrator import WearState
+from bearingwear.model.pair import SteadySide, warmth_of_side
+from bearingwear.model.pair_balance import SideState
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thermal import HeatFlow, warmed
+from bearingwear.model.values import friction_used
+from bearingwear.model.worn_depths import WornDepths, WornPoint
+from bearingwear.model.worn_states import WornBearing
+from bearingwear.scene.scene import Scene
+
+_FURTHER = 20  # approaches that an even loss is looked for on either side of the guess
+
+
+class WornSide(SteadySide):
+    """A bearing with worn grooves; each solve starts from the last one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of this bearing alone.
+    tandem : int
+        Bearings that are this one.
+    problem : ThrustProblem
+    case : ThrustCase
+        Its unworn state.
+    cells : tuple of int
+        See `WornBearing`.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        tandem: int,
+        problem: ThrustProblem,
+        case: ThrustCase,
+        cells: tuple[int, int],
+    ):
+        super().__init__(scene, tandem)
+        self.problem = problem
+        self.mounted = parameters.static_place(scene)
+        self.factors = parameters.wear_factors(scene)
+        self.bearing = WornBearing(
+            problem,
+            case,
+            self.loss,
+            cells,
+            bands=scene.wear.ball_track == "bands",
+            wander=scene.wear.track_wander,
+        )
+        self.wear = WornDepths(0.0, np.zeros(0), np.zeros(0))
+        self.stiff = True  # whether each state is solved with its stiffness, not with the last one
+        self._stiffness = float(problem.g.n_balls * case.S_xx)
+        self._offset: float | None = None  # of the even loss, at the start [m]
+        self._states: dict[int, tuple[WornPoint, WearState]] = {}
+
+    @property
+    def progress(self) -> float:
+        """How far it has worn [m]."""
+        return self.wear.ball + float(self.wear.grooves.max(axis=1, initial=0.0).sum())
+
+    def alone(self) -> SideState:
+        """The state under the preload of the scene."""
+        return self._solved(0.0)
+
+    def _solved(self, loss: float, **held: Any) -> SideState:
+        problem = replace(self.problem, preload=self.problem.preload._replace(**held))
+        point = self._point(problem)
+        if point.status != code.OK:
+            return SideState(point.status)
+        if self.stiff:
+            self._stiffness = self.bearing.axial_stiffness(point)
+        return SideState(
+            status=point.status,
+            force=self.tandem * self.preload(point),
+            stiffness=self.tandem * self._stiffness,
+            place=point.seat.delta_a,
+            problem=point.problem,
+            answer=point,
+            warmed=self._warmed,
+        )
+
+    def _point(self, problem: ThrustProblem) -> WornPoint:
+        """The state of a problem, at the temperatures of its own heat where a network has them."""
+        if self.scene.thermal is None or self.kept_warm:
+            return self.bearing.solve(self.wear, problem)
+        last = WornPoint(code.NO_HEAT_BALANCE, self.wear, problem)
+
+        def heats(scene: Scene) -> tuple[int, HeatFlow]:
+            nonlocal last
+            last = self.bearing.solve(self.wear, replace(problem, g=ThrustProblem.of(scene).g))
+            return last.status, heat_of_point(last) if last.status == code.OK else NOTHING
+
+        found = warmed(self.scene, heats, self._warmed)
+        if found.status != code.OK:
+            return WornPoint(found.status, self.wear, problem)
+        self._warmed, self.problem = found, replace(self.problem, g=last.problem.g)
+        return last
+
+    def rate(self, point: WornPoint) -> WornDepths:
+        """Wear per second."""
+        return self.bearing.rate(point, *self.factors)
+
+    def approach_loss(self, point: WornPoint) -> float:
+        """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
+        loss = self.loss + point.wear.ball
+        for k, force in enumerate(self.bearing.forces(point)):
+            depth = self.bearing.lengths(point)[k]
+            loss += depth - contact_approach(force.hertz.K, force.Q)
+        return loss
+
+    def even_loss(self, point: WornPoint) -> float:
+        """L_eq: even loss of diameter with the same rotor position, or the same preload [m].
+
+        Counted from that of the start, where it is that of the scene.
+        """
+        if self._offset is None:
+            self._offset = 0.0
+            self._offset = self.even_loss(point) - self.loss
+        g, held, seat = point.problem.g, point.problem.preload, point.seat
+        preload = self.preload(point)
+        load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
+        state = cold_start()
+
+        def away(loss: float) -> float:
+            nonlocal state
+            delta_a, state = thrust_equilibrium(
+                g, g.D0 - loss, load, held.F_x, seat.delta_a, held.constant_force, state
+            )
+            if held.constant_force:
+                return (delta_a - seat.delta_a) / scale
+            return 1.0 - g.n_balls * state.F_ix / preload
+
+        scale = seat.inner.approach + seat.outer.approach
+        guess = self.approach_loss(point)
+        low, high = guess - 0.5 * scale, guess + 0.5 * scale
+        for _ in range(_FURTHER):
+            if away(low) <= 0.0:
+                break
+            low -= scale
+        for _ in range(_FURTHER):
+            if away(high) >= 0.0:
+                break
+            high += scale
+        try:
+            root = brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14)
+            return float(root) - self._offset
+        except ValueError:
+            return float("nan")
+
+    @staticmethod
+    def preload(point: WornPoint) -> float:
+        """Axial force of all balls on the inner race [N]."""
+        inner, across = point.seat.inner, point.seat.inner.T + point.seat.F_i
+        axial = inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)
+        return float(point.problem.g.n_balls * axial)
+
+    def wear_state(self, loss: float, state: SideState) -> WearState:
+        """A point as the other lives have it; the rate of loss is not known from it alone."""
+        point = state.answer
+        known = self._states.get(id(point))
+        if known is None or known[0] is not point:
+            made = replace(self._wear_state(point), stiffness=state.stiffness / self.tandem)
+            known = point, replace(made, **warmth_of_side(self.scene, state))
+            self._states[id(point)] = known
+        return known[1]
+
+    def _wear_state(self, point: WornPoint) -> WearState:
+        g, op, D = point.problem.g, point.problem.op, point.D
+        forces, r = self.bearing.forces(point), g.R_o + point.seat.X2
+        alpha = np.array([f.alpha for f in forces])
+        qv, _, share, _ = point.slip.T
+        ball, race = self.factors
+        moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
+        load = np.array([f.Q for f in forces])
+        mu = np.array([unworn_contact(g, op, k, f).mu for k, f in enumerate(forces)])
+        return WearState(
+            loss=self.even_loss(point),
+            status=point.status,
+            rate=np.full(2, np.nan),
+            preload=self.preload(point),
+            load=load,
+            angle=alpha,
+            major=np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]),
+            qv=qv,
+            total_qv=float(g.n_balls * qv.sum()),
+            share=share,
+            skid=skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
+            pressure=max(f.peak for f in forces),
+            friction_power=heat_of_point(point).total,
+            ball_rate=float(ball * qv.sum()),
+            race_rate=g.n_balls * race * qv,
+            place=point.seat.delta_a,
+            friction_used=float(friction_used(mu[None], np.array([D]), moment, load[None])[0]),
+            friction=mu,
+        )
+
+
+def heat_of_point(point: WornPoint) -> HeatFlow:
+    """Friction heat of a state."""
+    g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
+    r, Omega = g.R_o + point.seat.X2, float(point.u[3])
+    drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
+    inner, outer = (float(n * heat) for heat in point.slip[:, 1])
+    return HeatFlow(inner, outer, drag=float(n * drag))
