@@ -38,6 +38,12 @@ LIMITS = (
         "SHARE",
         "largest share of friction that gyroscopic moments take up",
     ),
+    (
+        "--frequency",
+        "lowest_frequency_Hz",
+        "HZ",
+        "least of the lowest natural frequency of the rotor, Hz",
+    ),
 )
 """Options that say what a design must keep to, from new to the end of its life."""
 

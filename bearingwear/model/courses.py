@@ -1,6 +1,6 @@
 """Lives by the steady model for who wants many: of a bearing, or of a pair as its worse half."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.life import life_history, steady_states
 from bearingwear.model.life_integrator import LifeHistory, WearState
 from bearingwear.model.pair_life import PairLife, PairStates, pair_states
+from bearingwear.model.rotor import lowest_frequency
 from bearingwear.scene.scene import COUNTS, Scene
 
 WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a life's tolerance
@@ -55,7 +56,7 @@ class WearCourses:
         own = runs[COUNTS.index(scene.wear.counts)]
         ends = [run.times[-1] if run.status == own.status else np.nan for run in runs]
         return LifeHistory(
-            states=worse_halves(own.states, scene.pair.tandem),  # type: ignore[union-attr]
+            states=worse_halves(own.states, scene),
             times=[np.zeros(2)] * (len(own.times) - 1) + [np.array(ends)],
             error=np.full(2, np.nan),
             criterion=own.criterion,
@@ -64,14 +65,13 @@ class WearCourses:
         )
 
 
-def worse_halves(
-    states: Iterable[tuple[WearState, WearState]], tandem: Sequence[int]
-) -> list[WearState]:
+def worse_halves(states: Iterable[tuple[WearState, WearState]], scene: Scene) -> list[WearState]:
     """For each state of a pair, what limits look at, of the bearing that is worse in it.
 
     The preload is that of the worse side, with all its bearings in tandem.
     """
-    n_1, n_2 = tandem
+    assert scene.pair is not None
+    n_1, n_2 = scene.pair.tandem
     return [
         replace(
             first,
@@ -84,6 +84,7 @@ def worse_halves(
             friction_power=max(first.friction_power, second.friction_power),
             friction_used=max(first.friction_used, second.friction_used),
             total_qv=max(first.total_qv, second.total_qv),
+            frequency=lowest_frequency(scene, (first, second)),
         )
         for first, second in states
     ]

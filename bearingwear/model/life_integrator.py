@@ -58,6 +58,7 @@ class WearState:
     friction_used: float = np.nan  # by the gyroscopic moment [1]
     system_stiffness: float = np.nan  # axial, of the arrangement [N/m]
     shift: float = np.nan  # of the rotor from where it was mounted [m]
+    frequency: float = np.nan  # of the rotor, its lowest, where both bearings are known [Hz]
     friction: np.ndarray = pair()  # coefficients of the contacts [1]
     per_wear: np.ndarray = pair()  # (2, 2) see values.loss_per_wear
     depth_rate: np.ndarray = pair()  # of both grooves, where films or running in ask for it [m/s]

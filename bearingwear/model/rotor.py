@@ -1,12 +1,15 @@
 """A rigid rotor on the two bearings of a pair: its stiffness and natural frequencies."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import eigh
 
-from bearingwear.model.parameters import MM
-from bearingwear.scene.scene import Arrangement
+from bearingwear.model.life_integrator import WearState
+from bearingwear.model.mounted import MM, mounted_geometry
+from bearingwear.model.values import stiffness_of_loads
+from bearingwear.scene.scene import Arrangement, Scene
 
 MIRROR = np.diag([-1.0, 1.0, 1.0, -1.0, -1.0])
 """Displacements and tilts of the second bearing, which faces the other way, as its own."""
@@ -75,3 +78,28 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
     radial = int(np.argmax(m * modes[0] ** 2))
     found = np.array([axial / m, squares[radial], squares[1 - radial]])
     return np.sqrt(np.maximum(found, 0.0)) / (2.0 * math.pi)
+
+
+def lowest_frequency(scene: Scene, states: Sequence[WearState]) -> float:
+    """Lowest natural frequency of the rotor in a state of a life; NaN without mass and span [Hz].
+
+    A single bearing is half of a symmetric pair. The stiffness in other directions goes with the
+    axial one, which may be that of worn grooves, as it does with Hertz' contacts (assumed).
+
+    Parameters
+    ----------
+    scene : Scene
+    states : sequence of WearState
+        Of both bearings.
+    """
+    a = scene.arrangement
+    if a is None or a.rotor_mass_kg is None or a.span_mm is None:
+        return math.nan
+    sides = scene.sides if scene.pair else (scene, scene)
+    each = []
+    for n, side, state in zip(a.tandem, sides, states, strict=True):
+        g = mounted_geometry(side)
+        K = stiffness_of_loads(g, np.array([g.D0 - state.loss]), state.load, state.angle)
+        each.append(n * state.stiffness / K[0, 0] * K)
+    found = natural_frequencies(a, np.array(each), states[0].system_stiffness)
+    return math.nan if found is None else float(found.min())

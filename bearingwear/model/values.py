@@ -108,17 +108,24 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
 
 
 def stiffness_matrix(g: Geometry, D: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Stiffness (5, 5) of the n balls solved, from their `bearingwear.kernels.summary` rows."""
+    return stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE])
+
+
+def stiffness_of_loads(
+    g: Geometry, D: np.ndarray, load: np.ndarray, angle: np.ndarray
+) -> np.ndarray:
     """Stiffness (5, 5) against axial, Y and Z displacement and tilt about Y and Z [N/m, N, N m].
 
     Parameters
     ----------
     D : ndarray (n,)
         Worn diameters of the n balls solved, one where it stands for all [m].
-    rows : ndarray (n, 2, COLUMNS)
-        `bearingwear.kernels.summary` rows; the first ball stands at +Z.
+    load, angle : ndarray (n, 2)
+        Of their contacts [N], [rad]; the first ball stands at +Z.
     """
     N = g.n_balls
-    Q, alpha = (np.broadcast_to(rows[..., k], (N, 2)).copy() for k in (LOAD, ANGLE))
+    Q, alpha = (np.broadcast_to(one, (N, 2)).copy() for one in (load, angle))
     K = np.empty((DOF, DOF))
     bearing_stiffness(g, np.broadcast_to(D, N).copy(), 2.0 * np.pi * np.arange(N) / N, Q, alpha, K)
     return K

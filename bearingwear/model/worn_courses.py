@@ -39,7 +39,7 @@ def worn_history(scene: Scene, quick: bool = True) -> LifeHistory | None:
     if alone.pair is None:
         return history
     both = zip(*(one.history.states for one in found), strict=True)
-    return replace(history, states=worse_halves(both, alone.pair.tandem))
+    return replace(history, states=worse_halves(both, alone))
 
 
 def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[EndOfLife], float]:

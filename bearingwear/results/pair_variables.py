@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.arrangement import METHODS
+from bearingwear.scene.arrangement import METHODS, PAIRS
 from bearingwear.sides import SHARED
 
 BEARINGS = ("first", "second")
@@ -42,6 +42,11 @@ SYSTEM = table(
 def is_pair(scene: Mapping[str, Any]) -> bool:
     """Whether a scene, as a file holds it, is of two bearings."""
     return (scene.get("arrangement") or {}).get("kind") in METHODS
+
+
+def method_words(scene: Mapping[str, Any], method: str) -> str:
+    """What holds the preload, in words: of a pair, which pair that is."""
+    return (PAIRS[method] if is_pair(scene) else method).replace("_", " ")
 
 
 def of_pair(known: Mapping[str, Variable]) -> dict[str, Variable]:

@@ -52,6 +52,7 @@ LIMITED = {
     "rotor_shift_um": Limited(variable="rotor_axial_shift", unit=1e-6),
     "preload_kept": Limited(variable="preload_kept", sign=-1.0),
     "friction_used_by_gyroscopic_moment": Limited(variable="friction_used_by_gyroscopic_moment"),
+    "lowest_frequency_Hz": Limited(variable="lowest_frequency", sign=-1.0),
 }
 
 ACTIVE = (

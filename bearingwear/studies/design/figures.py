@@ -22,6 +22,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
     scene_of,
 )
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
 from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS
@@ -37,11 +38,11 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
 from bearingwear.studies.design.recommend import best_method
-from bearingwear.studies.design.show import verdict_told
+from bearingwear.studies.design.show import methods_told, verdict_told
 from bearingwear.studies.design.verdict import NEITHER_LONGER
 from bearingwear.studies.design.words import LIMIT_WORDS
 
-LETTERS = dict(zip(ACTIVE, "GSPFARKMLEU×N", strict=True))
+LETTERS = dict(zip(ACTIVE, "GSPFARKMHLEU×N", strict=True))
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 STIFFNESS_UNIT = display("N m-1")
@@ -289,7 +290,8 @@ def _letter_keys(design: xr.Dataset) -> list[Any]:
 
 def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = None) -> str:
     """What the design study answers, in a sentence."""
-    name = scene_of(recommendation)["name"]
+    scene = scene_of(recommendation)
+    name = scene["name"]
     k = best_method(recommendation)
     if k is None:
         return f"{name}: no preload keeps to all limits"
@@ -305,13 +307,15 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     held_by = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
     if int(recommendation["verdict"]) == NEITHER_LONGER:
         both = " and ".join(
-            f"{in_words(one)} at {preload_text(of)} N {digits(float(of['life'][basis]))} h"
-            for one, of in methods(recommendation)
+            f"{word} at {preload_text(of)} N {digits(float(of['life'][basis]))} h"
+            for word, (_, of) in zip(
+                methods_told(recommendation), methods(recommendation), strict=True
+            )
         )
         return f"{name}: {verdict_told(recommendation)} ({both}{spread})"
     hours = digits(float(chosen["life"]))
     groove = ", grooves as they wear" if int(chosen["groove"]) == WORN_GROOVE else ""
     return (
-        f"{name}: {in_words(method)} at {preload_text(chosen)} N lives longest{within}, "
+        f"{name}: {method_words(scene, method)} at {preload_text(chosen)} N lives longest{within}, "
         f"{hours} h{spread}, counting {in_words(COUNTS[basis])}{groove}; held by {held_by}"
     )

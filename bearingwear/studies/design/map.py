@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
+from bearingwear.model.rotor import lowest_frequency
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -100,6 +102,13 @@ POINT = table(
         "1",
         "largest share of friction that gyroscopic moments take up from new to the end of life",
     ),
+    Variable(
+        "lowest_frequency",
+        (),
+        "Hz",
+        "lowest natural frequency of the rotor, in any direction, from new to the end of life",
+        comment="where mass and span are given; a single bearing is half of a symmetric pair",
+    ),
 )
 """What a point of the map has: a life, and what the bearing goes through on its way.
 
@@ -157,7 +166,14 @@ def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, float]:
         "rotor_axial_shift": max(abs(s.shift) for s in states),
         "preload_kept": min(s.preload for s in states) / scene.operation.preload_N,
         "friction_used_by_gyroscopic_moment": max(s.friction_used for s in states),
+        "lowest_frequency": min(_frequency(scene, s) for s in states),
     }
+
+
+def _frequency(scene: Scene, state: WearState) -> float:
+    """Of a state that knows it, or of one that stands for both bearings."""
+    known = math.isfinite(state.frequency)
+    return state.frequency if known else lowest_frequency(scene, (state, state))
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:

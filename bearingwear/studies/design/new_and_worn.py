@@ -11,6 +11,7 @@ from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.worn_courses import worn_history
 from bearingwear.plotting.drawing import methods
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display
 from bearingwear.scene.arrangement import held_by
@@ -44,11 +45,12 @@ def recommended_sheet(
     source : str
         What error messages name.
     """
+    limits.check(scene, source)
     axes = axes_around(scene, [scene.friction.coefficient], source)
     design, found = mapped(scene, axes, limits)
     chosen = recommendation_sheet(found)
     states = [
-        (f"{method.replace('_', ' ')}, {when}", state)
+        (f"{method_words(scene.to_dict(), method)}, {when}", state)
         for method, one in methods(found)
         if one["status"] == OK
         for when, state in zip(("new", "worn"), _states(scene, method, one), strict=True)

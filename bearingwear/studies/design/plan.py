@@ -65,6 +65,28 @@ class DesignLimits:
         float | None,
         Key("Largest share of friction that gyroscopic moments take up", "1", above=0, maximum=10),
     ] = None
+    lowest_frequency_Hz: Annotated[
+        float | None,
+        Key(
+            "Least of the lowest natural frequency of the rotor, of a scene that gives its mass "
+            "and span",
+            "Hz",
+            above=0,
+        ),
+    ] = None
+
+    def check(self, scene: Scene, source: str) -> None:
+        """Refuse a limit of what a scene does not have.
+
+        Raises
+        ------
+        SceneError
+        """
+        a = scene.arrangement
+        for name in ("rotor_mass_kg", "span_mm") if self.lowest_frequency_Hz else ():
+            if a is None or getattr(a, name) is None:
+                problem = "given nothing; needed for a limit of the lowest frequency"
+                raise SceneError(f"arrangement.{name}", problem, source=source)
 
     @property
     def given(self) -> dict[str, float]:
@@ -169,5 +191,6 @@ class DesignPlan:
         ValueError
             One line.
         """
-        for name in self.scenes:
-            life_scene(Path(folder) / f"{name}.yaml")
+        for name, one in self.scenes.items():
+            path = Path(folder) / f"{name}.yaml"
+            one.limits.check(life_scene(path), str(path))

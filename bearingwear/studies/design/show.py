@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.model.criterion import IN_WORDS
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import digits, display, in_ascii
@@ -34,8 +35,7 @@ from bearingwear.studies.design.words import (
 def recommendation_sheet(file: Any) -> Sheet:
     """What to take, a column for each preload method."""
     scene = json.loads(file.scene)
-    names = file["preload_method"].flag_meanings.split()
-    columns = tuple(names[int(flag)].replace("_", " ") for flag in values(file, "preload_method"))
+    columns = tuple(methods_told(file))
     lives = values(file, "life")
     rows = [
         Row("initial preload", "N", _numbers(file, "preload"), "preload", given=True),
@@ -45,7 +45,7 @@ def recommendation_sheet(file: Any) -> Sheet:
             for k, way in enumerate(COUNTS)
         ),
         *_grooves(file),
-        *(_row(file, name, *words) for name, words in RECOMMENDED_WORDS.items()),
+        *(_row(file, name, *words) for name, words in quantities_told(file).items()),
     ]
     given = json.loads(getattr(file, "limits", "{}"))
     limits = [in_ascii(limit_text(name, value)) for name, value in given.items() if value]
@@ -58,7 +58,7 @@ def recommendation_sheet(file: Any) -> Sheet:
         *([told] if (told := in_ascii(verdict_told(file))) else []),
         *(f"limit: {text}" for text in limits),
         *(
-            f"none within the limits, {method.replace('_', ' ')}: {in_ascii(why)}"
+            f"none within the limits, {method_words(scene, method)}: {in_ascii(why)}"
             for method, why in none.items()
         ),
     )
@@ -120,12 +120,26 @@ def flag_words(file: Any, name: str) -> list[str]:
     return [words[int(flag)] for flag in np.atleast_1d(values(file, name))]
 
 
+def methods_told(file: Any) -> list[str]:
+    """What holds the preload, along the methods of a file."""
+    scene = json.loads(file.scene)
+    return [method_words(scene, name) for name in flag_words(file, "preload_method")]
+
+
+def quantities_told(file: Any) -> dict[str, tuple[str, str]]:
+    """Those of `RECOMMENDED_WORDS` that a file knows; of a rotor without mass, no frequency."""
+    known = dict(RECOMMENDED_WORDS)
+    if not np.isfinite(values(file, "lowest_frequency")).any():
+        del known["lowest_frequency"]
+    return known
+
+
 def track_told(file: Any) -> list[str]:
     """Which method is the better by each track of a ball, where grooves are followed."""
     lives = np.asarray(values(file, "life_by_ball_track"))
     if len(lives) < 2 or not np.isfinite(lives).all():
         return []
-    names = [name.replace("_", " ") for name in flag_words(file, "preload_method")]
+    names = methods_told(file)
     told = [
         f"{' against '.join(map(digits, column))} h with balls that wear {TRACK_WORDS[track]}"
         for track, column in zip(flag_words(file, "ball_track"), lives.T.tolist(), strict=True)
@@ -140,7 +154,7 @@ def verdict_told(file: Any) -> str:
         return ""
     counts = json.loads(file.scene)["wear"]["counts"]
     lives = np.asarray(values(file, "life"))[:, COUNTS.index(counts)]
-    names = [name.replace("_", " ") for name in flag_words(file, "preload_method")]
+    names = methods_told(file)
     best = int(np.argmax(lives))
     if said == ONE_LONGER:
         return f"{names[best]} lasts {lives[best] / lives[1 - best]:.3g} times as long"

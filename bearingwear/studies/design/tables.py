@@ -15,6 +15,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
@@ -35,6 +36,8 @@ from bearingwear.studies.design.show import (
     ROOM_COLUMNS,
     ROOM_TOLD,
     flag_words,
+    methods_told,
+    quantities_told,
     room_rows,
     track_told,
 )
@@ -44,7 +47,6 @@ from bearingwear.studies.design.words import (
     HERTZIAN_LIFE_WORDS,
     LIMIT_WORDS,
     NONE_BECAUSE,
-    RECOMMENDED_WORDS,
     limit_text,
 )
 
@@ -125,8 +127,9 @@ def _room(recommendation: xr.Dataset) -> list[str]:
 
 def none_because(recommendation: xr.Dataset) -> list[str]:
     """Why no preload is recommended, a sentence for each method without one."""
+    scene = scene_of(recommendation)
     return [
-        f"No preload by {in_words(method)} keeps to all limits: {why}."
+        f"No preload by {method_words(scene, method)} keeps to all limits: {why}."
         for method, why in json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}")).items()
     ]
 
@@ -168,7 +171,7 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
     rows: dict[str, list[str]] = {}
     quantities = {
         name: (label, display(recommendation[name].attrs["units"], recommendation[name], shown=as_))
-        for name, (label, as_) in RECOMMENDED_WORDS.items()
+        for name, (label, as_) in quantities_told(recommendation).items()
     }
     grooves = flag_words(recommendation, "groove")
     for k, (_, one) in enumerate(methods(recommendation)):
@@ -193,7 +196,7 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
         }
         for label, cell in cells.items():
             rows.setdefault(label, []).append(cell)
-    names = " | ".join(in_words(name) for name, _ in methods(recommendation))
+    names = " | ".join(methods_told(recommendation))
     return [
         markdown_table(f"recommended | {names}", [[label, *cells] for label, cells in rows.items()])
     ]

@@ -9,6 +9,7 @@ LIMIT_WORDS = {
     "rotor_shift_um": "shift of the rotor",
     "preload_kept": "preload kept",
     "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment",
+    "lowest_frequency_Hz": "frequency of the rotor",
     "none": "nothing: life is longest there",
     "end_of_range": "end of the map",
     "not_solved": "an unsolved neighbour",
@@ -26,6 +27,7 @@ _LIMIT_TEXT = {
     "rotor_shift_um": "shift of the rotor at most {:g} µm",
     "preload_kept": "preload kept at least {:g} %",
     "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment at most {:g} %",
+    "lowest_frequency_Hz": "lowest natural frequency of the rotor at least {:g} Hz",
 }
 
 
@@ -41,7 +43,7 @@ def in_percent(name: str, value: float) -> float:
 
 def limit_unit(name: str) -> str:
     """The unit in which a limit is shown."""
-    ends = {"_N_um": "N/um", "_GPa": "GPa", "_W": "W", "_um": "um", "_mm": "mm"}
+    ends = {"_N_um": "N/um", "_GPa": "GPa", "_W": "W", "_um": "um", "_mm": "mm", "_Hz": "Hz"}
     return next((unit for end, unit in ends.items() if name.endswith(end)), "%")
 
 
@@ -53,6 +55,7 @@ RECOMMENDED_WORDS = {
     "system_axial_stiffness": ("least stiffness, arrangement", ""),
     "rotor_axial_shift": ("largest shift of the rotor", ""),
     "friction_used_by_gyroscopic_moment": ("friction used by gyro", "%"),
+    "lowest_frequency": ("lowest frequency of the rotor", ""),
     "residual_preload_at_end": ("residual preload at the end", ""),
 }
 """Quantities beside a recommended life, and what they are shown as where a unit does not say."""

@@ -27,6 +27,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     SceneError
         One line: a friction or a preload that no study can be made around.
     """
+    limits.check(scene, source)
     frictions, losses = _frictions(scene, source), _losses(scene)
     axes = axes_around(scene, frictions, source)
     config: dict[str, Any] = {

@@ -1,0 +1,94 @@
+"""Spring and rigid pair as machines: their map, what limits them, and how the sheet names them."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.model.courses import WearCourses
+from bearingwear.model.life import life
+from bearingwear.model.rotor import lowest_frequency
+from bearingwear.model.solve import solve
+from bearingwear.results.netcdf import opened
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.errors import SceneError
+from bearingwear.studies.design.map import life_point
+from bearingwear.studies.design.plan import DesignLimits, MapAxes
+from bearingwear.studies.design.recommend import mapped
+from bearingwear.studies.design.show import recommendation_sheet
+
+ROTOR = {"arrangement.rotor_mass_kg": 0.03, "arrangement.span_mm": 20.0}
+PUSHED = {"arrangement.kind": "spring_pair", "arrangement.external_axial_N": 1.0} | ROTOR
+METHODS = ("constant_force", "fixed_position")
+UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
+
+
+@pytest.mark.parametrize("changes", [ROTOR | {"arrangement.kind": "spring_pair"}, PUSHED, UNLIKE])
+@pytest.mark.parametrize("method", METHODS)
+def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
+    """New, the lowest of what a case of the pair has."""
+    made = held_by(scene("gyro_s1", changes), method)
+    new = WearCourses(made)(made).states[0]
+    found = new.frequency if np.isfinite(new.frequency) else lowest_frequency(made, (new, new))
+    case = solve(made).values
+    assert_allclose(found, case["natural_frequency"].min(), rtol=1e-5)
+    assert life_point(made, None)["lowest_frequency"] <= found * (1.0 + 1e-12)
+
+
+def test_a_single_bearing_is_half_of_a_pair(scene):
+    one, two = (
+        scene("gyro_s1", ROTOR | more) for more in ({}, {"arrangement.kind": "spring_pair"})
+    )
+    for method in METHODS:
+        single, pair = (life_point(held_by(made, method), None) for made in (one, two))
+        assert pair["lowest_frequency"] > 0.0
+        for name in single:
+            assert_allclose(single[name], pair[name], rtol=1e-12, err_msg=name)
+
+
+def test_a_point_of_the_map_is_a_life(scene):
+    """Of an unlike pair; what limits look at is that of the worse bearing."""
+    made = held_by(scene("gyro_s1", PUSHED), "fixed_position", 9.0)
+    point, lived = life_point(made, None), life(made).values
+    assert_allclose(point["life"][1], lived["life"][1], rtol=1e-5)
+    assert_allclose(point["loss_at_end"], lived["loss_at_end"].max(), rtol=1e-5)
+    stiffness = lived["history_system_axial_stiffness"]
+    assert_allclose(point["system_axial_stiffness"], stiffness.min(), rtol=1e-5)
+    shift = np.abs(lived["history_rotor_axial_shift"]).max()
+    assert_allclose(point["rotor_axial_shift"], shift, rtol=1e-5)
+    pressure = lived["history_maximum_pressure"].max()
+    assert_allclose(point["maximum_pressure"], pressure, rtol=1e-5)
+
+
+def test_spring_pair_against_rigid_pair(scene, tmp_path):
+    made = scene("gyro_s1", PUSHED)
+    axes = MapAxes(
+        preload_method=METHODS, friction=[0.08], shaft_speed_rpm=[30000.0],
+        preload_N=[4.0, 8.0, 12.0, 16.0],
+    )  # fmt: skip
+    limits = DesignLimits(lowest_frequency_Hz=2100.0, rotor_shift_um=3.0, preload_kept=0.3)
+    _, found = mapped(made, axes, limits)
+    assert (found["lowest_frequency"] >= 2100.0 * (1.0 - 1e-6)).all()
+    names = found["active_limit"].attrs["flag_meanings"].split()
+    assert {names[int(k)] for k in found["active_limit"].values} == {"lowest_frequency_Hz"}
+    for k, method in enumerate(METHODS):
+        again = life_point(held_by(made, method, float(found["preload"][k])), None)
+        assert_allclose(again["life"][1] / 3600.0, found["life"][k, 1], rtol=1e-9)
+    found.to_netcdf(tmp_path / "recommendation.nc")
+    with opened(tmp_path / "recommendation.nc") as file:
+        sheet = recommendation_sheet(file)
+    assert sheet.blocks[0].columns == ("spring pair", "rigid pair")
+    assert "lowest natural frequency of the rotor at least 2100 Hz" in " ".join(sheet.heading)
+
+
+@pytest.mark.parametrize("missing", ["arrangement.rotor_mass_kg", "arrangement.span_mm"])
+def test_a_frequency_needs_mass_and_span(scene, missing, capsys):
+    given = [f"--set={key}={value}" for key, value in ROTOR.items() if key != missing]
+    with pytest.raises(SceneError, match=missing):
+        DesignLimits(lowest_frequency_Hz=1e3).check(
+            scene("gyro_s1", {k: v for k, v in ROTOR.items() if k != missing}), "scene"
+        )
+    assert main(["recommend", str(scene_file("gyro_s1")), "--frequency", "1000", *given]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and missing in said
