@@ -37,8 +37,8 @@ HOOP_MPA = 200.0
 """Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
 
 LIGHTESTINNER = 0.05
-"Least load of an inner contact over its outer one: below it the shaft hardly drives a ball; "
-"assumed"
+"""Least load of an inner contact over its outer one: below it the shaft hardly drives a ball;
+assumed"""
 
 LONGEST_LIFTED = 0.05
 """Share of time off the inner race up to which it is only the cage that knocks, assumed."""
@@ -54,18 +54,18 @@ ROUNDED_SLIP = 0.25
 cent off the friction torque (docs/warnings.md)."""
 
 SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
-"Part of the description of a scene whose speed nobody gave; true until another speed is given."
+"""Part of the description of a scene whose speed nobody gave; true until another speed is given."""
 
 JUST_MET = math.nextafter(1.0, 2.0)
 """Excess of a criterion that is met exactly, which ends a life as well."""
 
 LARGEST_EXCESS = 1e6
-"Stated for a ratio with a denominator of zero."
+"""Stated for a ratio with a denominator of zero."""
 
 _GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
 
 Finding = tuple[float | None, Mapping[str, Any]]
-"How many times the value is its limit (None for a fact), and the words of the sentence."
+"""How many times the value is its limit (None for a fact), and the words of the sentence."""
 
 
 @dataclass(frozen=True)
@@ -338,7 +338,7 @@ CAUTIONS = (
         "give operation.shaft_speed_rpm",
     ),
 )
-"The table; the warnings that decide a result come first."
+"""The table; the warnings that decide a result come first."""
 
 
 def warnings_of(

@@ -15,7 +15,7 @@ from bearingwear.model.mounted import GPA, MM, RPM, contact_modulus
 from bearingwear.scene.scene import Material, Scene
 
 NEGLIGIBLE = 0.2
-"Creep at saturation over the mean creep up to which micro-slip is negligible."
+"""Creep at saturation over the mean creep up to which micro-slip is negligible."""
 
 LOSS_OF_QV = 0.06
 """Share of QV that micro-slip takes over that ratio, a fit: 0.4 to 1.3 times it in gyro_s1,
@@ -120,7 +120,7 @@ def saturation_share(scene: Scene) -> float:
 
 
 def micro_slip_told(scene: Scene) -> str | None:
-    "The sentence on micro-slip of a steady solve; none where it is negligible."
+    """The sentence on micro-slip of a steady solve; none where it is negligible."""
     share = saturation_share(scene)
     if scene.model.micro_slip:
         return "elastic micro-slip: evaluated at the motion found, without feedback on it"

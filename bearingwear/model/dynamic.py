@@ -1,4 +1,4 @@
-"The dynamic model: state of balls, cage and inner race of a scene, and its integration."
+"""The dynamic model: state of balls, cage and inner race of a scene, and its integration."""
 
 import math
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
 
 @dataclass(frozen=True)
 class Snapshot:
-    "Integrals and energies at one instant of a run, for differences."
+    """Integrals and energies at one instant of a run, for differences."""
 
     time: float  # [s]
     integrals: np.ndarray
@@ -62,7 +62,7 @@ class Snapshot:
 
 @dataclass
 class DynamicSystem:
-    "State of balls, cage and inner race of a scene, and its integration in time."
+    """State of balls, cage and inner race of a scene, and its integration in time."""
 
     bearing: BearingModel
     y: np.ndarray
@@ -93,7 +93,7 @@ class DynamicSystem:
         return system
 
     def turning_displacement(self) -> tuple[float, float]:
-        "Displacement (Y, Z) of the race by the rotating load alone, now [m]; zero if it fails."
+        """Displacement (Y, Z) of the race by the rotating load alone, now [m]; zero if it fails."""
         balls, found = self.buffers.balls, []
         for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
             if free_equilibrium(self.time, self.y, bearing, balls) != code.OK:
@@ -248,11 +248,11 @@ class DynamicSystem:
         return (self.y, h, self.buffers.cage.R0, *places)
 
     def packed(self) -> np.ndarray:
-        "State from which a run continues as if it had not stopped; see `unpack`."
+        """State from which a run continues as if it had not stopped; see `unpack`."""
         return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
 
     def unpack(self, state: np.ndarray, time: float) -> None:
-        "Continue from the state that `packed()` held at `time`."
+        """Continue from the state that `packed()` held at `time`."""
         h = np.empty(1)
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):

@@ -1,4 +1,4 @@
-"Variables of a dynamic life: length, errors, histories, and the steady life beside it."
+"""Variables of a dynamic life: length, errors, histories, and the steady life beside it."""
 
 import math
 from collections.abc import Callable
@@ -135,21 +135,21 @@ def life_histories(integrator: WearInTime, course: CourseInTime) -> dict:
 
 
 def steady_scene(scene: Scene) -> Scene:
-    "The scene reduced to one with a steady life: thrust alone, no cage, the mean loss on every"
-    " ball."
+    """The scene reduced to one with a steady life: thrust alone, no cage, the mean loss on every
+    ball."""
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
     reduced = thrust_alone(scene).without_cage
     return replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
 
 
 def steady_told(scene: Scene) -> str:
-    "Sentence on what the steady life leaves out of a scene."
+    """Sentence on what the steady life leaves out of a scene."""
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     return f"the scene without {', '.join(left)}" if left else "the scene"
 
 
 def steady_course(scene: Scene) -> LifeHistory:
-    "Steady life of the reduced scene, without its own error estimate."
+    """Steady life of the reduced scene, without its own error estimate."""
     reduced = steady_scene(scene)
     return life_history(reduced, steady_states(reduced))
 

@@ -1,4 +1,4 @@
-"Errors that models raise."
+"""Errors that models raise."""
 
 
 class NotAvailable(ValueError):

@@ -28,7 +28,7 @@ MEASURED = 6
 
 
 def measured(values: Mapping[str, Any], balls: int) -> np.ndarray:
-    "Quantities (6,) whose errors are estimated, in the order of `MEASURED`."
+    """Quantities (6,) whose errors are estimated, in the order of `MEASURED`."""
     heat = np.asarray(values["friction_heat"]).sum(axis=-1).mean()
     return np.array(
         [

@@ -1,4 +1,4 @@
-"Values of a result that its warnings look at."
+"""Values of a result that its warnings look at."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -19,7 +19,7 @@ def _none() -> np.ndarray:
 
 @dataclass(frozen=True)
 class Evidence:
-    "Values that warnings look at; NaN and empty where the case was not solved."
+    """Values that warnings look at; NaN and empty where the case was not solved."""
 
     scene: Scene
     chosen: Choice

@@ -1,4 +1,4 @@
-"Which model a scene needs, and how large the forces in it are."
+"""Which model a scene needs, and how large the forces in it are."""
 
 import math
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ COMPILING = "up to a minute to compile the solver, once on this machine; then "
 
 @dataclass(frozen=True)
 class Choice:
-    "A model, the sentences that say why, and whether the scene's cage is solved with it."
+    """A model, the sentences that say why, and whether the scene's cage is solved with it."""
 
     tier: str
     reasons: tuple[str, ...]
@@ -43,7 +43,7 @@ class Choice:
 
 
 def asymmetries(scene: Scene) -> list[str]:
-    "What in a scene makes its balls differ."
+    """What in a scene makes its balls differ."""
     if scene.pair is not None:
         return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation
@@ -263,7 +263,7 @@ def accuracy_told(scene: Scene, chosen: Choice) -> str:
 
 
 def effort(scene: Scene, chosen: Choice) -> str:
-    "A rough estimate of what a solve costs, in words."
+    """A rough estimate of what a solve costs, in words."""
     before = "" if is_compiled(LARGEST_KERNEL[chosen.tier]) else COMPILING
     if chosen.tier != "dynamic":
         return f"effort: {before}milliseconds"
@@ -333,7 +333,7 @@ def _steady(scene: Scene) -> list[str]:
 
 
 def _forces(scene: Scene) -> list[str]:
-    "Always solved, because leaving one out saves too little (benchmarks/reductions.py)."
+    """Always solved, because leaving one out saves too little (benchmarks/reductions.py)."""
     drag = "solved" if scene.lubricant.drag_density_kg_m3 else "none in the scene"
     return [
         f"centrifugal force: solved; {_compared(centrifugal_share(scene))}",

@@ -53,7 +53,7 @@ class Expansion(NamedTuple):
 
 
 class RingGrowth(NamedTuple):
-    "Growth of a ring by speed and fit."
+    """Growth of a ring by speed and fit."""
 
     speed: float  # outward displacement of its track [m]
     fit: float  # the same
@@ -76,7 +76,7 @@ class Growth(NamedTuple):
 
 
 def temperatures(scene: Scene) -> Temperature:
-    "Temperatures of the parts, with a number for every ring and the balls."
+    """Temperatures of the parts, with a number for every ring and the balls."""
     t = scene.temperature or Temperature()
     if scene.thermal is not None:  # before the friction heat is known
         held = scene.thermal

@@ -1,4 +1,4 @@
-"Damping for a stated coefficient of restitution, without tension as bodies separate."
+"""Damping for a stated coefficient of restitution, without tension as bodies separate."""
 
 import math
 from functools import lru_cache

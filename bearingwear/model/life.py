@@ -88,7 +88,7 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
 def steady_wear_state(
     scene: Scene, problem: ThrustProblem, loss: float, case: ThrustCase
 ) -> WearState:
-    "Values of a steady state that a life needs, at a loss of ball diameter [m]."
+    """Values of a steady state that a life needs, at a loss of ball diameter [m]."""
     if case.status != code.OK:
         return WearState(loss, case.status)
     g, c = problem.g, case.contacts
@@ -167,7 +167,7 @@ def race_control_states(scene: Scene) -> StateAtLoss:
 def race_control_wear_state(
     loss: float, problem: RaceControlProblem, values: Mapping[str, Any]
 ) -> WearState:
-    "Values of a race-control solution that a life needs, at a loss of ball diameter [m]."
+    """Values of a race-control solution that a life needs, at a loss of ball diameter [m]."""
     if values["status"] != code.OK:
         return WearState(loss, values["status"])
     op = problem.op
@@ -285,7 +285,7 @@ def life(
 
 
 def _check_end(scene: Scene) -> None:
-    "Refuse a scene whose life cannot end."
+    """Refuse a scene whose life cannot end."""
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         raise SceneError(

@@ -73,11 +73,11 @@ class Side(Protocol):
         """Values and attributes of a case."""
 
     def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
-        "Whether the motion of a case differs from that of the state; the next solve starts"
-        "from it."
+        """Whether the motion of a case differs from that of the state; the next solve starts from
+        it."""
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
-        "Values that a life needs."
+        """Values that a life needs."""
 
 
 class SteadySide:
@@ -315,7 +315,7 @@ class Pair:
         found: RotorTrial | int,
         system: Callable[[Sequence[SideState]], Any],
     ) -> PairState:
-        "The state at a place, or why there is none."
+        """The state at a place, or why there is none."""
         if isinstance(found, int):
             self.nearby.forget()
             lost = self.sides[0].unsteady if found == code.NO_STEADY_STATE else found

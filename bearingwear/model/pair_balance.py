@@ -1,4 +1,4 @@
-"The balance of a rotor between two bearings, solved for its place."
+"""The balance of a rotor between two bearings, solved for its place."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -96,7 +96,7 @@ class _Secants:
 
     @property
     def jumps(self) -> bool:
-        "Whether the residual changes sign without a root in between."
+        """Whether the residual changes sign without a root in between."""
         largest = max(abs(self.low), abs(self.high))
         return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
@@ -179,7 +179,7 @@ def worse_status(states: Sequence[SideState]) -> int:
 
 
 def failed_status(states: Sequence[SideState]) -> int:
-    "Why there is no balance: a side that alone lost its contact has lifted off."
+    """Why there is no balance: a side that alone lost its contact has lifted off."""
     failed = [state.status for state in states if state.status not in USABLE]
     if not failed:
         return code.OK

@@ -91,7 +91,7 @@ def _warm(scene: Scene, values: Mapping[str, Any]) -> Scene:
 def system_values(
     scene: Scene, pair: Pair, state: PairState, each: Sequence[Mapping[str, Any]]
 ) -> dict:
-    "Values of the arrangement of both bearings."
+    """Values of the arrangement of both bearings."""
     a = scene.pair
     assert a is not None
     values: dict[str, Any] = {

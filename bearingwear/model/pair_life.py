@@ -60,7 +60,7 @@ class PairHistory:
 
 
 class PairStates:
-    "States of both bearings by their losses [m], each solved once."
+    """States of both bearings by their losses [m], each solved once."""
 
     def __init__(self, pair: Pair):
         self.pair = pair

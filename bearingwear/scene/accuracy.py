@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
 
 ACCURACY = "model.accuracy"
-"The key that sets the defaults of others."
+"""The key that sets the defaults of others."""
 
 FIDELITIES = ("auto", "race_control", "steady", "dynamic")
 CONTACTS = ("auto", "paper", "hertz", "worn")
@@ -323,7 +323,7 @@ class Model:
 
 
 MOST_HISTORY_POINTS = 1_000_000
-"Most points of a history: histories are held in memory."
+"""Most points of a history: histories are held in memory."""
 
 
 def check_model(scene: Scene) -> None:

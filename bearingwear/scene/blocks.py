@@ -14,7 +14,7 @@ from bearingwear.scene.records import NAME, Key
 
 COUNTS = ("ball", "ball_and_races")
 BALL_TRACKS = ("spread", "bands")
-"What a life may count as loss: the wear of the ball alone, or that of the races as well."
+"""What a life may count as loss: the wear of the ball alone, or that of the races as well."""
 
 PRELOAD_METHODS = ("constant_force", "fixed_position")
 """How the preload is applied: by a spring, or by a fixed distance of the rings."""
