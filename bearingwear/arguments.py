@@ -36,7 +36,7 @@ LIMITS = (
         "--friction-used",
         "friction_used_by_gyroscopic_moment",
         "SHARE",
-        "largest share of friction that gyroscopic moments take up",
+        "largest share of friction that gyroscopic moments use",
     ),
     (
         "--frequency",
@@ -76,8 +76,8 @@ def command_parser() -> argparse.ArgumentParser:
 
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
     check = command("check", "check a scene; say which model would be solved, and why")
-    solve = command("solve", "solve a scene; print its sheet, write a case file")
-    life = command("life", "follow wear to the end of life; print its sheet, write a life file")
+    solve = command("solve", "solve a scene; print the sheet, write a case file")
+    life = command("life", "follow wear to the end of life; print the sheet, write a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
@@ -88,21 +88,27 @@ def command_parser() -> argparse.ArgumentParser:
     for sub in (solve, life):
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
-    spread = command("uncertainty", "quantiles of life, over what the scene calls uncertain")
+    spread = command(
+        "uncertainty", "compute L10 and L50 over the values that the scene calls uncertain"
+    )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    recommend = command("recommend", "say which preload to take, within limits; seconds")
+    recommend = command("recommend", "recommend a preload within limits, in seconds")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
-    show = command("show", "print the main numbers of a result file, or of a scene")
+    show = command("show", "print the main numbers of a result file or a scene")
     show.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
     show.add_argument(
-        "--all", action="store_true", help="residuals, error estimates, steps and versions as well"
+        "--all",
+        action="store_true",
+        help="also print residuals, error estimates, steps and versions",
     )
     _add_formats(show)
-    _add_compare(command("compare", "say what differs between two result files; exit 1 if they do"))
-    plot = command("plot", "draw what a result file holds")
+    _add_compare(
+        command("compare", "list what differs between two result files; exit 1 if anything does")
+    )
+    plot = command("plot", "draw a result file")
     plot.add_argument("file", nargs="?", metavar="FILE.nc", type=Path)
     plot.add_argument(
         "-o",
@@ -113,7 +119,7 @@ def command_parser() -> argparse.ArgumentParser:
         type=Path,
         help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
     )
-    _add_study(command("study", "run the study of a scene, or one of the present folder"))
+    _add_study(command("study", "run the study of a scene, or one of the current folder"))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
 
@@ -127,7 +133,11 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 
 
 def _add_new(new: argparse.ArgumentParser) -> None:
-    new.add_argument("file", metavar="MYBEARING.yaml", help="the scene to write; never replaced")
+    new.add_argument(
+        "file",
+        metavar="MYBEARING.yaml",
+        help="the scene to write; an existing file is never replaced",
+    )
     new.add_argument(
         "designation",
         nargs="?",
@@ -189,12 +199,12 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
         "--output",
         metavar="FILE.nc",
         type=_file_name,
-        help="the file to write, if any; folders that are missing are made",
+        help="the file to write; missing folders are made",
     )
     sub.add_argument(
         "--record-timing",
         action="store_true",
-        help="store the duration of the solve (files of the same case then differ)",
+        help="store the duration of the solve (two files of one case then differ)",
     )
     sub.add_argument(
         "--record-failures",
@@ -258,7 +268,7 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
         type=_share,
         default=0.0,
         metavar="SHARE",
-        help="numbers no further apart than this share of their variable's largest are the same",
+        help="numbers count as equal within this share of the largest value of their variable",
     )
 
 

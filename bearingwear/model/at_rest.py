@@ -1,4 +1,4 @@
-"""A bearing under thrust without friction: its force over its place, and where it comes off."""
+"""A bearing under thrust without friction: its force over displacement, and its lift-off."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Warnings beside a result: it is solved, and yet beyond what a bearing bears or the model knows.
+"""Warnings beside a result: it is solved, but beyond what bearings stand or the model describes.
 
 `CAUTIONS` is the one table: what is looked at, the limit, the sentence, the advice. A limit is
 sourced, or said to be assumed. None is an error. A result carries what is said in its attribute
@@ -37,7 +37,8 @@ HOOP_MPA = 200.0
 """Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
 
 LIGHTESTINNER = 0.05
-"""Load of an inner contact over its outer one below which a ball hardly feels the shaft, assumed"""
+"""Least load of an inner contact over its outer one: below it the shaft hardly drives a ball;
+assumed"""
 
 LONGEST_LIFTED = 0.05
 """Share of time off the inner race up to which it is only the cage that knocks, assumed."""
@@ -53,18 +54,18 @@ ROUNDED_SLIP = 0.25
 cent off the friction torque (docs/warnings.md)."""
 
 SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
-"""What the description of a scene says whose speed nobody gave; true until another is."""
+"""Part of the description of a scene whose speed nobody gave; true until another speed is given."""
 
 JUST_MET = math.nextafter(1.0, 2.0)
 """Excess of a criterion that is met exactly, which ends a life as well."""
 
 LARGEST_EXCESS = 1e6
-"""What is stated of anything over nothing at all."""
+"""Stated for a ratio with a denominator of zero."""
 
 _GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
 
 Finding = tuple[float | None, Mapping[str, Any]]
-"""How many times a value is its limit, None for a fact, and the words of the sentence."""
+"""How many times the value is its limit (None for a fact), and the words of the sentence."""
 
 
 @dataclass(frozen=True)
@@ -233,27 +234,28 @@ CAUTIONS = (
     Caution(
         "criterion_not_watched",
         _unwatched,
-        "end of life by {names} is not watched by the model {tier}",
+        "the model {tier} does not watch the end of life by {names}",
         "fidelity dynamic watches all",
     ),
     Caution(
         "pressure_above_yield",
         _yield,
-        "peak pressure {value:.3g} GPa above {limit:.3g} GPa, {source}",
-        "balls and races are dented: less load or speed, or larger balls",
+        "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
+        "balls and races dent: take less load or speed, or larger balls",
     ),
     Caution(
         "pressure_above_practice",
         _practice,
-        "peak pressure {value:.3g} GPa above {limit:.3g} GPa, practice for a long life (assumed)",
-        "fatigue is not modelled: less load or speed, or larger balls",
+        "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, usual for a long life "
+        "(assumed)",
+        "fatigue is not modelled: take less load or speed, or larger balls",
     ),
     Caution(
         "ellipse_over_shoulder",
         _shoulder,
         "the {race} contact ellipse reaches {value:.3g} degrees up its groove, past {limit:.3g}, "
         "{source}",
-        "pressure at the edge is not modelled: less thrust, or higher shoulders",
+        "pressure at the edge is not modelled: take less thrust, or higher shoulders",
     ),
     Caution(
         "speed_beyond_practice",
@@ -267,13 +269,13 @@ CAUTIONS = (
         _hoop,
         "hoop stress of the inner ring of {value:.0f} MPa by rotation alone above {limit:g} MPa, "
         "assumed for hardened steel",
-        "less speed, or a ring of tough steel",
+        "take less speed, or a ring of tough steel",
     ),
     Caution(
         "inner_load_lost",
         _inner,
         "{said} (assumed)",
-        "it may skid: more preload, less speed or radial load, ceramic balls",
+        "it may skid: take more preload, less speed or radial load, or ceramic balls",
     ),
     Caution(
         "preload_too_small",
@@ -287,7 +289,7 @@ CAUTIONS = (
         _groove,
         "{loss:.3g} um lost is {value:.2g} times the gap between ball and groove at the ellipse's "
         "edge: from {limit:g} on the groove is not Hertz' any more",
-        "take pressure, slip and wear as estimates",
+        "pressure, slip and wear are estimates",
     ),
     Caution(
         "film_worn",
@@ -312,15 +314,15 @@ CAUTIONS = (
     Caution(
         "fit_lost",
         lambda e: fit_lost(e.scene),
-        "the ring is loose on its seat ({seats}): heat and speed have taken the interference",
-        "more interference, or less speed",
+        "the ring is loose on its seat ({seats}): heat and speed have used up the interference",
+        "take more interference, or less speed",
     ),
     Caution(
         "cage_weightless",
         _weightless,
         "the cage is weightless: its motion, and the wear of pockets and land by ten times and "
         "more, may be others under gravity",
-        "give operation.gravity_m_s2, [0, 0, -9.81] where the shaft lies",
+        "give operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
     ),
     Caution(
         "slip_rounded",
@@ -336,7 +338,7 @@ CAUTIONS = (
         "give operation.shaft_speed_rpm",
     ),
 )
-"""The table; what decides a result stands first."""
+"""The table; the warnings that decide a result come first."""
 
 
 def warnings_of(

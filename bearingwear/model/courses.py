@@ -1,4 +1,4 @@
-"""Lives by the steady model for who wants many: of a bearing, or of a pair as its worse half."""
+"""Many lives by the steady model: of a bearing, or of a pair as its worse half."""
 
 from collections.abc import Iterable
 from dataclasses import replace

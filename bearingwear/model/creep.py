@@ -1,4 +1,4 @@
-"""The creep at which friction saturates, and what elastic micro-slip takes of QV, by estimates.
+"""Estimates of the creep at which friction saturates, and of the QV that micro-slip takes.
 
 No kernel is needed for them, so that they are there before any solve. `micro_slip.py` has the
 thing itself.
@@ -15,7 +15,7 @@ from bearingwear.model.mounted import GPA, MM, RPM, contact_modulus
 from bearingwear.scene.scene import Material, Scene
 
 NEGLIGIBLE = 0.2
-"""Creep at saturation over the mean creep up to which micro-slip is not spoken of."""
+"""Creep at saturation over the mean creep up to which micro-slip is negligible."""
 
 LOSS_OF_QV = 0.06
 """Share of QV that micro-slip takes over that ratio, a fit: 0.4 to 1.3 times it in gyro_s1,
@@ -120,10 +120,10 @@ def saturation_share(scene: Scene) -> float:
 
 
 def micro_slip_told(scene: Scene) -> str | None:
-    """What is said of micro-slip with a steady solve; nothing where it is negligible."""
+    """The sentence on micro-slip of a steady solve; none where it is negligible."""
     share = saturation_share(scene)
     if scene.model.micro_slip:
-        return "elastic micro-slip: evaluated at the motion found, which it is not fed back to"
+        return "elastic micro-slip: evaluated at the motion found, without feedback on it"
     if scene.model.contact == "paper" or not share > NEGLIGIBLE:
         return None
     return (

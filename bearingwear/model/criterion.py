@@ -1,4 +1,4 @@
-"""Criteria of life in words: the value at which one is met, its limit, what to do about it."""
+"""End-of-life criteria in words: value, limit, and what to do about it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

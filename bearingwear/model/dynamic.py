@@ -1,4 +1,4 @@
-"""The dynamic model: balls, cage and inner race of a scene at an instant, and how they move on."""
+"""The dynamic model: state of balls, cage and inner race of a scene, and its integration."""
 
 import math
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
 
 @dataclass(frozen=True)
 class Snapshot:
-    """An instant of a run, to see later what has changed since."""
+    """Integrals and energies at one instant of a run, for differences."""
 
     time: float  # [s]
     integrals: np.ndarray
@@ -62,7 +62,7 @@ class Snapshot:
 
 @dataclass
 class DynamicSystem:
-    """Balls, cage and inner race of a scene at an instant, and how to move them on."""
+    """State of balls, cage and inner race of a scene, and its integration in time."""
 
     bearing: BearingModel
     y: np.ndarray
@@ -93,7 +93,7 @@ class DynamicSystem:
         return system
 
     def turning_displacement(self) -> tuple[float, float]:
-        """What the rotating load alone displaces of the race (Y, Z), now [m]; zero if it fails."""
+        """Displacement (Y, Z) of the race by the rotating load alone, now [m]; zero if it fails."""
         balls, found = self.buffers.balls, []
         for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
             if free_equilibrium(self.time, self.y, bearing, balls) != code.OK:
@@ -110,7 +110,7 @@ class DynamicSystem:
         return other
 
     def place_cage(self) -> None:
-        """The cage about to be towed: every ball in the middle of its pocket, the cage slower.
+        """The cage at the start: every ball in the middle of its pocket, the cage slower.
 
         Its centre hangs below the axis by half of its clearance. A cage that floats in the middle
         and turns with the balls would touch nothing, ever. Where that place squeezes it, because
@@ -248,11 +248,11 @@ class DynamicSystem:
         return (self.y, h, self.buffers.cage.R0, *places)
 
     def packed(self) -> np.ndarray:
-        """All that a run needs to go on as if it had not stopped: see `unpack`."""
+        """State from which a run continues as if it had not stopped; see `unpack`."""
         return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
 
     def unpack(self, state: np.ndarray, time: float) -> None:
-        """Take up where the run that left `packed()` at `time` had come to."""
+        """Continue from the state that `packed()` held at `time`."""
         h = np.empty(1)
         parts = self.parts(h)
         if state.size != sum(part.size for part in parts):

@@ -1,4 +1,4 @@
-"""Variables of a dynamic life: its length and errors, its course, the steady life beside it."""
+"""Variables of a dynamic life: length, errors, histories, and the steady life beside it."""
 
 import math
 from collections.abc import Callable
@@ -21,7 +21,7 @@ SCATTER = 2.0  # standard errors
 
 
 def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
-    """What steps and scatter of the runs may do to the integral of a rate by trapezoids.
+    """Bound on the error of a trapezoidal integral by steps and by scatter of the runs.
 
     A third of what twice the step would change, and twice the standard error that the nodes'
     scatter about smooth curves (parabolas through neighbours) makes of the sum.
@@ -135,20 +135,21 @@ def life_histories(integrator: WearInTime, course: CourseInTime) -> dict:
 
 
 def steady_scene(scene: Scene) -> Scene:
-    """What of a scene has a steady life: thrust alone, no cage, every ball with the mean loss."""
+    """The scene reduced to one with a steady life: thrust alone, no cage, the mean loss on every
+    ball."""
     mean = float(np.mean(scene.wear.ball_diameter_loss_um))
     reduced = thrust_alone(scene).without_cage
     return replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
 
 
 def steady_told(scene: Scene) -> str:
-    """What the steady life leaves out of a scene, in words."""
+    """Sentence on what the steady life leaves out of a scene."""
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     return f"the scene without {', '.join(left)}" if left else "the scene"
 
 
 def steady_course(scene: Scene) -> LifeHistory:
-    """The steady life of what of a scene has one; without its own estimate of errors."""
+    """Steady life of the reduced scene, without its own error estimate."""
     reduced = steady_scene(scene)
     return life_history(reduced, steady_states(reduced))
 

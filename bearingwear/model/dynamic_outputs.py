@@ -88,7 +88,7 @@ def averages(
 
 
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
-    """What the energy account leaves open, and the shares of the terms left out.
+    """Gap of the energy account, and the shares of the terms left out.
 
     Parameters
     ----------

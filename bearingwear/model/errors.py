@@ -1,4 +1,4 @@
-"""What models refuse."""
+"""Errors that models raise."""
 
 
 class NotAvailable(ValueError):

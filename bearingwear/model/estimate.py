@@ -1,4 +1,4 @@
-"""Estimates of the numerical error of an answer, made after the solve by solving a little more.
+"""Numerical error of an answer, estimated by a few more solves.
 
 Each setting of accuracy is changed on its own, and what that does to the answer is taken for what
 the setting costs:
@@ -28,7 +28,7 @@ MEASURED = 6
 
 
 def measured(values: Mapping[str, Any], balls: int) -> np.ndarray:
-    """What errors are estimated of (6,), in the order of `MEASURED`."""
+    """Quantities (6,) whose errors are estimated, in the order of `MEASURED`."""
     heat = np.asarray(values["friction_heat"]).sum(axis=-1).mean()
     return np.array(
         [
@@ -50,7 +50,7 @@ def changed(now: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def halved_part(now: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """What the regularisation costs, given the answer (6,) with half of it.
+    """Error by the regularisation, from the answer (6,) with half of it.
 
     Where slip is far below it the torque goes by its inverse, and a half says nothing of the limit:
     infinite.

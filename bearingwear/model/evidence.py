@@ -1,4 +1,4 @@
-"""What of a result the warnings beside it look at."""
+"""Values of a result that its warnings look at."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -19,7 +19,7 @@ def _none() -> np.ndarray:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What of a result is looked at; NaN and empty where it was not solved."""
+    """Values that warnings look at; NaN and empty where the case was not solved."""
 
     scene: Scene
     chosen: Choice

@@ -1,4 +1,4 @@
-"""Which model a scene needs, and what the forces in it amount to."""
+"""Which model a scene needs, and how large the forces in it are."""
 
 import math
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ COMPILING = "up to a minute to compile the solver, once on this machine; then "
 
 @dataclass(frozen=True)
 class Choice:
-    """A tier and the sentences that say why; whether the scene's cage is solved with it."""
+    """A model, the sentences that say why, and whether the scene's cage is solved with it."""
 
     tier: str
     reasons: tuple[str, ...]
@@ -43,7 +43,7 @@ class Choice:
 
 
 def asymmetries(scene: Scene) -> list[str]:
-    """What in a scene keeps its balls from all doing the same thing."""
+    """What in a scene makes its balls differ."""
     if scene.pair is not None:
         return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation
@@ -65,7 +65,7 @@ def stands_still(scene: Scene) -> bool:
 
 
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Decide the tier; `fidelity` overrides `model.fidelity` of the scene.
+    """Choose the model; `fidelity` overrides `model.fidelity` of the scene.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
 
 
 def centrifugal_share(scene: Scene) -> float:
-    """Centrifugal force on a ball over its contact load under the preload alone, before any solve.
+    """Centrifugal force on a ball over its contact load under the preload alone, estimated.
 
     An estimate by the kinematics at the free contact angle [1]; NaN where the preload presses no
     ball. Friction and what it holds depend on the angles at speed: no estimate of them is given.
@@ -263,7 +263,7 @@ def accuracy_told(scene: Scene, chosen: Choice) -> str:
 
 
 def effort(scene: Scene, chosen: Choice) -> str:
-    """What a solve takes, roughly, in words."""
+    """A rough estimate of what a solve costs, in words."""
     before = "" if is_compiled(LARGEST_KERNEL[chosen.tier]) else COMPILING
     if chosen.tier != "dynamic":
         return f"effort: {before}milliseconds"
@@ -275,7 +275,7 @@ def effort(scene: Scene, chosen: Choice) -> str:
     if scene.wear.end_of_life is not None:
         runs = f"; a life takes about {scene.model.life_steps} such runs or more"
     return (
-        f"effort: {before}{turns:g} shaft turns at the most, of the order of "
+        f"effort: {before}at most {turns:g} shaft turns, of the order of "
         f"{1e-3 * turns * ms:.1g} s (an estimate from one measured scene){runs}"
     )
 
@@ -320,20 +320,20 @@ def _race_control(scene: Scene) -> list[str]:
     if scene.operation.rotating_load_N:
         told.append("rotating load: taken at the instant when it points along +Z")
     if scene.lubricant.drag_density_kg_m3:
-        told.append("lubricant drag: left out, race control knows no skidding")
+        told.append("lubricant drag: left out, because race control has no skidding")
     return told
 
 
 def _steady(scene: Scene) -> list[str]:
     return [
-        "balls: one stands for all, since every ball does the same thing",
+        "balls: one represents all, because every ball does the same",
         *_forces(scene),
         *filter(None, (micro_slip_told(scene),)),
     ]
 
 
 def _forces(scene: Scene) -> list[str]:
-    """Always solved: what leaving one out saves is not worth it (benchmarks/reductions.py)."""
+    """Always solved, because leaving one out saves too little (benchmarks/reductions.py)."""
     drag = "solved" if scene.lubricant.drag_density_kg_m3 else "none in the scene"
     return [
         f"centrifugal force: solved; {_compared(centrifugal_share(scene))}",
@@ -367,8 +367,8 @@ def _no_cage(scene: Scene) -> list[str]:
     if scene.cage is None:
         return ["cage: none in the scene"]
     return [
-        "cage: in the scene, but its motion and wear are not asked for (model.cage_results); left "
-        "out, and with it the balls' wear in its pockets"
+        "cage: left out, since model.cage_results does not ask for it, "
+        "and with it the balls' wear in its pockets"
     ]
 
 
@@ -381,7 +381,7 @@ def _dynamic(scene: Scene) -> list[str]:
     if operation.rotating_load_N:
         loads.append("radial load that turns with the shaft, along +Z at the start")
     told = [
-        f"balls: {scene.bearing.ball_count}, each with three rotations and its orbit moving in "
+        f"balls: {scene.bearing.ball_count}, each with three rotations and its orbit as states in "
         "time, its centre in equilibrium of normal forces at each instant",
         "inner race: "
         + ("two translations, held axially" if held else "three translations")
@@ -398,9 +398,7 @@ def _dynamic(scene: Scene) -> list[str]:
         g = math.hypot(*operation.gravity_m_s2)
         weight = f"gravity {g:.3g} m/s2" if g else "weightless, no operation.gravity_m_s2"
         balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
-        told.append(
-            f"cage: six degrees of freedom moving in time, guided by the {guide}; {weight}{balance}"
-        )
+        told.append(f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}")
     told.append(
         "Coriolis force and radial inertia of the balls: left out, as in the source of the model; "
         "the energy account books the first"

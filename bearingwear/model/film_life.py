@@ -54,7 +54,7 @@ class FilmPath:
 
 
 class FilmLife:
-    """The way of a bearing through its life by one way of counting wear.
+    """Life of a bearing by one way of counting wear, step by step.
 
     Parameters
     ----------

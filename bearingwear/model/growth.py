@@ -1,4 +1,4 @@
-"""What heat, speed and fits make of the bearing as mounted (theory.md section 18).
+"""Growth of the bearing by heat, speed and fits (theory.md section 18).
 
 Warm rings grow as a whole, groove circle and groove radius. Speed and fits stretch a ring along
 its circumference: its section moves outwards, and the groove radius stays. Only lengths change;
@@ -53,7 +53,7 @@ class Expansion(NamedTuple):
 
 
 class RingGrowth(NamedTuple):
-    """What speed and fit do to a ring."""
+    """Growth of a ring by speed and fit."""
 
     speed: float  # outward displacement of its track [m]
     fit: float  # the same
@@ -76,7 +76,7 @@ class Growth(NamedTuple):
 
 
 def temperatures(scene: Scene) -> Temperature:
-    """Of the parts, every ring and the balls with a number."""
+    """Temperatures of the parts, with a number for every ring and the balls."""
     t = scene.temperature or Temperature()
     if scene.thermal is not None:  # before the friction heat is known
         held = scene.thermal
@@ -238,7 +238,7 @@ def axial_change(
 
 
 def grown(g: Geometry, growth: Growth, axial: float) -> Geometry:
-    """The running geometry: what `g` as mounted has become.
+    """Geometry of the running bearing, from `g` as mounted.
 
     `BD` and `alpha0` are length and direction of the line between the grown groove centres at
     axial displacement 0, so that Eq. (5) holds for the running bearing; the grooves touch the balls

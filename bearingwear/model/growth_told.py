@@ -1,4 +1,4 @@
-"""Estimates, before any solve, of what growth does to a fixed position; and what is said of it."""
+"""Estimates, before any solve, of what growth does to a fixed position, and their sentences."""
 
 import functools
 import math
@@ -27,10 +27,10 @@ MOST_LEFT_OUT = 0.1
 """Change of a fixed-position preload by growth that is left out, over the preload, assumed."""
 
 WARMER = 5.0
-"""Inner ring above the rest [K], of which it is said what it does to the preload, assumed."""
+"""Inner ring above the rest [K] in the warning, assumed."""
 
 Told = tuple[float | None, Mapping[str, Any]]
-"""How many times a change is what may be left out, None for a fact, and the words of a warning."""
+"""How many times a change is the negligible one (None for a fact), and the words of a warning."""
 
 _STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
 _COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
@@ -71,14 +71,14 @@ def assumed_bore(scene: Scene) -> float:
 
 
 def change_at_speed(scene: Scene) -> float:
-    """What the growth of the turning rings alone does to a fixed-position preload [1]."""
+    """Change of a fixed-position preload by the growth of the turning rings alone [1]."""
     growth = growth_of(scene, assumed_bore(scene))
     alone = Growth(_COLD, growth.inner._replace(fit=0.0), growth.outer._replace(fit=0.0))
     return preload_change(scene, alone)
 
 
 def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
-    """What an inner ring so much warmer than the rest does to a fixed-position preload [1]."""
+    """Change of a fixed-position preload by an inner ring warmer than the rest [1]."""
     strain = kelvin * expansion(scene, scene.bearing.race_material)
     return preload_change(scene, Growth(_COLD._replace(inner_ring=strain), _STILL, _STILL))
 
@@ -94,7 +94,7 @@ def _effect(scene: Scene, change: float) -> str:
 
 
 def growth_told(scene: Scene) -> list[str]:
-    """What a solve takes of growth, and what it leaves out, in words."""
+    """Sentences on the growth that a solve includes or leaves out."""
     b, o = scene.bearing, scene.operation
     told = []
     if o.shaft_speed_rpm or o.outer_speed_rpm:
@@ -119,7 +119,7 @@ def growth_told(scene: Scene) -> list[str]:
         told.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")
     elif is_held(scene):
         size = _effect(scene, change_by_warm_ring(scene, 1.0))
-        told.append(f"temperature: left out; {size} for each K by which the inner ring is warmer")
+        told.append(f"temperature: left out; {size} for each K that the inner ring is warmer")
     else:
         told.append(f"temperature: left out; {_effect(scene, math.nan)}")
     if scene.fits is not None:
@@ -129,7 +129,7 @@ def growth_told(scene: Scene) -> list[str]:
 
 
 def growth_left_out(scene: Scene) -> Told | None:
-    """Growth at speed that moves a fixed position, and is not solved."""
+    """The warning of growth at speed that is left out at a fixed position."""
     if scene.bearing.bore_mm is not None or not is_held(scene):
         return None
     change = change_at_speed(scene)
@@ -138,7 +138,7 @@ def growth_left_out(scene: Scene) -> Told | None:
 
 
 def temperature_left_out(scene: Scene) -> Told | None:
-    """What a usual difference of temperatures would do to a fixed position without any."""
+    """The warning of temperatures that are left out at a fixed position."""
     if scene.temperature is not None or scene.thermal is not None or not is_held(scene):
         return None
     change = change_by_warm_ring(scene, WARMER)
@@ -146,7 +146,7 @@ def temperature_left_out(scene: Scene) -> Told | None:
 
 
 def fit_lost(scene: Scene) -> Told | None:
-    """Seats that are tight at rest and loose as the bearing runs."""
+    """The warning of seats that are tight at rest and loose when the bearing runs."""
     growth = growth_of(scene)
     seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
     lost = [seat for seat, is_lost in seats.items() if is_lost]
@@ -154,7 +154,7 @@ def fit_lost(scene: Scene) -> Told | None:
 
 
 def growth_values(scene: Scene) -> dict[str, Any]:
-    """Result variables of what has grown; none where the bearing runs as mounted."""
+    """Result variables of the growth; none where the bearing runs as mounted."""
     growth, values = growth_of(scene), {}
     if scene.temperature is not None:
         values["part_temperature"] = part_temperatures(scene)

@@ -1,4 +1,4 @@
-"""Friction heat of a scene by each model, and a scene at the temperatures that it brings about."""
+"""Friction heat of a scene by each model, and the scene at the resulting temperatures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""Damping that gives a stated coefficient of restitution, where nothing pulls as bodies part."""
+"""Damping for a stated coefficient of restitution, without tension as bodies separate."""
 
 import math
 from functools import lru_cache

@@ -6,7 +6,7 @@ from types import FrameType, TracebackType
 
 
 class Interrupt:
-    """Holds Ctrl-C back until `check` is called or the block ends.
+    """Delays Ctrl-C until `check` is called or the block ends.
 
     A kernel that hands back a named tuple runs Python code to build it; an exception raised just
     there crashes the interpreter.

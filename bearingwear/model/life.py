@@ -88,7 +88,7 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
 def steady_wear_state(
     scene: Scene, problem: ThrustProblem, loss: float, case: ThrustCase
 ) -> WearState:
-    """What a life wants of a steady state at a loss of ball diameter [m]."""
+    """Values of a steady state that a life needs, at a loss of ball diameter [m]."""
     if case.status != code.OK:
         return WearState(loss, case.status)
     g, c = problem.g, case.contacts
@@ -122,7 +122,7 @@ def steady_wear_state(
 
 
 def in_half_of_pair(scene: Scene, mounted: float, state: WearState) -> WearState:
-    """A state with what it is in a symmetric pair, of which a single bearing is the half.
+    """A state with its values in a symmetric pair, of which the bearing is one half.
 
     At a fixed position both bearings hold the rotor, and it stays where it is. A spring's stiffness
     is not there, and the rotor goes where the bearing lets it from the axial displacement `mounted`
@@ -167,7 +167,7 @@ def race_control_states(scene: Scene) -> StateAtLoss:
 def race_control_wear_state(
     loss: float, problem: RaceControlProblem, values: Mapping[str, Any]
 ) -> WearState:
-    """What a life wants of a race-control solution at a loss of ball diameter [m]."""
+    """Values of a race-control solution that a life needs, at a loss of ball diameter [m]."""
     if values["status"] != code.OK:
         return WearState(loss, values["status"])
     op = problem.op
@@ -285,7 +285,7 @@ def life(
 
 
 def _check_end(scene: Scene) -> None:
-    """Refuse a scene whose life can have no end."""
+    """Refuse a scene whose life cannot end."""
     end = scene.wear.end_of_life
     if end is None or not end.criteria:
         raise SceneError(

@@ -67,7 +67,7 @@ class WearState:
 
 
 class Unsolved(ArithmeticError):
-    """A state on the way that was not found."""
+    """A state along the life that was not found."""
 
     def __init__(self, status: int):
         super().__init__(status)

@@ -1,4 +1,4 @@
-"""Two bearings on one rotor: where it stands between them, and what each of them bears.
+"""Two bearings on one rotor: the rotor's place, and the load of each bearing.
 
 A rigid pair keeps the distance of its bearings, a spring pair the spring's force. Each side is a
 single bearing, solved by the same model as ever at the place or under the force that is its own
@@ -73,10 +73,11 @@ class Side(Protocol):
         """Values and attributes of a case."""
 
     def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
-        """Whether a case has another motion than the state, from which the next solve starts."""
+        """Whether the motion of a case differs from that of the state; the next solve starts from
+        it."""
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
-        """What a life wants to know."""
+        """Values that a life needs."""
 
 
 class SteadySide:
@@ -314,7 +315,7 @@ class Pair:
         found: RotorTrial | int,
         system: Callable[[Sequence[SideState]], Any],
     ) -> PairState:
-        """The state of what was found at a place, or why there is none."""
+        """The state at a place, or why there is none."""
         if isinstance(found, int):
             self.nearby.forget()
             lost = self.sides[0].unsteady if found == code.NO_STEADY_STATE else found

@@ -1,4 +1,4 @@
-"""The balance of a rotor between two bearings: a root in its place."""
+"""The balance of a rotor between two bearings, solved for its place."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -46,7 +46,7 @@ class RotorTrial:
 
 @dataclass
 class Nearby:
-    """What the balances found so far tell the next one.
+    """What earlier balances tell the next one.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class _Secants:
 
     @property
     def jumps(self) -> bool:
-        """Whether too little turns into too much with nothing in between."""
+        """Whether the residual changes sign without a root in between."""
         largest = max(abs(self.low), abs(self.high))
         return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
 
@@ -127,7 +127,7 @@ def balanced(
     nearby: Nearby,
     tolerance: float = ROTOR_BALANCED,
 ) -> tuple[float, RotorTrial | int]:
-    """Where nothing is left: Newton's method with the slope of a trial, then secants.
+    """The place of balance: Newton's method with the slope of a trial, then secants.
 
     Light loads round before they are balanced; the check afterwards knows by how much.
 
@@ -179,7 +179,7 @@ def worse_status(states: Sequence[SideState]) -> int:
 
 
 def failed_status(states: Sequence[SideState]) -> int:
-    """Why there is no balance: a side that alone has lost its contact has lifted off."""
+    """Why there is no balance: a side that alone lost its contact has lifted off."""
     failed = [state.status for state in states if state.status not in USABLE]
     if not failed:
         return code.OK

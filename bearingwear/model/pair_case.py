@@ -91,7 +91,7 @@ def _warm(scene: Scene, values: Mapping[str, Any]) -> Scene:
 def system_values(
     scene: Scene, pair: Pair, state: PairState, each: Sequence[Mapping[str, Any]]
 ) -> dict:
-    """What the two bearings are together."""
+    """Values of the arrangement of both bearings."""
     a = scene.pair
     assert a is not None
     values: dict[str, Any] = {
@@ -109,7 +109,7 @@ def system_values(
 
 
 def rotor_balance(scene: Scene, pair: Pair, each: Sequence[Mapping[str, Any]]) -> float:
-    """What places and forces of both bearings leave open, over the larger preload [1].
+    """Residual of the rotor's balance by places and forces of both, over the preload [1].
 
     From their results alone: the force on the rotor, and by the stiffness what lacks of the
     distance of the bearings, or of the extension of the spring.

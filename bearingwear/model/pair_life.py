@@ -60,7 +60,7 @@ class PairHistory:
 
 
 class PairStates:
-    """What a life wants of both bearings, by their losses [m]; nothing is solved twice."""
+    """States of both bearings by their losses [m], each solved once."""
 
     def __init__(self, pair: Pair):
         self.pair = pair

@@ -40,16 +40,18 @@ GLOSSARY = {
     "the hardness: twice the QV, twice the wear.",
     "constant force, fixed position": "The two ways of preloading: a spring, whose force stays as "
     "parts wear, or a fixed distance between the races, whose force wears away.",
-    "residual preload": "The axial force that is left of the preload, by wear and at speed.",
-    "slip, gyroscopic share": "Balls roll and also slide. What turns a ball about an axis across "
-    "its rolling is the gyroscopic moment; its share of all slip grows as the preload goes.",
+    "residual preload": "The axial force that is left of the preload, worn and at speed.",
+    "slip, gyroscopic share": "Balls roll and also slide. The gyroscopic moment turns a ball "
+    "across its rolling direction; its share of all slip grows as the"
+    " preload falls.",
     "skid ratio": "By how much a ball's orbit lags behind pure rolling.",
-    "loss of ball diameter": "What wear has taken off a ball. Counting balls and races, what the "
-    "races lose is booked to the ball as well, since it opens the bearing as much.",
+    "loss of ball diameter": "How much smaller wear has made a ball. Counting balls and races, "
+    "the depth worn into the races is added, because it opens the "
+    "bearing as much.",
     "wear life": "Hours until the first limit is met: residual preload, gyroscopic slip, skidding, "
     "or loss of diameter.",
-    "in time, steady": "Solved as motion in time, with the cage where there is one; or as the "
-    "state of motion that repeats itself, where forces and friction balance.",
+    "in time, steady": "Dynamic: solved as motion in time, with the cage if there is one. "
+    "Steady: solved as the motion in which forces and friction balance.",
 }
 """Words that a reader of the page may not know."""
 

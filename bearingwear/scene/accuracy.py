@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
 
 ACCURACY = "model.accuracy"
-"""The key that decides the default of others."""
+"""The key that sets the defaults of others."""
 
 FIDELITIES = ("auto", "race_control", "steady", "dynamic")
 CONTACTS = ("auto", "paper", "hertz", "worn")
@@ -154,29 +154,29 @@ class Model:
     ] = "auto"
     slip_over: Annotated[
         str | None,
-        Key("Where slip is taken, overrides what model.contact says", choices=SLIP_OVER),
+        Key("Where slip is evaluated, overrides model.contact", choices=SLIP_OVER),
     ] = None
     normal_balance: Annotated[
         str | None,
         Key(
-            "The balance of normal forces, overrides what model.contact says",
+            "Whether traction is in the balance of normal forces, overrides model.contact",
             choices=NORMAL_BALANCES,
         ),
     ] = None
     micro_slip: Annotated[
         bool,
         Key(
-            "Evaluate elastic micro-slip at the motion found, and what it takes of QV, steady only"
+            "Evaluate elastic micro-slip at the motion found, and the QV it takes away, steady only"
         ),
     ] = False
     cage_results: Annotated[
-        bool, Key("Ask for cage motion and wear, which need a cage and dynamics")
+        bool, Key("Solve motion and wear of the cage, which takes the dynamic model")
     ] = False
     accuracy: Annotated[
         str | float,
         Key(
-            "Sets all keys of accuracy together, those whose default is named so, by a name or by"
-            " the error of total QV aimed at",
+            'Sets all keys of accuracy together (those with the default "by model.accuracy"), '
+            "as a preset or as the error of total QV aimed at",
             within="[0.0001, 0.1]",
             choices=tuple(NAMED_PRESETS),
         ),
@@ -184,8 +184,8 @@ class Model:
     strips: Annotated[
         int,
         Key(
-            "Points or strips on each contact ellipse (split: at the most, a quarter on each side"
-            " of a pure-rolling point, and never fewer than 20)",
+            "Points or strips along each contact ellipse (split: the most points, a quarter of "
+            "them on each side of a pure-rolling point, and never fewer than 20)",
             "1",
             "[2, 2000]",
             default_by=ACCURACY,
@@ -194,7 +194,7 @@ class Model:
     points_across: Annotated[
         int,
         Key(
-            "Points across each strip, where slip is taken over the ellipse",
+            "Points across each strip, where slip is evaluated over the ellipse",
             "1",
             "[1, 200]",
             default_by=ACCURACY,
@@ -212,8 +212,8 @@ class Model:
     steady_starts: Annotated[
         int,
         Key(
-            "Motions from which other steady states are sought, at the most, where the force along "
-            "the orbit says that there may be one (0 seeks none), steady only",
+            "Most starts of the search for other steady states, where the force along the orbit"
+            " allows one (0 searches none), steady only",
             "1",
             "[0, 10000]",
             default_by=ACCURACY,
@@ -259,7 +259,7 @@ class Model:
     dynamic_tolerance: Annotated[
         float,
         Key(
-            "Error of the slip velocities in one step of time over the mean slip, dynamic only",
+            "Allowed error of slip velocities in one time step, over the mean slip, dynamic only",
             "1",
             "[1e-9, 1]",
             default_by=ACCURACY,
@@ -268,7 +268,7 @@ class Model:
     settled_drift: Annotated[
         float,
         Key(
-            "Largest change of QV and wear still to come, relative, at which a run counts as "
+            "Largest relative change of QV and wear still to come at which a run counts as "
             "settled and ends, dynamic only",
             "1",
             "(0, 1]",
@@ -278,8 +278,7 @@ class Model:
     land_stiffness_factor: Annotated[
         float,
         Key(
-            "Factor on the assumed stiffness of the cage's contact with its guiding land, to see "
-            "what depends on it",
+            "Factor on the assumed stiffness of the guiding land, to show what depends on it",
             "1",
             "(0, 1000]",
         ),
@@ -287,7 +286,7 @@ class Model:
     life_steps: Annotated[
         int,
         Key(
-            "Steps of wear to the end of a life in time, about, each with a short run in time",
+            "Approximate number of wear steps of a dynamic life, each with a short run",
             "1",
             "[2, 10000]",
         ),
@@ -295,8 +294,8 @@ class Model:
     life_run_in_turns: Annotated[
         float,
         Key(
-            "Shaft turns in which the cage forgets its start before the first rates of a life in "
-            "time are taken, none without a cage",
+            "Shaft turns before the first rates of a dynamic life, for the cage to forget its "
+            "start, none without a cage",
             "1",
             "[0, 1e6]",
         ),
@@ -324,7 +323,7 @@ class Model:
 
 
 MOST_HISTORY_POINTS = 1_000_000
-"""Most points of a history that is accepted: histories are held in memory."""
+"""Most points of a history: histories are held in memory."""
 
 
 def check_model(scene: Scene) -> None:

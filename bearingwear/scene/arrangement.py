@@ -25,7 +25,7 @@ PAIRS = {method: kind for kind, method in METHODS.items()}
 MOST_IN_TANDEM = 8
 
 SHARED_KEYS = frozenset({"shaft_speed_rpm", "outer_speed_rpm", "preload_method", "preload_N"})
-"""Keys of `operation` that both bearings of a pair have in common."""
+"""Keys of `operation` that both bearings of a pair share."""
 
 OWN_BLOCKS = (
     "bearing",
@@ -104,7 +104,7 @@ class Arrangement:
     second: Annotated[
         Mapping[str, Any],
         Key(
-            "Keys of this scene and their values in the second bearing of a pair, where it differs",
+            "Keys and values of the second bearing of a pair that differ from this scene",
             allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25",
         ),
     ] = field(default_factory=dict)

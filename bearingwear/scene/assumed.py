@@ -152,7 +152,9 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
     half = math.asin(D / dm)
     if deep_groove:
         balls = round(1.0 + math.radians(0.5 * CONRAD_FILL_DEG) / half)
-        return max(3, balls), f"balls that fill {CONRAD_FILL_DEG:g} degrees, put in from one side"
+        return max(
+            3, balls
+        ), f"balls that fill {CONRAD_FILL_DEG:g} degrees, assembled from one side"
     balls = round(0.75 * math.pi / half)
     return max(3, balls), "three quarters of the balls that would touch each other"
 

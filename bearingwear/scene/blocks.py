@@ -14,7 +14,7 @@ from bearingwear.scene.records import NAME, Key
 
 COUNTS = ("ball", "ball_and_races")
 BALL_TRACKS = ("spread", "bands")
-"""What the life may count as loss: the wear of the ball alone, or also that of the races."""
+"""What a life may count as loss: the wear of the ball alone, or that of the races as well."""
 
 PRELOAD_METHODS = ("constant_force", "fixed_position")
 """How the preload is applied: by a spring, or by a fixed distance of the rings."""
@@ -33,7 +33,7 @@ class Bearing:
 
     ball_count: Annotated[
         int,
-        Key("Number of balls, they must fit side by side on the pitch circle", "1", "[3, 1000]"),
+        Key("Number of balls, which must fit side by side on the pitch circle", "1", "[3, 1000]"),
     ]
     ball_diameter_mm: Annotated[float, Key("Nominal (unworn) ball diameter", "mm", "[0.1, 500]")]
     pitch_diameter_mm: Annotated[
@@ -53,7 +53,7 @@ class Bearing:
     bore_mm: Annotated[
         float | None,
         Key(
-            "Bore of the inner ring, for its growth at speed and a warning of its hoop stress",
+            "Bore of the inner ring, for its growth at speed and the warning of hoop stress",
             "mm",
             _RING,
         ),
@@ -65,8 +65,8 @@ class Bearing:
     inner_shoulder_mm: Annotated[
         float | None,
         Key(
-            "Diameter of the inner ring's shoulder on the loaded side, for a warning of an ellipse "
-            "that runs over it",
+            "Diameter of the inner ring's shoulder on the loaded side, for the warning of an "
+            "ellipse beyond it",
             "mm",
             _RING,
         ),
@@ -97,8 +97,8 @@ class Material:
     yield_pressure_GPa: Annotated[
         float | None,
         Key(
-            "Largest contact pressure that leaves no dent, for a warning (4.2 if left out, that of "
-            "steel in ISO 76, assumed for other materials)",
+            "Largest contact pressure that leaves no dent, for a warning (if left out 4.2, as "
+            "ISO 76 has it for steel, assumed for other materials)",
             "GPa",
             "(0, 100]",
         ),
@@ -158,8 +158,8 @@ class Cage:
     worn_share: Annotated[
         float,
         Key(
-            "Share of the pocket walls and of the guiding surface over which their wear spreads "
-            "evenly, assumed, life in time only",
+            "Share of pocket walls and guiding surface over which wear spreads evenly, assumed,"
+            " dynamic life only",
             "1",
             "[0.001, 1]",
         ),
@@ -174,7 +174,7 @@ class Operation:
         float, Key("Speed of the shaft and the inner race", "r/min", "[0, 1e7]")
     ]
     outer_speed_rpm: Annotated[
-        float, Key("Speed of the outer race, either way round", "r/min", "[-1e7, 1e7]")
+        float, Key("Speed of the outer race, in either direction", "r/min", "[-1e7, 1e7]")
     ] = 0.0
     preload_method: Annotated[
         str, Key("How the preload is held, a spring or a fixed distance", choices=PRELOAD_METHODS)
@@ -197,7 +197,7 @@ class Operation:
     gravity_m_s2: Annotated[
         tuple[float, float, float],
         Key(
-            "Gravity along X, Y and Z (up where the shaft lies), on the cage alone",
+            "Gravity along X, Y and Z, on the cage alone (Z is up if the shaft is horizontal)",
             "m/s2",
             "[-1000, 1000]",
             each="One component of gravity",
@@ -255,8 +255,8 @@ class EndOfLife:
     pocket_clearance_mm: Annotated[
         float | None,
         Key(
-            "Diametral clearance of pocket and most worn ball at which life ends, needs a cage, "
-            "seen by a life in time alone",
+            "Diametral clearance of pocket and most worn ball at which life ends, needs a cage "
+            "and a dynamic life",
             "mm",
             "(0, 50]",
         ),
@@ -264,8 +264,8 @@ class EndOfLife:
     guide_clearance_mm: Annotated[
         float | None,
         Key(
-            "Diametral clearance of cage and guiding land at which life ends, needs a cage guided"
-            " by a race, seen by a life in time alone",
+            "Diametral clearance of cage and guiding land at which life ends, needs a cage "
+            "guided by a race and a dynamic life",
             "mm",
             "(0, 50]",
         ),
@@ -274,8 +274,8 @@ class EndOfLife:
     rotor_shift_um: Annotated[
         float | None,
         Key(
-            "Axial shift of the rotor, either way, from where it stood as mounted, at which life "
-            "ends",
+            "Axial shift of the rotor in either direction, from its place as mounted, at which "
+            "life ends",
             "um",
             "(0, 50000]",
         ),
@@ -292,8 +292,8 @@ class EndOfLife:
     friction_used_by_gyroscopic_moment: Annotated[
         float | None,
         Key(
-            "Share M_g/(mu (Q_i + Q_o) R) of the friction that gyroscopic moments take up, at or "
-            "above which life ends",
+            "Share of friction that gyroscopic moments use, M_g/(mu (Q_i + Q_o) R), at or above"
+            " which life ends",
             "1",
             "(0, 10]",
         ),
@@ -346,7 +346,7 @@ class Wear:
     counts: Annotated[
         str,
         Key(
-            "What wear counts as a loss of ball diameter where one life is quoted (files always "
+            "Which wear counts as loss of ball diameter where one life is quoted (files always "
             "hold both)",
             choices=COUNTS,
         ),
@@ -354,16 +354,16 @@ class Wear:
     ball_track: Annotated[
         str,
         Key(
-            "How balls wear in a life with worn grooves: spread evenly, since their axes wander in "
-            "them, or in bands about axes that stay",
+            "How balls wear in a life with worn grooves: evenly, because their axes wander "
+            "(spread), or in bands about axes that stay",
             choices=BALL_TRACKS,
         ),
     ] = BALL_TRACKS[0]
     track_wander: Annotated[
         float,
         Key(
-            "rms by which the track of a ball wanders in a worn groove, in semi-major axes of the "
-            "new contact (assumed)",
+            "rms wander of a ball's track in a worn groove, in semi-major axes of the new "
+            "contact (assumed)",
             "1",
             "[0, 1]",
         ),
@@ -371,7 +371,7 @@ class Wear:
     end_of_life: Annotated[
         EndOfLife | None,
         Key(
-            "End-of-life criteria of which the first that is met counts (at least one is needed "
-            "for a life, leave out what does not apply)"
+            "End-of-life criteria, the first one met ends the life (a life needs at least one, "
+            "leave out what does not apply)"
         ),
     ] = None

@@ -102,7 +102,7 @@ class Scene:
     ]
     cage: Annotated[
         Cage | None,
-        Key("The cage, none if left out (its presence alone does not call for a dynamic model)"),
+        Key("The cage, none if left out (a cage alone does not require the dynamic model)"),
     ] = None
     operation: Annotated[Operation, Key("Speeds, preload and loads")]
     arrangement: Annotated[
@@ -115,7 +115,9 @@ class Scene:
         Thermal | None,
         Key("Temperatures of rings and balls found from the friction heat, in place of given ones"),
     ] = None
-    fits: Annotated[Fits | None, Key("Seats of the rings, free to grow if left out")] = None
+    fits: Annotated[
+        Fits | None, Key("Fits of the rings on their seats, rings grow freely if left out")
+    ] = None
     friction: Annotated[Friction, Key("Friction")]
     lubricant: Annotated[Lubricant, Key("Lubricant, no drag if left out")] = field(
         default_factory=Lubricant
@@ -124,16 +126,16 @@ class Scene:
     uncertainty: Annotated[
         Mapping[str, Distribution] | None,
         Key(
-            "How values of the scene are distributed for the study of uncertainty (snakemake "
-            "design), each a block under the name of its key",
+            "Distributions of values of the scene for the study of uncertainty, each a block "
+            "under the name of its key",
             least=1,
             names=tuple(UNCERTAIN),
             each="Distribution of one value of the scene",
         ),
     ] = None
-    model: Annotated[Model, Key("Overrides what the program would choose")] = field(
-        default_factory=Model
-    )
+    model: Annotated[
+        Model, Key("Choice of model and accuracy, overrides what the program would choose")
+    ] = field(default_factory=Model)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))

@@ -37,8 +37,8 @@ class Temperature:
     shaft_C: Annotated[
         float | None,
         Key(
-            "Temperature of the shaft (if left out, axial places are as mounted and the fit is "
-            "that of a shaft as warm as the inner ring)",
+            "Temperature of the shaft (if left out, axial positions are as mounted and the "
+            "shaft is as warm as the inner ring for the fit)",
             "degC",
             _DEGREES,
         ),
@@ -69,7 +69,7 @@ class Conductance:
 class Thermal:
     """A network that finds the temperatures of rings and balls from the friction heat."""
 
-    conductance_W_K: Annotated[Conductance, Key("What carries the friction heat away")]
+    conductance_W_K: Annotated[Conductance, Key("Conductances that carry the friction heat away")]
     shaft_C: Annotated[float, Key("Temperature of the shaft, held", "degC", _DEGREES)] = 20.0
     housing_C: Annotated[float, Key("Temperature of the housing, held", "degC", _DEGREES)] = 20.0
     reference_C: Annotated[float, Key("Temperature of mounting", "degC", _DEGREES)] = 20.0

@@ -100,7 +100,7 @@ POINT = table(
         "friction_used_by_gyroscopic_moment",
         (),
         "1",
-        "largest share of friction that gyroscopic moments take up from new to the end of life",
+        "largest share of friction that gyroscopic moments use from new to the end of life",
     ),
     Variable(
         "lowest_frequency",

@@ -63,7 +63,7 @@ class DesignLimits:
     ] = None
     friction_used_by_gyroscopic_moment: Annotated[
         float | None,
-        Key("Largest share of friction that gyroscopic moments take up", "1", above=0, maximum=10),
+        Key("Largest share of friction that gyroscopic moments use", "1", above=0, maximum=10),
     ] = None
     lowest_frequency_Hz: Annotated[
         float | None,

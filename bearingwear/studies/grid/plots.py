@@ -70,7 +70,9 @@ def life_plot(life: xr.Dataset) -> Figure:
     if "groove_depth" in life:
         return groove_figure(life)
     scene = scene_of(life)
-    method, mu = scene["operation"]["preload_method"], scene["friction"]["ball_race"]
+    method, mu = scene["operation"]["preload_method"], scene["friction"].get("ball_race")
+    if mu is None:  # a film, whose friction follows the pressure: its mean when new
+        mu = round(float(life["history_friction_coefficient"].isel(step=0).mean()), 3)
     grid = Grid((method,), (mu,), (0.0,))
     axes = {name: axis for name, axis in axis_coordinates(grid).items() if name in LIFE_AXES}
     return figures.life_figure(life.expand_dims([*axes]).assign_coords(axes), [mu])
