@@ -82,7 +82,9 @@ class Section:
     warnings: list[tuple[str, str]] = field(default_factory=list)  # sentence and advice, where
 
 
-def page(sections: Iterable[Path], docs: Iterable[Path] = (), answers: Iterable[Path] = ()) -> str:
+def page(
+    sections: Iterable[Path] = (), docs: Iterable[Path] = (), answers: Iterable[Path] = ()
+) -> str:
     """The page, as HTML.
 
     Parameters

@@ -3,7 +3,7 @@
 import json
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
 
 from bearingwear.atomic import OutputError, whole_file
 from bearingwear.kernels.status import OK
+from bearingwear.results.pair_variables import method_words
 
 STYLE = Path(__file__).with_name("style.mplstyle")
 
@@ -160,9 +161,9 @@ def key(label: str, **style: Any) -> Line2D:
     return Line2D([], [], label=label, **style)
 
 
-def method_keys(names: Iterable[str]) -> list[Line2D]:
-    """Legend of the colours."""
-    return [key(in_words(name), color=COLOURS[name], linewidth=3) for name in names]
+def method_keys(names: Iterable[str], scene: Mapping[str, Any] | None = None) -> list[Line2D]:
+    """Legend of the colours; of the pairs that are made so, where a scene is of one."""
+    return [key(method_words(scene or {}, n), color=COLOURS[n], linewidth=3) for n in names]
 
 
 def race_keys() -> list[Line2D]:

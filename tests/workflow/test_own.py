@@ -123,3 +123,22 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
     assert main(["study", "none.yaml"]) == 2
     assert main(["study", "nothing"]) == 2
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "mine.yaml"]
+
+
+def test_a_pair_is_studied_by_its_map(study, tmp_path):
+    """Spring pair against rigid pair, and no states of wear of one bearing."""
+    mine = tmp_path / "mine.yaml"
+    rotor = "arrangement: {kind: spring_pair, external_axial_N: 1.0}\n"
+    mine.write_text(mine.read_text(encoding="utf-8") + rotor, encoding="utf-8")
+    status, told = study("-j2", "--system-stiffness", "4")
+    assert status == 0, told
+    folder = tmp_path / "folder"
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert re.search("<h1>gyro_s1: (spring|rigid) pair at ", page)
+    text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")
+    assert "| recommended | spring pair | rigid pair |" in text
+    found = load(folder / "results/mine/preload/recommendation.nc")
+    assert float(found["system_axial_stiffness"].min()) >= 4.0e6 * (1.0 - 1e-6)
+    assert not (folder / "results/mine/cases").exists()
+    status, told = study("-j2", "--system-stiffness", "4")
+    assert status == 0 and "Nothing to be done" in told

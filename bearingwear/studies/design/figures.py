@@ -117,7 +117,7 @@ def design_figure(
     if area:
         _choices(figure, panels[1], design)
     handles = [
-        *method_keys([name for name, _ in methods(line)]),
+        *method_keys([name for name, _ in methods(line)], scene_of(design)),
         *_keys(limit is not None, uncertainty is not None),
         *_groove_keys(followed is not None),
         *(_letter_keys(design) if area else ()),
@@ -234,7 +234,7 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
             markeredgewidth=1.4,
         )
         panel.grid(False)
-        panel.set_title(f"recommended preload, {in_words(name)}")
+        panel.set_title(f"recommended preload, {method_words(scene, name)}")
         panel.set_xlabel("shaft speed (1000 r/min)")
         panel.set_ylabel("friction coefficient")
     if image is not None:

@@ -21,6 +21,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
     scene_of,
 )
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -62,7 +63,7 @@ def map_overview(design: xr.Dataset) -> Figure:
             values = values.isel(loss_basis=basis)
         _mapped(figure, row, plane, values, look.cmap, unit.label(look.label))
     for panel, (name, _) in zip(panels[0], columns, strict=True):
-        panel.set_title(in_words(name))
+        panel.set_title(method_words(scene_of(design), name))
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)

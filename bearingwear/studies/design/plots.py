@@ -29,6 +29,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.figures import LOSS_DASHES
 from bearingwear.studies.design.map_figure import MAPPED, map_overview
+from bearingwear.studies.design.show import methods_told
 from bearingwear.studies.design.uncertainty_figure import (
     draw_cumulated,
     preload_drawn,
@@ -67,7 +68,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
         figure,
         f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "
         f"stiffness and slip over preload; counting {in_words(COUNTS[basis])}",
-        [*method_keys([name for name, _ in methods(line)]), *failed_keys(failed)],
+        [*method_keys([name for name, _ in methods(line)], scene), *failed_keys(failed)],
         columns=3,
     )
     return figure
@@ -112,11 +113,12 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
             panel.barh(at, np.nan_to_num(life), color=COLOURS[name], height=0.5)
             said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
             panel.text(0.0, at + 0.32, said, va="bottom", fontsize=7)
-        panel.set_yticks(range(len(rows)), [in_words(name) for name, _ in rows])
+        panel.set_yticks(range(len(rows)), methods_told(recommendation))
         panel.set_ylim(-0.5, len(rows) - 0.1)
         panel.set_xlabel("wear life (h)")
         panel.set_title(f"counting {in_words(way)}")
+    names = [name for name, _ in rows]
     lives = recommendation["life"].isel(loss_basis=counted(recommendation)).values
     text = f"{scene_of(recommendation)['name']}: life at the recommended preload, {span(lives)} h"
-    frame(figure, text, method_keys([name for name, _ in rows]), columns=2)
+    frame(figure, text, method_keys(names, scene_of(recommendation)), columns=2)
     return figure

@@ -62,7 +62,9 @@ class DesignStudy(Study):
         self, plan: DesignPlan, sampled: Sequence[str] = (), studied: Sequence[str] = ()
     ) -> None:
         self.plan = plan
-        self.small_maps = {name: of for name, of in plan.small_maps.items() if name in studied}
+        # of a pair there are no states of wear to study, and its map is the whole study
+        small = plan.small_maps.items()
+        self.small_maps = {name: of for name, of in small if name in studied or not studied}
         self.drawn = {
             scene: _drawn(scene, _FOLDER, several=True, sampled=scene in sampled)
             for scene in plan.maps

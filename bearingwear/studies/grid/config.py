@@ -126,7 +126,10 @@ class Figures:
 class Config:
     """config/config.yaml."""
 
-    studies: Annotated[tuple[GridBlock, ...], Key("Groups of scenes that share a grid", least=1)]
+    studies: Annotated[
+        tuple[GridBlock, ...],
+        Key("Groups of scenes that share a grid; none: the small maps of config/design.yaml alone"),
+    ]
     dynamic: Annotated[
         tuple[DynamicBlock, ...], Key("Groups of scenes that are solved in time as well")
     ] = ()

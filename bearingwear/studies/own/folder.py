@@ -48,14 +48,13 @@ def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | 
     SceneError, UsageError, OutputError
         One line.
     """
-    from bearingwear.scene.arrangement import one_bearing
     from bearingwear.scene.read import scene_files
     from bearingwear.scene.strict_yaml import text_of
 
     name = file.stem
     if not re.match(NAME, name):
         raise UsageError(f"{file}: got the name {name}, expected {NAME_RULE}")
-    plans = plan_of(one_bearing(life_scene(file), file), name, limits, os.fspath(file))
+    plans = plan_of(life_scene(file), name, limits, os.fspath(file))
     bodies = {
         path: yaml.safe_dump(plan, sort_keys=False, default_flow_style=None)
         for path, plan in plans.items()

@@ -22,13 +22,16 @@ HALF_OF_THE_LIVES = 64
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
     """Configuration files of a study of a scene, as plain data by their paths.
 
+    Of a pair: the map that compares spring and rigid pair, and no states of wear of a bearing.
+
     Raises
     ------
     SceneError
         One line: a friction or a preload that no study can be made around.
     """
     limits.check(scene, source)
-    frictions, losses = _frictions(scene, source), _losses(scene)
+    frictions = _frictions(scene, source)
+    losses = _losses(scene) if scene.pair is None else [0.0]
     axes = axes_around(scene, frictions, source)
     config: dict[str, Any] = {
         "studies": [
@@ -44,7 +47,9 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
             "friction": [scene.friction.coefficient],
         },
     }
-    if scene.uncertainty:
+    if scene.pair is not None:
+        config["studies"] = []
+    elif scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": HALF_OF_THE_LIVES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     design = {"scenes": {name: {"small_map": small_map, "limits": limits.given}}}
