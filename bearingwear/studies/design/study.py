@@ -102,11 +102,10 @@ class DesignStudy(Study):
         self.plan.check_scenes()
 
     def page_answers(self) -> list[str]:
-        kinds = ("tables/*.md", "figures/*.svg", "figures/*.png")
-        there = [path for kind in kinds for path in glob(f"results/*/design/{kind}")]
+        kinds = ("answer.json", "tables/*.md", "figures/*.svg", "figures/*.png")
+        there = [path for kind in kinds for path in sorted(glob(f"results/*/design/{kind}"))]
         small = [path for path in self.default_targets() if not path.endswith((".csv", ".nc"))]
-        # the page takes its headline from the first table
-        return sorted(there or small, key=lambda path: ("/design." not in path, path))
+        return there or small
 
     def _chosen(self) -> list[Step]:
         plan = self.plan
@@ -251,6 +250,13 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
             result="design, table",
             caption="design",
             category=scene,
+        ),
+        Step(
+            name="answer",
+            run=f"{_RUN}.answer.design_answer",
+            inputs=files,
+            outputs=(f"{at}/answer.json",),
+            label=f"{scene}: which preload to take",
         ),
     ]
     which = "small map" if folder == _SMALL else "map"
