@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, percent_in_text, scene_of
 from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
@@ -18,19 +17,31 @@ from bearingwear.results.units import digits, display, in_print
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.beside import (
+    beside_table,
+    beside_told,
+    load_beside,
+    passed,
+)
 from bearingwear.studies.design.choice import (
     ACTIVE,
     LIMITED,
-    limit_margins,
     limits_of,
     preload_text,
 )
 from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import at_scene
+from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
 from bearingwear.studies.design.recommend import best_method
-from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows
+from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows, track_told
 from bearingwear.studies.design.tables import none_because
-from bearingwear.studies.design.words import LIMIT_WORDS, ROOM, limit_text
+from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
+from bearingwear.studies.design.words import (
+    GROOVE_WORDS,
+    HERTZIAN_LIFE_WORDS,
+    LIMIT_WORDS,
+    limit_text,
+)
 
 TAKE = {
     "constant_force": "a spring of {} N (constant force)",
@@ -46,10 +57,6 @@ HELD = {
 }
 """What keeps a preload from one with a longer life, where that is no limit."""
 
-CLOSE = 0.05
-"""By how much, relative, a limit or an end of life has to move at least before the other method is
-the better one, so that one of them can be said to last longer."""
-
 NO_CLOCK = (
     "Compare lives with each other, not with a clock: they go with hardness over wear coefficient, "
     "and a wear coefficient is known to an order of magnitude at best."
@@ -58,57 +65,78 @@ NO_CLOCK = (
 SHOWN = {
     "axial_stiffness": ("axial stiffness", ""),
     "system_axial_stiffness": ("stiffness, arrangement", ""),
-    "maximum_pressure": ("pressure", ""),
     "friction_power": ("friction power", ""),
+    "maximum_pressure": ("pressure", ""),
     "gyroscopic_slip_share": ("gyroscopic slip share", "%"),
     "residual_preload_at_end": ("preload left at the end", ""),
 }
 """What stands beside a life: of each the worst from new to the end of life."""
 
+Spread = dict[str, Sequence[Quantile]]
+"""L10 and L50 of each method."""
 
-def design_answer(design: Path, recommendation: Path, uncertainty: Path | None = None) -> str:
-    """Step: which preload to take, as JSON."""
+RoomRows = Sequence[tuple[str, str, str, tuple[float, float, float]]]
+"""As of `show.room_rows`."""
+
+
+def design_answer(
+    design: Path,
+    recommendation: Path,
+    uncertainty: Path | None = None,
+    beside: Path | None = None,
+) -> str:
+    """Step: which preload to take, as JSON.
+
+    Parameters
+    ----------
+    design, recommendation, uncertainty : path
+        As of `design_files`.
+    beside : path, optional
+        Lives at the recommended preloads with other assumptions (`lives_beside`).
+    """
     files = design_files(design, recommendation, uncertainty)
-    return answer_of(files.design, files.recommendation, files.uncertainty).as_json()
+    others = None if beside is None else load_beside(beside, files.recommendation)
+    return answer_of(files.design, files.recommendation, files.uncertainty, others).as_json()
 
 
 def answer_of(
-    design: xr.Dataset, recommendation: xr.Dataset, uncertainty: xr.Dataset | None
+    design: xr.Dataset,
+    recommendation: xr.Dataset,
+    uncertainty: xr.Dataset | None = None,
+    beside: xr.Dataset | None = None,
 ) -> Answer:
     """Which preload to take for a scene."""
-    scene = scene_of(recommendation)
-    name, best = scene["name"], best_method(recommendation)
-    room = room_rows(*(recommendation.attrs.get(part, "{}") for part in (ROOM, "limits", "scene")))
-    notes = [("Limits, from new to the end of life", [_limits(design)])]
+    scene, room = scene_of(recommendation), room_rows(recommendation)
+    spread = _spread(recommendation, uncertainty)
+    best = best_method(recommendation)
     points: list[tuple[str, list[str]]] = []
-    if best is None:
-        headline = f"{name}: no preload keeps to all limits"
-    else:
-        spread = _spread(recommendation, uncertainty)
-        apart = _apart(recommendation) and not _close(room)
-        headline = _headline(recommendation, best, apart)
+    if best is not None:
+        told = [] if beside is None else beside_told(beside, recommendation, best)
         points = [
-            ("What it gives", _gives(recommendation, best)),
-            ("What limits it", [_held(recommendation.isel(preload_method=best))]),
-            ("How far it holds", _holds(room, recommendation)),
-            ("How sure that is", _sure(recommendation, best, spread)),
+            ("What it gives", [_gives(recommendation)]),
+            ("What limits it", [_held(_lives(recommendation)[0][1])]),
+            ("What would change it", [_holds(room, recommendation), *told]),
+            ("How sure that is", _sure(recommendation, spread)),
         ]
     none = none_because(recommendation)
     points += [("What is not possible", none)] if none else []
+    notes = [("Limits, from new to the end of life", [_limits(design)])]
     warned = [f"{one['sentence']}; {one['advice']}." for one in warnings_in(recommendation.attrs)]
     notes += [("Warnings, at their worst", warned)] if warned else []
-    tables = [] if best is None else [_recommended(recommendation, spread)]
-    tables += [_over_preload(design, recommendation)]
-    tables += [_room(room)] if room else []
     return Answer(
-        scene=name,
+        scene=scene["name"],
         bearing=bearing_line(scene),
         rank=0,
         title="The preload to take",
-        headline=headline,
+        headline=_headline(recommendation),
         points=points,
         notes=notes,
-        tables=tables,
+        tables=[
+            *([_recommended(recommendation, spread)] if points else []),
+            *([] if beside is None else [beside_table(beside, recommendation)]),
+            _over_preload(design, recommendation),
+            *([_room(room, recommendation)] if room else []),
+        ],
         figures=["design", "map", "uncertainty"],
     )
 
@@ -123,45 +151,28 @@ def _lives(recommendation: xr.Dataset) -> list[tuple[str, xr.Dataset, float]]:
     return sorted((each for each in found if math.isfinite(each[2])), key=lambda each: -each[2])
 
 
-def _apart(recommendation: xr.Dataset) -> bool:
-    """Whether the lives differ by more than their numerical errors."""
-    lives, basis = _lives(recommendation), counted(recommendation)
-    if len(lives) < 2:
-        return True
-    errors = [float(one["life_error_estimate"].isel(loss_basis=basis)) for _, one, _ in lives]
-    return lives[0][2] / lives[1][2] - 1.0 > np.nansum(errors)
-
-
-def _close(room: Sequence[tuple[str, str, str, tuple[float, float, float]]]) -> list[str]:
-    """Limits and ends of life that need not move far to make the other method the better one."""
-    return [
-        label
-        for _, label, _, (low, now, high) in room
-        if any(abs(end / now - 1.0) < CLOSE for end in (low, high) if math.isfinite(end))
-    ]
-
-
-def _headline(recommendation: xr.Dataset, best: int, apart: bool) -> str:
+def _headline(recommendation: xr.Dataset) -> str:
     name = scene_of(recommendation)["name"]
     taken = [TAKE[method].format(preload_text(one)) for method, one, _ in _lives(recommendation)]
-    if not apart:
+    if not taken:
+        return f"{name}: no preload keeps to all limits"
+    if int(recommendation["verdict"]) == NEITHER_LONGER:
         return f"{name}: neither method lasts longer; take {' or '.join(taken)}"
     return f"{name}: take {taken[0]}"
 
 
-def _gives(recommendation: xr.Dataset, best: int) -> list[str]:
+def _gives(recommendation: xr.Dataset) -> str:
     lives = _lives(recommendation)
-    method, one, life = lives[0]
+    life = lives[0][2]
     way = in_words(COUNTS[counted(recommendation)])
-    said = f"It lives {digits(life)} h, counting the wear of {way}"
+    said = f"{digits(life)} h of life, counting the wear of {way}"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
-        times = (
-            f"{ratio:.2g} times" if ratio >= 1.1 else f"{percent_in_text(ratio - 1.0)} more than"
-        )
+        more = f"{percent_in_text(ratio - 1.0)} more than"
+        times = more if ratio < 1.1 else f"{ratio:.2g} times"
         said += f": {times} the {digits(less)} h of {in_words(other)} at {preload_text(twin)} N"
-    return [f"{said}."]
+    return f"{said}."
 
 
 def _held(one: xr.Dataset) -> str:
@@ -175,15 +186,15 @@ def _held(one: xr.Dataset) -> str:
 
 def _limits(design: xr.Dataset) -> str:
     given = limits_of(design).given
-    return f"{'; '.join(limit_text(name, value) for name, value in given.items()) or 'none'}."
+    said = "; ".join(limit_text(name, value) for name, value in given.items()) or "none"
+    return f"{said[0].upper()}{said[1:]}."
 
 
-def _holds(
-    room: Sequence[tuple[str, str, str, tuple[float, float, float]]], recommendation: xr.Dataset
-) -> list[str]:
-    """Which limit or end of life turns the choice of the method round."""
-    if len(_lives(recommendation)) < 2:
-        return ["The other method has no preload within the limits."]
+def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
+    """Which assumption turns the choice of the method round."""
+    lives = _lives(recommendation)
+    if len(lives) < 2:
+        return "The other method has no preload within the limits."
     said = []
     for _, label, unit, (low, now, high) in room:
         ends = [
@@ -192,18 +203,14 @@ def _holds(
             if math.isfinite(end)
         ]
         if ends:
-            unit = f"\N{NO-BREAK SPACE}{in_print(unit)}"
-            said.append(f"{label.removeprefix('end: ')} {' or '.join(ends)}{unit} (now {now:g})")
+            unit = f"\N{NO-BREAK SPACE}{in_print(unit)}" if unit else ""
+            said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
     if not said:
-        return ["No limit and no end of life turns it round, as far as it was looked."]
-    close = _close(room)
-    sure = f" The first within {100 * CLOSE:g} % of it." if close else ""
-    return [f"The other method is the better one with {'; '.join(said)}.{sure}"]
+        return "No limit, end of life or friction turns it round, as far as was looked."
+    return f"{in_words(lives[1][0]).capitalize()} is the better method with {'; '.join(said)}."
 
 
-def _spread(
-    recommendation: xr.Dataset, uncertainty: xr.Dataset | None
-) -> dict[str, Sequence[Quantile]]:
+def _spread(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> Spread:
     """L10 and L50 at the recommended preload of each method, where they were sampled."""
     scene, way = scene_of(recommendation), COUNTS[counted(recommendation)]
     known = [] if uncertainty is None else [uncertainty]
@@ -214,80 +221,77 @@ def _spread(
     }
 
 
-def _sure(
-    recommendation: xr.Dataset, best: int, spread: dict[str, Sequence[Quantile]]
-) -> list[str]:
+def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
     method, one, _ = _lives(recommendation)[0]
     error = float(one["life_error_estimate"].isel(loss_basis=counted(recommendation)))
+    said = []
+    if int(recommendation["verdict"]) == NEITHER_LONGER:
+        said.append(
+            f"Neither method is said to last longer where a change of {100 * CLAIMED:g} % in one "
+            "assumption, or the other track of a ball, turns it round."
+        )
     quantiles = ", ".join(q.text for q in spread[method])
-    said = [f"{quantiles}."] if quantiles else []
+    said += [f"{quantiles}."] if quantiles else []
     if math.isfinite(error):
         said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
-    return [*said, NO_CLOCK]
+    return [*said, *track_told(recommendation), NO_CLOCK]
 
 
-def _recommended(recommendation: xr.Dataset, spread: dict[str, Sequence[Quantile]]) -> AnswerTable:
+def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
     """The preload to take by each method, and the bearing with it."""
     basis = counted(recommendation)
-    columns = methods(recommendation)
+    columns = [one for _, one in methods(recommendation)]
 
-    def hours(way: int) -> list[str]:
-        return [digits(float(one["life"].isel(loss_basis=way))) for _, one in columns]
+    def hours(name: str, way: int) -> list[str]:
+        return [digits(float(one[name].isel(loss_basis=way))) for one in columns]
 
-    rows = [["preload to set (N)", *(preload_text(one) for _, one in columns)]]
-    rows.append(["life (h)", *hours(basis)])
+    rows = [["preload to set (N)", *map(preload_text, columns)]]
+    worn = [int(one["groove"]) == WORN_GROOVE for one in columns]
+    groove = f", groove {GROOVE_WORDS['worn']}" if any(worn) else ""
+    rows.append([f"life{groove} (h)", *hours("life", basis)])
+    if groove:
+        rows.append([f"life {HERTZIAN_LIFE_WORDS} (h)", *hours("hertzian_life", basis)])
     for name in ("L10", "L50") if any(spread.values()) else ():
-        hours_of = {method: {q.name: q.hours for q in found} for method, found in spread.items()}
-        known = [hours_of[method].get(name, math.nan) for method, _ in columns]
+        known = [{q.name: q.hours for q in found}.get(name, math.nan) for found in spread.values()]
         rows.append([f"{name} (h)", *map(digits, known)])
-    rows.append([f"life, counting {in_words(COUNTS[1 - basis])} (h)", *hours(1 - basis)])
+    rows.append([f"life, counting {in_words(COUNTS[1 - basis])} (h)", *hours("life", 1 - basis)])
     for name, (label, shown) in SHOWN.items():
         values = recommendation[name]
         unit = display(values.attrs["units"], values, shown=shown)
-        rows.append([unit.label(label), *(unit.text(one[name]) for _, one in columns)])
-    held = [LIMIT_WORDS[ACTIVE[int(one["active_limit"])]] for _, one in columns]
-    rows.append(["held by", *held])
+        rows.append([unit.label(label), *(unit.text(one[name]) for one in columns)])
+    rows.append(["held by", *(LIMIT_WORDS[ACTIVE[int(one["active_limit"])]] for one in columns)])
     return AnswerTable(
         title="At the preload to take",
-        columns=["", *(in_words(method) for method, _ in columns)],
+        columns=["", *(in_words(method) for method, _ in methods(recommendation))],
         rows=rows,
-        note="Stiffness, pressure, power and slip are the worst from new to the end of life."
+        note="Stiffness, power, pressure and slip are the worst from new to the end of life."
         + (f" {QUANTILES_TEXT}" if any(spread.values()) else ""),
     )
 
 
 def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
     """Every preload of the map, by each method, at the scene's friction and speed."""
-    line, limits = at_scene(design), limits_of(design)
+    followed = lines_followed(recommendation)
+    line = (at_scene(design) if followed is None else followed).assign_attrs(design.attrs)
     basis = counted(design)
     shown = {
         name: (label, display(line[name].attrs["units"], line[name], shown=as_))
         for name, (label, as_) in SHOWN.items()
     }
-    rows = []
-    for k, preload in enumerate(line["preload"].values):
-        for method, of_method in methods(line):
-            one = of_method.isel(preload=k)
-            passed = [
-                LIMIT_WORDS[name]
-                for name, margin in zip(limits.given, limit_margins(one, limits), strict=True)
-                if not float(margin) >= 0.0
-            ]
-            solved = int(one["status"]) == OK
-            rows.append(
-                [
-                    f"{preload:g}",
-                    in_words(method),
-                    digits(float(one["life"].isel(loss_basis=basis))),
-                    *(unit.text(one[name]) for name, (_, unit) in shown.items()),
-                    (", ".join(passed) or "none")
-                    if solved
-                    else f"not solved: {in_words(STATUS_NAMES[int(one['status'])])}",
-                ]
-            )
-    best = best_method(recommendation)
-    taken = float(recommendation["preload"][best]) if best is not None else math.inf
-    nearest = int(np.abs(line["preload"].values - min(taken, 1e300)).argmin())
+    rows = [
+        [
+            f"{preload:g}",
+            in_words(method),
+            digits(float(one["life"].isel(loss_basis=basis))),
+            *(unit.text(one[name]) for name, (_, unit) in shown.items()),
+            passed(one),
+        ]
+        for k, preload in enumerate(line["preload"].values)
+        for method, of_method in methods(line)
+        for one in [of_method.isel(preload=k)]
+    ]
+    preloads, best = line["preload"].values, best_method(recommendation)
+    taken = preloads[-1] if best is None else float(recommendation["preload"][best])
     return AnswerTable(
         title="Life and limits over the preload",
         columns=[
@@ -299,17 +303,18 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
         ],
         rows=rows,
         slider=True,
-        start=f"{line['preload'].values[nearest]:g}",
+        start=f"{preloads[np.abs(preloads - taken).argmin()]:g}",
     )
 
 
-def _room(room: Sequence[tuple[str, str, str, tuple[float, float, float]]]) -> AnswerTable:
+def _room(room: RoomRows, recommendation: xr.Dataset) -> AnswerTable:
     rows = [
-        [f"{label} ({in_print(unit)})", *map(digits, numbers)] for _, label, unit, numbers in room
+        [f"{label} ({in_print(unit)})" if unit else label, *map(digits, numbers)]
+        for _, label, unit, numbers in room
     ]
     return AnswerTable(
         title="How far the choice of the method holds",
-        columns=["limit", *ROOM_COLUMNS],
+        columns=["assumed", *ROOM_COLUMNS],
         rows=rows,
-        note=ROOM_TOLD,
+        note=" ".join([ROOM_TOLD, *track_told(recommendation)]),
     )
