@@ -82,7 +82,7 @@ def _drawing(file: Path, png: Path | None, data: Sequence[Path]) -> Drawing:
         picture = png.read_bytes() if png else b""
     except (OSError, UnicodeError, ET.ParseError, KeyError, ValueError) as error:
         reason = " ".join(str(error).split())
-        raise CaseFileError(f"{file}: cannot be read ({reason}); allowed an SVG figure") from None
+        raise CaseFileError(f"{file}: cannot be read ({reason}), expected an SVG figure") from None
     message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
     description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
     # the page has the message beside the figure

@@ -18,7 +18,7 @@ from markupsafe import Markup
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.markup import to_html
-from bearingwear.page.scenes import differences, key_rows
+from bearingwear.page.scenes import key_rows, scene_differences
 from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.answer import Answer, load_answer
 from bearingwear.results.bearing_line import bearing_line
@@ -26,7 +26,9 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import display
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 
-TEMPLATE, STYLE, SCRIPT = (Path(__file__).with_name(f"page.{end}") for end in ("html", "css", "js"))
+_TEMPLATE, _STYLE, _SCRIPT = (
+    Path(__file__).with_name(name) for name in ("page.html", "page.css", "page.js")
+)
 UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
     "QV": "Load times slip speed, summed over a contact, in watts. Friction heat is QV times the "
@@ -122,15 +124,15 @@ def page(
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    style, script = (file.read_text(encoding="utf-8") for file in (STYLE, SCRIPT))
+    style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
     environment.globals.update(
         link=_link,
         line=bearing_line,
-        differences=differences,
+        differences=scene_differences,
         title=lambda file: _titled(file)[0],
         html=lambda file: to_html(_tables(file), 2),
     )
-    return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+    return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(
         headline=answered[0].headline if answered else "A study of friction and wear",
         answers=answered,
         sections=list(scenes.values()),

@@ -8,8 +8,8 @@ from typing import Any
 from bearingwear.results.units import in_print, key_in_words
 from bearingwear.scene.keys import leaves
 
-NAMES = ("name", "description")
-MOST = 4  # differences that are named
+_NAMES = ("name", "description")
+_MOST = 4  # scene_differences that are named
 
 
 def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
@@ -18,12 +18,12 @@ def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[st
     names = list(dict.fromkeys(name for values in flat for name in values))
     blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
     for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
-        if name not in NAMES:
+        if name not in _NAMES:
             row = [values.get(name, "–") for values in flat]
             yield key_label(name), row, len(set(row)) > 1
 
 
-def differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:
+def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:
     """In what another scene differs from the first, in words; how sure it is left out."""
     rows = key_rows([_certain(first), _certain(other)])
     said = [
@@ -31,8 +31,8 @@ def differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:
         for label, values, differ in rows
         if differ
     ]
-    more = f"; {len(said) - MOST} more" if len(said) > MOST else ""
-    return "; ".join(said[:MOST]) + more
+    more = f"; {len(said) - _MOST} more" if len(said) > _MOST else ""
+    return "; ".join(said[:_MOST]) + more
 
 
 def _certain(scene: Mapping[str, Any]) -> dict[str, Any]:

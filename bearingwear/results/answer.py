@@ -99,4 +99,4 @@ def load_answer(path: Path) -> Answer:
         return Answer(tables=tables, **read)
     except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
         reason = " ".join(str(error).split())
-        raise CaseFileError(f"{path}: cannot be read ({reason}); allowed an answer") from None
+        raise CaseFileError(f"{path}: cannot be read ({reason}), expected an answer") from None

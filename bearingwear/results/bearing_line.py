@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-CONTACTS = {
+_CONTACTS = {
     "paper": "contact model of the paper",
     "hertz": "Hertzian contact",
     "worn": "contact in the groove as it wears",
@@ -43,7 +43,7 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         _warmth(scene),
         *loads,
         *([f"drag density {drag:g}\N{NO-BREAK SPACE}kg/m³"] if drag else []),
-        *filter(None, [CONTACTS.get((scene.get("model") or {}).get("contact", ""))]),
+        *filter(None, [_CONTACTS.get((scene.get("model") or {}).get("contact", ""))]),
     )
     return "; ".join(parts)
 

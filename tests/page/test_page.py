@@ -25,7 +25,7 @@ from support import step
 
 from bearingwear.page import figures
 from bearingwear.page.markup import to_html
-from bearingwear.page.scenes import differences
+from bearingwear.page.scenes import scene_differences
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
 
@@ -246,9 +246,9 @@ def test_errors_of_another_bearing_stand_under_its_name(small_project, made, tmp
 def test_how_scenes_differ_is_said_in_words():
     first = {"name": "a", "bearing": {"ball_count": 9, "contact_angle_deg": 15.0}}
     other = {"name": "b", "bearing": {"ball_count": 9, "contact_angle_deg": 20.0}}
-    said = differences(first, other | {"uncertainty": {"x": {"low": 1.0}}})
+    said = scene_differences(first, other | {"uncertainty": {"x": {"low": 1.0}}})
     assert said == "contact angle (°) 20 instead of 15"
-    assert differences(first, first | {"name": "c"}) == ""
+    assert scene_differences(first, first | {"name": "c"}) == ""
 
 
 def test_words_are_explained_and_keys_are_words(whole):

@@ -49,7 +49,7 @@ TAKE = {
 }
 """How a preload is applied, in the words of the headline."""
 
-HELD = {
+_HELD = {
     "none": "No limit holds it: the life is longest there.",
     "end_of_range": "The map ends there; a longer life may lie beyond it.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
@@ -62,7 +62,7 @@ NO_CLOCK = (
     "and a wear coefficient is known to an order of magnitude at best."
 )
 
-SHOWN = {
+_SHOWN = {
     "axial_stiffness": ("axial stiffness", ""),
     "system_axial_stiffness": ("stiffness, arrangement", ""),
     "friction_power": ("friction power", ""),
@@ -96,10 +96,10 @@ def design_answer(
     """
     files = design_files(design, recommendation, uncertainty)
     others = None if beside is None else load_beside(beside, files.recommendation)
-    return answer_of(files.design, files.recommendation, files.uncertainty, others).as_json()
+    return preload_answer(files.design, files.recommendation, files.uncertainty, others).as_json()
 
 
-def answer_of(
+def preload_answer(
     design: xr.Dataset,
     recommendation: xr.Dataset,
     uncertainty: xr.Dataset | None = None,
@@ -164,7 +164,7 @@ def _headline(recommendation: xr.Dataset) -> str:
 def _gives(recommendation: xr.Dataset) -> str:
     lives = _lives(recommendation)
     life = lives[0][2]
-    way = in_words(COUNTS[counted(recommendation)])
+    way = in_words(COUNTS[counted(recommendation)]).replace("ball", "balls")
     said = f"{digits(life)} h of life, counting the wear of {way}"
     if len(lives) > 1:
         other, twin, less = lives[1]
@@ -179,7 +179,7 @@ def _held(one: xr.Dataset) -> str:
     """What keeps a preload from another one with a longer life."""
     name = ACTIVE[int(one["active_limit"])]
     if name not in LIMITED:
-        return HELD[name]
+        return _HELD[name]
     limit = limits_of(one).given[name]
     return f"A preload with a longer life would pass a limit: {limit_text(name, limit)}."
 
@@ -204,6 +204,7 @@ def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
         ]
         if ends:
             unit = f"\N{NO-BREAK SPACE}{in_print(unit)}" if unit else ""
+            label = label.replace("end: ", "an end of life by ")
             said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
     if not said:
         return "No limit, end of life or friction turns it round, as far as was looked."
@@ -255,7 +256,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
         known = [{q.name: q.hours for q in found}.get(name, math.nan) for found in spread.values()]
         rows.append([f"{name} (h)", *map(digits, known)])
     rows.append([f"life, counting {in_words(COUNTS[1 - basis])} (h)", *hours("life", 1 - basis)])
-    for name, (label, shown) in SHOWN.items():
+    for name, (label, shown) in _SHOWN.items():
         values = recommendation[name]
         unit = display(values.attrs["units"], values, shown=shown)
         rows.append([unit.label(label), *(unit.text(one[name]) for one in columns)])
@@ -276,7 +277,7 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
     basis = counted(design)
     shown = {
         name: (label, display(line[name].attrs["units"], line[name], shown=as_))
-        for name, (label, as_) in SHOWN.items()
+        for name, (label, as_) in _SHOWN.items()
     }
     rows = [
         [

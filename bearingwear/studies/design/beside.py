@@ -28,11 +28,11 @@ from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
 from bearingwear.studies.design.words import LIMIT_WORDS
 from bearingwear.studies.life_scene import life_scene
 
-KIND = "beside"
-WORDS = "words"
+_KIND = "beside"
+_WORDS = "words"
 """Attribute: what is assumed otherwise, in words, for each of them."""
 
-SHOWN = {
+_SHOWN = {
     "system_axial_stiffness": "stiffness, arrangement",
     "friction_power": "friction power",
     "maximum_pressure": "pressure",
@@ -62,8 +62,10 @@ def lives_beside(
             held = held_by(other, PRELOAD_METHODS[int(flag)], float(np.nan_to_num(preload)))
             known = math.isfinite(preload)
             points.append(followed_point(held, limits.gyroscopic_slip_share) if known else _NONE)
-    names = Variable(KIND, (KIND,), "", "what is assumed otherwise", dtype="i1", flags=tuple(cases))
-    sizes = {KIND: len(cases), "preload_method": found.sizes["preload_method"]}
+    names = Variable(
+        _KIND, (_KIND,), "", "what is assumed otherwise", dtype="i1", flags=tuple(cases)
+    )
+    sizes = {_KIND: len(cases), "preload_method": found.sizes["preload_method"]}
     return dataset_with(
         with_grooves(points, sizes),
         {
@@ -72,9 +74,9 @@ def lives_beside(
         },
         {key: found.attrs[key] for key in found.attrs if key not in ("warnings", "none_because")}
         | {
-            "kind": KIND,
+            "kind": _KIND,
             "title": "Lives at the recommended preloads with other assumptions",
-            WORDS: json.dumps([case["words"] for case in cases.values()]),
+            _WORDS: json.dumps([case["words"] for case in cases.values()]),
         },
     )
 
@@ -88,8 +90,8 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
         One line.
     """
     found = load(path)
-    if found.attrs.get("kind") != KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
-        raise CaseFileError(f"{path}: not a file of the kind {KIND}")
+    if found.attrs.get("kind") != _KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
+        raise CaseFileError(f"{path}: not a file of the kind {_KIND}")
     if found.attrs["scene"] != recommendation.attrs["scene"]:
         raise CaseFileError(f"{path}: not of the scene of the recommendation")
     return found
@@ -100,7 +102,7 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
     basis = counted(recommendation)
     units = {
         name: (label, display(beside[name].attrs["units"], beside[name], recommendation[name]))
-        for name, label in SHOWN.items()
+        for name, label in _SHOWN.items()
     }
     rows = [
         [
@@ -110,7 +112,7 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
             *(unit.text(one[name]) for name, (_, unit) in units.items()),
             passed(one),
         ]
-        for words, case in [("as above", recommendation), *cases_of(beside)]
+        for words, case in [("as above", recommendation), *assumptions_of(beside)]
         for method, one in methods(case)
         if int(one["status"]) >= 0
     ]
@@ -130,24 +132,32 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
 def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> list[str]:
     """With which assumptions the recommended method is not the better one, or passes a limit."""
     basis = counted(recommendation)
-    turned, beyond = [], []
-    for words, case in cases_of(beside):
+    turned, beyond, unknown, same = [], [], [], []
+    for words, case in assumptions_of(beside):
         lives = case["life"].isel(loss_basis=basis).values
-        if np.isfinite(lives).all() and lives.argmax() != method:
+        taken = case.isel(preload_method=method)
+        limits = passed(taken)
+        if int(taken["status"]) != OK:
+            unknown.append(words)
+        elif np.nanargmax(lives) != method:
             turned.append(words)
-        limits = passed(case.isel(preload_method=method))
-        if limits != "none":
+        elif limits != NONE_PASSED:
             beyond.append(f"{words} ({limits})")
-    said = [f"The other method lives longer with {_listed(turned)}."] if turned else []
-    if beyond:
-        said.append(f"A limit is passed at this preload with {_listed(beyond)}.")
-    return said or [f"It stays so with {_listed([words for words, _ in cases_of(beside)])}."]
+        else:
+            same.append(words)
+    said = (
+        ("The other method lives longer with {}.", turned),
+        ("It passes a limit with {}.", beyond),
+        ("Method and limits hold with {}.", same),
+        ("No life was found with {}.", unknown),
+    )
+    return [text.format("; ".join(found)) for text, found in said if found]
 
 
-def cases_of(beside: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
+def assumptions_of(beside: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
     """Words and numbers of each assumption, which have the limits of the recommendation."""
-    words = json.loads(beside.attrs[WORDS])
-    return [(text, beside.isel({KIND: k})) for k, text in enumerate(words)]
+    words = json.loads(beside.attrs[_WORDS])
+    return [(text, beside.isel({_KIND: k})) for k, text in enumerate(words)]
 
 
 def passed(one: xr.Dataset) -> str:
@@ -156,13 +166,12 @@ def passed(one: xr.Dataset) -> str:
         return f"not solved: {in_words(STATUS_NAMES[int(one['status'])])}"
     limits = limits_of(one)
     margins = zip(limits.given, limit_margins(one, limits), strict=True)
-    return ", ".join(LIMIT_WORDS[name] for name, left in margins if not left >= -SAME) or "none"
+    return (
+        ", ".join(LIMIT_WORDS[name] for name, left in margins if not left >= -SAME) or NONE_PASSED
+    )
 
+
+NONE_PASSED = "none"
 
 SAME = 1e-6
 """By how much, relative, a limit may be passed by rounding."""
-
-
-def _listed(texts: list[str]) -> str:
-    *first, last = texts
-    return f"{', '.join(first)} or {last}" if first else last
