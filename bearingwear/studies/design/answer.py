@@ -132,7 +132,7 @@ def preload_answer(
         points=points,
         notes=notes,
         tables=[
-            *([_recommended(recommendation, spread)] if points else []),
+            *([] if best is None else [_recommended(recommendation, spread)]),
             *([] if beside is None else [beside_table(beside, recommendation)]),
             _over_preload(design, recommendation),
             *([_room(room, recommendation)] if room else []),
