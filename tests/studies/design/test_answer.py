@@ -148,7 +148,7 @@ def test_an_assumption_that_is_no_scene_is_refused(monkeypatch):
     }
     bad = {"words": "x", "set": {"operation.preload_N": -1}}
     plan = {"scenes": {"gyro_s1": {"small_map": small, "beside": {"bad": bad}}}}
-    with pytest.raises(ValueError, match=r"beside\.bad: operation\.preload_N: given -1"):
+    with pytest.raises(ValueError, match=r"beside\.bad: operation\.preload_N: got -1"):
         record(DesignPlan, plan, "plan").check_scenes()
     del plan["scenes"]["gyro_s1"]["small_map"]
     with pytest.raises(ValueError, match="beside"):
