@@ -79,7 +79,7 @@ class Answered:
 
 
 def page(
-    sections: Iterable[Path],
+    sections: Iterable[Path] = (),
     docs: Iterable[Path] = (),
     answers: Iterable[Path] = (),
     data: Mapping[str, Sequence[str]] | None = None,
