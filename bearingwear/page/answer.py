@@ -1,4 +1,4 @@
-"""What the lives of a study say: which preload method lasts longest, how long, and what ends it."""
+"""The answer of a study: which preload method lasts longest, how long, and what ends the life."""
 
 import math
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,4 @@
-"""Markdown to HTML, for a page that must need nothing else and trust nobody."""
+"""Markdown to HTML, for a page that needs no other file and trusts no input."""
 
 import base64
 from pathlib import Path

@@ -94,7 +94,7 @@ def looked_at(folder: Path) -> Iterator[Path]:
 
 
 def answer_of(folder: Path, name: str) -> str:
-    """The sentence that the study of a scene comes to."""
+    """The answer of the study of a scene, in a sentence."""
     text = _text(folder / f"results/{name}/preload/tables/design.md") or ""
     return text.partition("\n\n")[2].partition(". ")[0].partition(".\n")[0]
 
