@@ -1,4 +1,4 @@
-"""What may be typed: commands, their arguments and options, and what these must be."""
+"""The command line: commands, their arguments and options, and the checks of these."""
 
 from __future__ import annotations
 
@@ -214,7 +214,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_formats(sub: argparse.ArgumentParser) -> Any:
-    """What is printed; of these one at a time."""
+    """Options of the output; one at a time."""
     formats = sub.add_mutually_exclusive_group()
     formats.add_argument("--json", action="store_true", help="print the sheet as JSON")
     formats.add_argument("--csv", action="store_true", help="print the sheet as CSV")
@@ -310,7 +310,7 @@ def _file_name(text: str) -> Path:
 
 
 def _scene_keys(**_: Any) -> list[str]:
-    """What `--set` takes, for a shell that completes it."""
+    """Keys of `--set`, for completion in a shell."""
     from bearingwear.scene.keys import scene_keys
 
     return [f"{key}=" for key in scene_keys()]

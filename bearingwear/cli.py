@@ -1,4 +1,4 @@
-"""The command line: which handler of `commands` does what is typed (`arguments`).
+"""The command line: calls the handler in `commands` of what was typed (`arguments`).
 
 Exit status: 0; 1 where two files that are compared differ; 2 for bad input, with one line on
 standard error; 3 where the solver could not reach a verified answer (the file is written, its
@@ -36,7 +36,7 @@ RENAMED = {
     "verdict": "study",
     "tables": "study",
 }
-"""Commands of before, and what does it now; those that begin so count too (tables-design, ...)."""
+"""Former commands and their successors; longer names that begin so count too."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -82,7 +82,7 @@ def _split(arguments: Sequence[str]) -> list[list[str]]:
 
 
 def _drop_output() -> None:
-    """Send what is still buffered nowhere, since Python would try to print it once more."""
+    """Discard what is still buffered, because Python would try to print it once more."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -247,7 +247,7 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
 
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
-    """What a run goes on from; the scene is asked first, whether it moves in time at all."""
+    """The file of `--restart`; first checks that the scene is solved by the dynamic model."""
     from bearingwear.model.fidelity import choice
     from bearingwear.model.solve import check_restart
     from bearingwear.results.restart import restart_from
@@ -290,7 +290,7 @@ def _check_output(path: Path, scene: str) -> None:
 
 
 def _tell_of_new_folder(path: Path) -> None:
-    """Folders that are missing are made, which may come of a mistyped name."""
+    """Tell of folders that are made, since a name may be mistyped."""
     if not path.parent.exists():
         _tell(f"{path.parent}: new folder")
 
@@ -342,5 +342,5 @@ def _warn(attributes: Mapping[str, Any]) -> None:
 
 
 def _print(text: str) -> None:
-    """Names in a file of somebody else may hold what a terminal obeys."""
+    """Mask control characters: names in a foreign file may hold some."""
     print("\n".join("".join(c if c.isprintable() else "?" for c in s) for s in text.split("\n")))

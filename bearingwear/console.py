@@ -1,4 +1,4 @@
-"""What stands on a terminal: one line, and nothing that a terminal obeys."""
+"""Text for a terminal: one line, without control characters."""
 
 
 class UsageError(ValueError):

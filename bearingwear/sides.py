@@ -1,4 +1,4 @@
-"""What of a result of two bearings both have in common, and what each has as its own."""
+"""Which values of a result two bearings share, and which each has as its own."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -35,7 +35,7 @@ LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no period 
 
 @dataclass(frozen=True)
 class PeriodicMotion:
-    """What repeats itself."""
+    """State that repeats itself."""
 
     balls: np.ndarray  # (n, 5) states as the run begins
     time: float  # of that [s]
@@ -46,7 +46,7 @@ class PeriodicMotion:
 
 
 class Passing:
-    """What a passing changes of the balls' states, as seen from the load.
+    """Change of the balls' states by one passing, as seen from the load.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Passing:
         return float(states[-1] * self.system.turn)
 
     def advance(self, duration: float) -> bool:
-        """Simulate so long; whether that went well."""
+        """Simulate for a time; returns whether that went well."""
         self.simulated += duration
         system = self.system
         tally = advance_and_record(
@@ -105,7 +105,7 @@ class Passing:
         return bool(tally.status == code.OK)
 
     def march(self, orbits: float) -> bool:
-        """Go on as a run would, for so many orbits; whether that went well."""
+        """Continue as a run would, for a number of orbits; returns whether that went well."""
         system, passing = self.system, self.passing
         self.place(np.append(self.start, passing / system.turn))
         duration = orbits * self.n * passing

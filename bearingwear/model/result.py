@@ -1,4 +1,4 @@
-"""What a solve returns, before any file format sees it."""
+"""The result of a solve, independent of any file format."""
 
 import json
 from collections.abc import Mapping

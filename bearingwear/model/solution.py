@@ -9,7 +9,7 @@ LIKE = 1e-9  # of the diameter: balls that differ by less are alike
 
 
 def why_not_periodic(scene: Scene) -> str:
-    """What keeps a scene, with its cage if that is solved, from a periodic motion; or nothing."""
+    """Why a scene (with its cage if that is solved) has no periodic motion; empty if it has one."""
     operation = scene.operation
     standing = any(operation.radial_load_N) or operation.tilt_mrad
     if scene.cage is not None:

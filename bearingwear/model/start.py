@@ -14,7 +14,7 @@ from bearingwear.scene.scene import Scene
 
 @dataclass
 class Start:
-    """How every ball moves at first, and what the steady solver knows of the time that takes."""
+    """First motion of every ball, and its time scales from the steady solver."""
 
     u: np.ndarray  # (4,) or (n, 4)
     kind: str

@@ -118,7 +118,7 @@ class ThrustProblem:
         )
 
     def undetermined(self) -> int:
-        """Status that is plain before any solve, or OK."""
+        """Status that is known before any solve, or OK."""
         op = self.op
         if not max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:
             return code.UNDETERMINED
@@ -133,7 +133,7 @@ class ThrustProblem:
         return np.linalg.eigvals(case.jacobian / inertia[:, None])
 
     def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
-        """Whether a small disturbance of the state dies out.
+        """Whether a small disturbance of the state decays.
 
         With a tiny v_r the slowest motions are damped in narrow places where the slip turns round,
         which few points may miss. What seems unstable is looked at again with many.
@@ -254,7 +254,7 @@ def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: Thrust
 
 
 def steady_answer(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> np.ndarray:
-    """What errors are estimated of, as `estimate.measured` has it."""
+    """Quantities whose errors are estimated, as in `estimate.measured`."""
     n, c = problem.g.n_balls, case.contacts
     qv, a, track = (c[None, :, column] for column in (QV, MAJOR, TRACK))
     F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])

@@ -51,7 +51,7 @@ class Warmed:
 
     @property
     def sentence(self) -> str:
-        """How far the search for temperatures came, in words."""
+        """Sentence on the state of the search for temperatures."""
         t = self.scene.temperature or Temperature()
         return (
             f"not solved; after {self.solves} solves {self.heat.total:.3g} W of heat, inner ring "
@@ -93,7 +93,7 @@ def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
 
 
 def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:
-    """What the three parts take in and do not give away, the largest, over all heat [1].
+    """Largest imbalance of the heat flows of the three parts, over all heat [1].
 
     Summed part by part, apart from the solver, and less what rounding makes; heat that flows from a
     warm shaft to a cold housing counts as heat.

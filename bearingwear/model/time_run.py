@@ -40,7 +40,7 @@ RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns d
 
 
 class Trend:
-    """Straight lines through what successive turns give, without keeping them.
+    """Straight lines through the values of successive turns, without keeping them.
 
     QV, wear of all parts, of the balls, of balls and races, preload, shaft torque; last the room
     between the cage and its land, as a share of their clearance.
@@ -63,7 +63,7 @@ class Trend:
 
     @property
     def known(self) -> bool:
-        """Whether three turns or more say what QV and wear do."""
+        """Whether there are three turns or more, as a trend needs."""
         return bool(self.sums[0] >= 3 and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
@@ -228,7 +228,7 @@ class RunGrid:
 
 
 class TimeRun:
-    """A scene on its way through time."""
+    """A dynamic run of a scene."""
 
     def __init__(
         self,
@@ -267,7 +267,7 @@ class TimeRun:
         return self.done / self.grid.points * self.grid.turns
 
     def advance(self, count: int) -> int:
-        """Simulate so many intervals; returns a status."""
+        """Simulate a number of intervals; returns a status."""
         system, instants, place = self.system, self.grid.instants, self.done
         if not self.keeps_history:
             assert count <= self.grid.points
@@ -329,7 +329,7 @@ class TimeRun:
         return code.OK
 
     def counts(self, evaluated: float) -> dict:
-        """Variables that say what the run took."""
+        """Variables on the effort of the run."""
         accepted, rejected, evaluations, events = (int(number) for number in self.tally)
         return {
             "simulated_turns": self.turns,

@@ -103,7 +103,7 @@ class LastWindow:
 
 
 def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interrupt) -> LastWindow:
-    """Simulate window by window until the averages drift no more, or the turns are used up.
+    """Simulate window by window until the averages have settled or the turns are used up.
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ def found_periodic(
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
-    """How well a motion repeats itself, in words."""
+    """Sentence on how well a motion repeats itself."""
     drift = "" if last.slopes is None else f"; over an orbit QV drifts {last.slopes[0]:+.1e} a turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
@@ -324,7 +324,7 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
 
 
 def settled_sentence(last: LastWindow) -> str:
-    """How settled the averages are, in words."""
+    """Sentence on how settled the averages are."""
     if last.slopes is None:
         return "not known: fewer than three whole turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turns were used up"

@@ -42,12 +42,12 @@ class Node:
 
     @property
     def end(self) -> dict[str, Any]:
-        """What the next run goes on from."""
+        """State from which the next run continues."""
         return {"state": self.values["final_state"], "time": self.values["final_time"]}
 
 
 class WearInTime:
-    """A scene on its way through its life.
+    """A dynamic life of a scene.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ class WearInTime:
         return b, crossing[1], b.time - crossing[0]
 
     def horizon(self, node: Node, steady: float) -> float:
-        """About when the life ends [s]: the steady life, or what wears as fast as so far.
+        """Estimated end of life [s]: by the steady life, or by the wear rate so far.
 
         Infinite where nothing that wears leads to an end.
         """
@@ -272,7 +272,7 @@ class WearInTime:
         return CourseInTime(nodes, none, code.CRITERION_NOT_REACHED, 0.0)
 
     def report_progress(self, node: Node, horizon: float) -> None:
-        """Say how far the life has come."""
+        """Report the progress of the life."""
         if self.progress is not None:
             loss = self.parts.loss(node.worn).mean() / parameters.UM
             hours = node.time / 3600.0, horizon / 3600.0
@@ -290,5 +290,5 @@ class CourseInTime:
 
     @property
     def solved(self) -> list[Node]:
-        """Those that were solved."""
+        """The nodes that were solved."""
         return [node for node in self.nodes if node.status == code.OK]

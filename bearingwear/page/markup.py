@@ -1,4 +1,4 @@
-"""Markdown to HTML, for a page that must trust nobody."""
+"""Markdown to HTML, for a page that trusts no input."""
 
 from markdown_it import MarkdownIt
 from markupsafe import Markup

@@ -1,4 +1,4 @@
-"""What all figures share: style, colours, marks, words and the way they are saved."""
+"""What all figures share: style, colours, marks, words, saving."""
 
 import json
 import math
@@ -80,7 +80,7 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
 
 
 def _in_words(figure: Figure) -> dict[str, str | None]:
-    """Message and contents of a figure, for who cannot see it."""
+    """Message and contents of a figure, for readers who cannot see it."""
     axes = figure.axes
 
     def distinct(texts: Iterable[str]) -> str:
@@ -150,7 +150,7 @@ def mark_failed(
 
 
 def list_failed(axes: Any, names: list[str]) -> None:
-    """Name in a corner of a panel what has no line in it because it was not solved."""
+    """Name in a corner of a panel the lines that are missing because they were not solved."""
     if names:
         text = "\n".join(["not solved:", *names])
         axes.text(0.02, 0.98, text, transform=axes.transAxes, color="crimson", va="top")

@@ -1,4 +1,4 @@
-"""The one table of what a result file can hold: names, dimensions, units, meaning, display.
+"""The one table of variables of result files: names, dimensions, units, meaning, display.
 
 Inside the program all values are SI and radians; `scale` takes them to the units of the file, and
 `results/units.py` says in which a person reads them. What has no unit has flags.

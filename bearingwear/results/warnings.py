@@ -42,7 +42,7 @@ def wrapped_warnings(attributes: Mapping[str, Any]) -> list[str]:
 
 
 def warning_line(one: Mapping[str, Any]) -> str:
-    """A warning as text; of one that many results have, the worst."""
+    """A warning as text; if many results share it, the worst."""
     cases = one.get("cases", 1)
     where = f"{cases} times, at worst: " if cases > 1 else ""
     return f"{WARNING}{where}{one['sentence']}; {one['advice']}"

@@ -1,4 +1,4 @@
-"""The arrangement: two bearings on one rotor, and what of the second is not as in the first."""
+"""The arrangement: two bearings on one rotor, and the keys in which the second differs."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def _flat(block: Mapping[str, Any], above: str = "") -> Any:
 
 
 def _check_kind(a: Arrangement) -> None:
-    """What only a pair, or only a pair with a spring, can be given."""
+    """Keys that only a pair, or only a spring pair, may have."""
     given = {
         "external_axial_N": a.external_axial_N,
         "spring_stiffness_N_um": a.spring_stiffness_N_um,

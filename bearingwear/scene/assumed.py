@@ -1,4 +1,4 @@
-"""What is assumed of a bearing of which little is known, each number with the rule it was made by.
+"""Assumptions on a bearing of which little is known, each number with its rule.
 
 Importing this file imports nothing heavy: the command line takes its options from it.
 """

@@ -36,7 +36,7 @@ def changes_of(texts: Iterable[str]) -> dict[str, Any]:
 
 
 def with_changes(data: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Copy of a scene's data with values replaced, and blocks made where they stand in none.
+    """Copy of a scene's data with values replaced, in new blocks where needed.
 
     None takes an entry of `materials` or `uncertainty` away.
 

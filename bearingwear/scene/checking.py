@@ -116,7 +116,7 @@ _IMPOSSIBLE_NAME, _UNKNOWN, _WRONG_TYPE, _OUT_OF_RANGE, _NOTHING = range(5)
 
 
 class Fault(NamedTuple):
-    """Something wrong: how soon it is told, where it stands in the file, and what to say."""
+    """A fault: its priority, its place in the file, and its message."""
 
     rank: int
     place: tuple[int, ...]
@@ -180,7 +180,7 @@ def _block_faults(
 
 
 def _meant(path: str, file: Part) -> str:
-    """What to say of an unknown key that is one of another block; nothing where it is none."""
+    """The message for an unknown key that belongs to another block; empty if it belongs to none."""
     block, _, name = path.rpartition(".")
     beside = part_at(file, block)
     if beside is not None and difflib.get_close_matches(name, beside.below):

@@ -1,4 +1,4 @@
-"""What the designation of a common bearing says, and the radial clearance of deep groove bearings.
+"""Designations of common bearings, and the radial clearance of deep groove bearings.
 
 Sizes are the boundary dimensions of ISO 15 (dimension series 10, 02, 19 and, of the smallest, 18),
 clearances those of ISO 5753-1 for deep groove bearings with a cylindrical bore, before they are
@@ -69,7 +69,7 @@ ALLOWED = (
 
 
 class Designation(NamedTuple):
-    """What a designation says.
+    """Size and angle that a designation stands for.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How input is refused: one line that says what was given and what is allowed."""
+"""How input is refused: one line with what it got and what was expected."""
 
 from __future__ import annotations
 

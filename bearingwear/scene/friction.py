@@ -1,4 +1,4 @@
-"""What rubs: friction, films and running in, as keys of a scene."""
+"""Friction, films and running in, as keys of a scene."""
 
 from __future__ import annotations
 

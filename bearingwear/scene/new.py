@@ -1,4 +1,4 @@
-"""A scene from the few numbers of a bearing catalogue, the others assumed by stated rules.
+"""A scene from a few numbers of a catalogue; stated rules assume the others.
 
 Importing this file imports nothing heavy: the command line takes its options from it.
 """
@@ -142,7 +142,7 @@ def _assumed(
 
 
 def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
-    """Write what `scene_text` makes of what is known to a file that is not there yet.
+    """Write the text of `scene_text` to a new file.
 
     The scene has the name of the file.
 

@@ -116,7 +116,7 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
 
 
 def _check_events(text: str, anchors: bool) -> None:
-    """Refuse, before anything is built, what could grow large or change meaning."""
+    """Refuse, before anything is built, YAML that could grow large or change its meaning."""
     depth = documents = values = 0
     for event in yaml.parse(text, Loader=_Loader):
         documents += isinstance(event, yaml.DocumentStartEvent)

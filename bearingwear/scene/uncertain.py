@@ -1,4 +1,4 @@
-"""What of a scene may be uncertain, and how it is distributed."""
+"""The values of a scene that may be uncertain, and their distributions."""
 
 from __future__ import annotations
 

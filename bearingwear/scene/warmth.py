@@ -52,7 +52,7 @@ class Temperature:
 
 @dataclass(frozen=True, kw_only=True)
 class Conductance:
-    """What carries the heat away."""
+    """Conductances that carry the heat away."""
 
     inner_ring_shaft: Annotated[
         float, Key("Conductance from the inner ring to the shaft", "W/K", _CONDUCTANCE)
@@ -167,7 +167,7 @@ def _check_fits(scene: Scene) -> None:
 
 
 def _check_expansions(scene: Scene) -> None:
-    """Unlike materials need their own expansion, and no part may grow beyond all reason."""
+    """Unlike materials need their own expansion, and no part may grow without limit."""
     warm = scene.temperature or scene.thermal
     if warm is None:
         return

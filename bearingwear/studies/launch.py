@@ -151,7 +151,7 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
 
 @contextlib.contextmanager
 def only_run(folder: Path) -> Iterator[int]:
-    """Keeps other commands of ours out of a study's folder; yields the file that is held open.
+    """Locks a study's folder against other commands of bearingwear; yields the open file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a study is: steps, each of which makes files from files by one function.
+"""A study: steps, each of which makes files from files by one function.
 
 The rules of the workflow, the page and the cluster's groups ask a study for its steps and know none
 by name. A new study is a folder with these steps, a YAML file and a line in `studies.NAMES`.

@@ -1,4 +1,4 @@
-"""Looks over what earlier runs have left, before a run relies on it.
+"""Checks the files of earlier runs before a run relies on them.
 
 Snakemake believes that a file is good if it is there, and up to date if it is not older than what
 it was made from. Neither holds after a full disk, a broken transfer or a clock that was set back.

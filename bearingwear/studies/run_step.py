@@ -21,7 +21,7 @@ class NotSolved(Exception):
 
 
 class StepError(UsageError):
-    """A step that is not there, or not to be called so; one line."""
+    """A step that does not exist, or is called with wrong arguments; one line."""
 
 
 def run_step(

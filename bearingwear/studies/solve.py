@@ -18,7 +18,7 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 def solved_case(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
-    """One case. What could not be solved says so in its status, and on standard error."""
+    """One case. A failure is in its status and on standard error."""
     from bearingwear.model.solve import solve
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
@@ -28,14 +28,14 @@ def solved_case(
 def solved_life(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
-    """The wear life of a scene. What could not be solved says so, as `case` has it."""
+    """The wear life of a scene. A failure is reported as by `case`."""
     from bearingwear.model.life import life
 
     return told(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
 
 
 def told(result: Result, scene: str | Path) -> Result:
-    """The result; what could not be solved says so on standard error."""
+    """The result; a failure is reported on standard error."""
     if result.status != "ok":
         _report(f"{scene}: {result.status}: {result.reason}")
     return result

@@ -173,7 +173,7 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
 
 
 def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
-    """What becomes of chunks of jobs, in their order."""
+    """Results of chunks of jobs, in their order."""
     if workers <= 1:
         yield from map(_solved, chunks)
         return
@@ -194,7 +194,7 @@ def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
 
 
 def _told(parts: Iterator[xr.Dataset], count: int, progress: bool) -> Iterator[xr.Dataset]:
-    """The same parts, with a word on how far they are."""
+    """The same parts, with a line of progress."""
     if not progress:
         return parts
     try:

@@ -94,7 +94,7 @@ class SweepPoint:
 
 @dataclass(frozen=True, kw_only=True)
 class Reference:
-    """What is held for right, and how it is checked."""
+    """The reference of a scene, and its check."""
 
     fidelity: Annotated[str, Key("Model to solve", choices=TRADE_FIDELITIES)]
     changes: Changes = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""The study of accuracy: what the settings of a solve cost in time, and what they err by.
+"""The study of accuracy: time and error of the settings of a solve.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """

@@ -161,7 +161,7 @@ def booked(trade: xr.Dataset) -> str:
 
 
 def presets(trade: xr.Dataset) -> str:
-    """What draft and standard err by in each scene, and what they save, as a table."""
+    """Table of the errors of draft and standard in each scene, and the time they save."""
     lines = [
         "| solve, scene | draft: QV | contact | life | standard: QV | contact | life "
         "| faster | faster |",
@@ -213,7 +213,7 @@ def estimates(trade: xr.Dataset) -> str:
 
 
 def doubts(trade: xr.Dataset, scene: str, reference: str, name: str) -> float:
-    """What a reference itself is not sure of: its own estimate and what its check differs by."""
+    """Doubt of a reference: its own error estimate and the difference of its check."""
     points = points_where(trade, scene=scene, sweep=reference)
     own = points_where(points, label="reference")[f"estimate_{name}"].values
     other = np.abs(points_where(points, label="check")[f"error_{name}"].values)
@@ -245,7 +245,7 @@ def check_docs(trade: Path, plan: Path, docs: Path) -> str:
 
 
 def differences(trade: xr.Dataset, plan: AccuracyPlan, docs: str | Path) -> list[str]:
-    """What docs/accuracy.md says otherwise than a run, beyond the tolerance; a line each.
+    """Where docs/accuracy.md differs from a run beyond the tolerance; a line each.
 
     Raises
     ------

@@ -116,7 +116,7 @@ def assumption_words(name: str) -> tuple[str, str]:
 
 def flag_words(file: Any, name: str) -> list[str]:
     """Meanings of a coordinate of flags, along it."""
-    words = str(file[name].flag_meanings).split()
+    words = str(getattr(file[name], "flag_meanings", "")).split()  # none where nothing was found
     return [words[int(flag)] for flag in np.atleast_1d(values(file, name))]
 
 

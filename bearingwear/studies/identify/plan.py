@@ -61,7 +61,7 @@ class IdentifyPlan:
         return sorted({self.scene, *self.marks})
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
-        """Look whether every scene is there.
+        """Check that every scene exists.
 
         Raises
         ------

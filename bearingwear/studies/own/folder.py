@@ -95,7 +95,7 @@ def looked_at(folder: Path) -> Iterator[Path]:
 
 
 def answer_of(folder: Path, name: str) -> str:
-    """The sentence that the study of a scene comes to."""
+    """The answer of the study of a scene, in a sentence."""
     return load_answer(folder / f"results/{name}/preload/answer.json").headline
 
 

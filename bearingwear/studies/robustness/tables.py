@@ -1,4 +1,4 @@
-"""How scenes far beyond the other studies ended, as a table; fails if an answer is wrong."""
+"""Table of how scenes far beyond the other studies ended; fails if an answer is wrong."""
 
 from pathlib import Path
 

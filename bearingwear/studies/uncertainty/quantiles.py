@@ -1,4 +1,4 @@
-"""How sure a life is: quantiles of sampled lives, and which uncertain value decides.
+"""Quantiles of sampled lives, and the uncertain value that decides.
 
 Theory: docs/theory.md, section 15.
 """

@@ -1,4 +1,4 @@
-"""Lives at sampled values of what is uncertain in a scene.
+"""Lives at sampled values of the uncertain keys of a scene.
 
 Theory: docs/theory.md, section 15.
 """

@@ -1,4 +1,4 @@
-"""The study of uncertainty: how sure the lives at a scene's own and recommended preload are.
+"""The study of uncertainty: the spread of lives at a scene's own and recommended preload.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
