@@ -6,7 +6,7 @@ BIN := .venv/bin
 ALL_CORES := -n auto --dist loadgroup --no-loadscope-reorder
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test quick docs gallery test-long test-slurm test-faults fuzz always accuracy-docs bench venv clean
+.PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -29,6 +29,11 @@ test-long: $(STAMP) # whole studies run again and again, not part of `make test`
 test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and munge installed
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
 	$(BIN)/python -m pytest -rs -m cluster
+
+# the page in headless Chromium (Debian: apt install chromium): a small study's and those that are there
+test-page: $(STAMP)
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[page]'
+	BEARINGWEAR_PAGES="$(wildcard results/report/index.html */index.html)" $(BIN)/python -m pytest -rs tests/page
 
 test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
 	$(BIN)/python -m pytest -m faults

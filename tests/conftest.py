@@ -51,6 +51,14 @@ def made_once(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def small_project(made_once):
+    """Folder of a small study with all of its results."""
+    from small_study import make_small_study
+
+    return made_once("small_study", make_small_study)
+
+
+@pytest.fixture(scope="session")
 def scene():
     """Function (name, {key: value}) -> Scene, from config/scenes."""
     from bearingwear.scene.variant import variant

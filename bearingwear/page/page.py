@@ -1,10 +1,10 @@
-"""The page of a study: one HTML file without scripts that needs no network and no other file."""
+"""The page of a study: one HTML file that needs no network and, but for its data, no other file."""
 
 from __future__ import annotations
 
 import base64
-import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator, Sequence
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,24 +16,20 @@ import xarray as xr
 from markupsafe import Markup
 
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
-from bearingwear.page.answer import answer, lives_of
+from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.markup import to_html
-from bearingwear.plotting.drawing import MESSAGE, scene_of
+from bearingwear.page.scenes import key_rows, scene_differences
+from bearingwear.plotting.drawing import scene_of
+from bearingwear.results.answer import Answer, load_answer
+from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.quantiles import load_quantiles
-from bearingwear.results.units import display, in_print, key_in_words
+from bearingwear.results.units import display
 from bearingwear.results.warnings import gathered_warnings, warnings_in
-from bearingwear.scene.keys import leaves
 
-TEMPLATE = Path(__file__).with_name("page.html")
-LIFE_FIGURE = "wear_life"  # that of the first scene stands with the answer
-FIGURES = (".svg", ".png")
-HEAVY = 300_000  # bytes of an SVG beyond which its PNG is taken, if there is one
-SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
-TITLE = f"{{{SVG}}}title"
-DESCRIPTION = "{http://purl.org/dc/elements/1.1/}description"
-# What may stand in a data URI as it is; `#` would end it.
-UNQUOTED = " !$&'()*+,-./:;=?@_~"
+_TEMPLATE, _STYLE, _SCRIPT = (
+    Path(__file__).with_name(name) for name in ("page.html", "page.css", "page.js")
+)
+UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
     "QV": "Load times slip speed, summed over a contact, in watts. Friction heat is QV times the "
     "friction coefficient; by Archard's law the wear rate is QV times the wear coefficient over "
@@ -58,18 +54,6 @@ GLOSSARY = {
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
 
 
-@dataclass(frozen=True)
-class Drawing:
-    """A figure as the page holds it."""
-
-    path: Path
-    message: str
-    description: str
-    width: int
-    height: int
-    uri: str
-
-
 @dataclass
 class Section:
     """What belongs to one scene: the files in its folder and below it."""
@@ -82,8 +66,23 @@ class Section:
     warnings: list[tuple[str, str]] = field(default_factory=list)  # sentence and advice, where
 
 
+@dataclass
+class Answered:
+    """An answer with the figures and the texts that belong to it."""
+
+    answer: Answer
+    drawn: list[Drawing]
+    texts: list[Path]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.answer, name)
+
+
 def page(
-    sections: Iterable[Path] = (), docs: Iterable[Path] = (), answers: Iterable[Path] = ()
+    sections: Iterable[Path] = (),
+    docs: Iterable[Path] = (),
+    answers: Iterable[Path] = (),
+    data: Mapping[str, Sequence[str]] | None = None,
 ) -> str:
     """The page, as HTML.
 
@@ -92,12 +91,14 @@ def page(
     sections : iterable of path
         Files of a study, as the Snakefile makes them: study.nc, wear_life.nc and dynamic.nc of
         scenes; Markdown tables and figures in folders beside them, and figures of several scenes
-        elsewhere. The first scene is what the answer is about.
+        elsewhere.
     docs : iterable of path
-        Markdown to append, a section each.
+        Documents to link.
     answers : iterable of path
-        Markdown and figures that answer which preload to take, and quantiles of lives (.nc). The
-        first sentence of the first Markdown is then the headline.
+        What studies answer (`results.answer`, .json); the one of the least rank leads. Markdown
+        and figures in folders beside one belong to it.
+    data : mapping, optional
+        Files behind each figure, by its path.
 
     Raises
     ------
@@ -105,30 +106,35 @@ def page(
         One line.
     """
     results, leading = list(sections), list(answers)
-    _check_kinds(results, (".nc", ".md", *FIGURES))
-    _check_kinds(leading, (".nc", ".md", *FIGURES))
-    known = [load_quantiles(file) for file in leading if file.suffix == ".nc"]
+    _check_kinds(results, (".nc", ".md", *SUFFIXES))
+    _check_kinds(leading, (".json", ".md", *SUFFIXES))
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     scenes = _sections(datasets)
+    figures = list(drawings([*results, *leading], data or {}))
+    answered = _answered(leading, figures)
     across: list[Drawing] = []
-    for figure in _drawings(results):
-        owner = scenes.get(figure.path.parent.parent)
-        (owner.figures if owner else across).append(figure)
+    taken = [figure for one in answered for figure in one.drawn]
+    for figure in figures:
+        if figure not in taken:
+            owner = scenes.get(figure.path.parent.parent)
+            (owner.figures if owner else across).append(figure)
     for file in results:
         if file.suffix == ".md" and (owner := scenes.get(file.parent.parent)):
             owner.tables.append(file)
-    of_lives = filter(_is_life, datasets.values())
-    found = answer([life for dataset in of_lives for life in lives_of(dataset, known)])
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    first = next(iter(scenes.values()), None)
-    lead = [figure for figure in first.figures if figure.path.stem == LIFE_FIGURE] if first else []
-    return template.render(
-        answer=found,
-        lead=lead,
-        leading=_leading(leading),
+    style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
+    environment.globals.update(
+        link=_link,
+        line=bearing_line,
+        differences=scene_differences,
+        title=lambda file: _titled(file)[0],
+        html=lambda file: to_html(_tables(file), 2),
+    )
+    return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(
+        headline=answered[0].headline if answered else "A study of friction and wear",
+        answers=answered,
         sections=list(scenes.values()),
         across=across,
         unsolved=[
@@ -137,16 +143,42 @@ def page(
             for what, solved, of in section.solved
             if solved < of
         ],
-        keys=list(_keys([section.scene for section in scenes.values()])),
+        keys=list(key_rows([section.scene for section in scenes.values()])),
         versions=_versions(datasets.values()),
-        docs=[
-            (file, title, to_html(body, 1, file.parent))
-            for file in docs
-            for title, body in [_titled(file)]
-        ],
+        docs=[(file, _titled(file)[0]) for file in docs],
         glossary=GLOSSARY,
-        html=lambda file: to_html(_tables(file), 2),
+        style=Markup(style),
+        script=Markup(script),
+        hashes={"style": _csp_hash(style), "script": _csp_hash(script)},
     )
+
+
+def _csp_hash(text: str) -> str:
+    """What a policy of content names a text by."""
+    return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
+
+
+def _link(path: Path) -> str:
+    """From the page to a file of the study."""
+    return path.as_uri() if path.is_absolute() else UP + quote(path.as_posix())
+
+
+def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answered]:
+    """Answers, the leading one first, each with what lies beside it or is named by it."""
+    found = []
+    for file in files:
+        if file.suffix == ".json":
+            answer = load_answer(file)
+            beside = [path for path in files if path.parent.parent == file.parent]
+            texts = [path for path in beside if path.suffix == ".md"]
+            drawn = [
+                figure
+                for figure in figures
+                if figure.path in beside
+                or (figure.path.stem in answer.figures and answer.scene in figure.path.parts)
+            ]
+            found.append(Answered(answer, drawn, texts))
+    return sorted(found, key=lambda one: one.answer.rank)
 
 
 def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
@@ -202,75 +234,6 @@ def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:
         yield f"{one['sentence']}; {one['advice']}", ", ".join(counts)
 
 
-def _drawings(files: Sequence[Path]) -> Iterator[Drawing]:
-    """Every SVG among the files; a heavy one as the PNG of the same name, if that is given."""
-    for file in files:
-        if file.suffix == ".svg":
-            other = file.with_suffix(".png")
-            yield _drawing(file, other if other in files else None)
-
-
-def _drawing(file: Path, png: Path | None) -> Drawing:
-    try:
-        text = file.read_text(encoding="utf-8")
-        root = ET.fromstring(text)
-        _, _, width, height = (float(number) for number in root.attrib["viewBox"].split())
-        picture = png.read_bytes() if png and len(text) > HEAVY else None
-    except (OSError, UnicodeError, ET.ParseError, KeyError, ValueError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(f"{file}: cannot be read ({reason}), expected an SVG figure") from None
-    message = (root.findtext(TITLE) or file.stem.replace("_", " ")).strip()
-    description = next((node.text or "" for node in root.iter(DESCRIPTION)), "").strip()
-    # The page has the message beside the figure. Its glyphs stay: later texts use them, too.
-    for parent in list(root.iter()):
-        for place, child in enumerate(parent):
-            if child.get("id") == MESSAGE:
-                parent[place] = ET.Element(child.tag)
-                parent[place].extend(child.iter(f"{{{SVG}}}defs"))
-    return Drawing(
-        file,
-        message,
-        description,
-        round(width * 4.0 / 3.0),  # from points to pixels
-        round(height * 4.0 / 3.0),
-        f"data:image/png;base64,{base64.b64encode(picture).decode()}"
-        if picture
-        else f"data:image/svg+xml,{quote(_small(root), safe=UNQUOTED)}",
-    )
-
-
-def _small(root: ET.Element) -> str:
-    """An SVG without comments and line ends."""
-    ET.register_namespace("", SVG)
-    ET.register_namespace("xlink", XLINK)
-    return " ".join(ET.tostring(root, encoding="unicode").replace("> <", "><").split())
-
-
-def _leading(files: Sequence[Path]) -> dict[str, Any] | None:
-    """Headline, texts and figures that stand before all others, if there are any.
-
-    The text before the first heading, without the sentence that is the headline, stands apart.
-    """
-    titled = [_titled(file) for file in files if file.suffix == ".md"]
-    figures = list(_drawings(files))
-    if not titled and not figures:
-        return None
-    html = [to_html(text, 2) for _, text in titled]
-    text = html[0] if html else ""
-    before, _, rest = text.partition("<p>")
-    first, _, after = rest.partition("</p>")
-    sentence, stop, more = " ".join(first.split()).partition(". ")
-    kept = f"{before}<p>{more}</p>{after}" if more else before + after
-    intro, heading, rest = kept.partition("<h")
-    return {
-        "headline": Markup(sentence + stop.strip()).striptags() if first else "",
-        "intro": Markup(intro),
-        "texts": [("", Markup(heading + rest))]
-        + [(title, text) for (title, _), text in zip(titled[1:], html[1:], strict=True)],
-        "figures": figures,
-    }
-
-
 def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]:
     """Largest estimate of each numerical error of a scene, of what was solved."""
     for name, words in (
@@ -283,32 +246,6 @@ def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]
         known = [error for error in known if np.isfinite(error)]
         if known:
             yield words, f"{display('1', shown='%').text(max(known))} %"
-
-
-def _keys(scenes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
-    """Rows of the table of scenes: key in words, a value for each, whether they differ."""
-    flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
-    names = list(dict.fromkeys(name for values in flat for name in values))
-    blocks = list(dict.fromkeys(name.partition(".")[0] for name in names))
-    for name in sorted(names, key=lambda name: blocks.index(name.partition(".")[0])):
-        if name not in ("name", "description"):
-            row = [values.get(name, "–") for values in flat]
-            yield _key_label(name), row, len(set(row)) > 1
-
-
-def _key_label(key: str) -> str:
-    """A key of a scene in words: `bearing: ball diameter (mm)`."""
-    blocks = ", ".join(block.replace("_", " ") for block in key.split(".")[:-1])
-    words, unit = key_in_words(key)
-    return f"{blocks}: {words}" + (f" ({in_print(unit)})" if unit else "")
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, list):
-        return ", ".join(map(_value, value))
-    return "–" if value is None else str(value).replace("_", " ")
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:

@@ -198,5 +198,6 @@ def launch_own(
     if not made.is_file():
         return status, None
     page = folder / PAGE.name
-    write_text(page, made.read_text(encoding="utf-8"))
+    up = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
+    write_text(page, made.read_text(encoding="utf-8").replace(f'href="{up}', 'href="'))
     return status, page

@@ -202,5 +202,28 @@ class Study:
         return []
 
     def page_answers(self) -> list[str]:
-        """What the page's answer rests on; files that are there, of a study that is no default."""
+        """Answers (.json), and what lies beside them; those there are, of a study no default."""
         return []
+
+    def behind_figures(self) -> dict[str, list[str]]:
+        """What each figure was drawn from, and the tables (.csv) made from the same files."""
+        steps = [step for job in self.jobs if isinstance(job, Bundle) for step in job.steps]
+        tables = {
+            path: {one for one in flat_files(step.inputs) if one.endswith(".nc")}
+            for step in steps
+            for path in step.outputs
+            if path.endswith(".csv")
+        }
+        found: dict[str, list[str]] = {}
+        for step in steps:
+            data = [path for path in flat_files(step.inputs) if path.endswith(".nc")]
+            twins = [path for path, rest in tables.items() if rest & set(data)]
+            found |= {path: [*data, *twins] for path in step.outputs if path.endswith(".svg")}
+        return found
+
+
+def flat_files(files: Any) -> list[str]:
+    """Every path of the inputs of a step."""
+    return [
+        path for given in files.values() for path in ([given] if isinstance(given, str) else given)
+    ]

@@ -13,6 +13,7 @@ import pytest
 from support import ROOT, scene_file
 
 from bearingwear.model.fidelity import NotAvailable, choice
+from bearingwear.results.answer import Answer
 from bearingwear.scene.read import load_scene
 
 WORN = "fixed_position-mu0.080-loss0.50"
@@ -83,11 +84,11 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved):
             there = {path.name for path in (project.root / "results" / folder).glob(f"*.{suffix}")}
             assert there == {f"{name}.{suffix}" for name in names}
     page = results["report/index.html"].decode()
-    docs = (project.root / "docs" / name for name in ("verification.md", "accuracy.md"))
-    pictures = sum(path.read_text(encoding="utf-8").count("\n![") for path in docs)
     drawn = len(list((project.root / "results").rglob("*.svg")))
-    assert drawn == 11 and page.count("<img ") == drawn + pictures
-    assert "Draw it again: <code>snakemake -f results/gyro_s1/figures/fig09_slip.svg" in page
+    assert drawn == 11 and page.count("<img ") == drawn
+    for path in ("docs/verification.md", "results/gyro_s1/figures/fig09_slip.svg"):
+        assert f'<a href="../../{path}">' in page
+    assert '<a href="../../results/gyro_s1/tables/cases.csv">' in page
     assert results["verdict.txt"] == b"all 15 solved and verified\n"  # 10 cases, 5 lives
     again = solved.run()
     assert again.status == 0 and "Nothing to be done" in again.text
@@ -116,9 +117,17 @@ def test_an_edited_page_draws_nothing_anew(solved):
 
 
 def test_a_design_study_comes_into_the_page(solved):
-    folder = solved.root / "results/gyro_s1/design/tables"
+    folder = solved.root / "results/gyro_s1/design"
     folder.mkdir(parents=True)
-    (folder / "design.md").write_text("# gyro_s1\n\nTake a spring. It lasts.\n", encoding="utf-8")
+    answer = Answer(
+        scene="gyro_s1",
+        bearing="a bearing",
+        rank=0,
+        title="choice",
+        headline="Take a spring.",
+        points=[("Why", ["It lasts."])],
+    )
+    (folder / "answer.json").write_text(answer.as_json(), encoding="utf-8")
     page = solved.root / "results/report/index.html"
     assert solved.run("results/report/index.html").status == 0
     assert "<h1>Take a spring.</h1>" in page.read_text(encoding="utf-8")

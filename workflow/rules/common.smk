@@ -11,6 +11,7 @@ from snakemake.io import report as in_report
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
 from bearingwear.scene.read import as_data
+from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.repair import survey
 
 # What is wrong stops here, with one line and no traceback.
@@ -63,17 +64,9 @@ def one(job, wildcards):
     return job.one(dict(wildcards.items()))
 
 
-def flat(files):
-    return [
-        path
-        for given in files.values()
-        for path in ([given] if isinstance(given, str) else given)
-    ]
-
-
 def files_of(job):
     return lambda wildcards: [
-        path for step in one(job, wildcards).steps for path in flat(step.inputs)
+        path for step in one(job, wildcards).steps for path in flat_files(step.inputs)
     ]
 
 

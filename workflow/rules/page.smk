@@ -1,7 +1,7 @@
 # The page of everything, for people, and the verdict. `snakemake --report` makes the report of the jobs.
 
 
-# One self-contained HTML page: the answer, figures, tables, verification, provenance.
+# One HTML page that needs no network: the answer, figures with links to their data, tables, provenance.
 rule page:
     """the page of everything"""
     input:
@@ -21,10 +21,21 @@ rule page:
     params:
         made_from=sources_hash("bearingwear.page.page") + contents_hash(DOCS),
         inputs=lambda wildcards, input: arguments(input),
+        settings=shlex.quote(
+            json.dumps(
+                {
+                    "data": {
+                        figure: data
+                        for study in STUDIES.values()
+                        for figure, data in study.behind_figures().items()
+                    }
+                }
+            )
+        ),
     message:
         "the page of everything"
     shell:
-        "bearingwear step page.page.page {params.inputs} -o {output} > {log} 2>&1"
+        "bearingwear step page.page.page {params.inputs} --settings {params.settings} -o {output} > {log} 2>&1"
 
 
 # Comes last and fails, each time anew, if a case or a life could not be solved.

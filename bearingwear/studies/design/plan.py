@@ -9,11 +9,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import for_life
 from bearingwear.scene.records import Key
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
+from bearingwear.scene.variant import variant
 from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.life_scene import life_scene
 
@@ -146,6 +148,14 @@ def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene")
 
 
 @dataclass(frozen=True, kw_only=True)
+class Beside:
+    """The same bearing with something assumed otherwise."""
+
+    words: Annotated[str, Key("What is assumed, in words")]
+    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Design:
     """The maps of a scene, and the limits to choose by."""
 
@@ -160,11 +170,17 @@ class Design:
     limits: Annotated[DesignLimits, Key("Hold from new to the end of life")] = field(
         default_factory=DesignLimits
     )
+    beside: Annotated[
+        Mapping[str, Beside],
+        Key("Assumptions under which lives at the preload of the small map are found again"),
+    ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.map and any(mu != round(mu, 3) for mu in self.map.friction):
             # as the files of its parts are named
             raise SceneError("map.friction", "expected numbers of at most three decimals")
+        if self.beside and not self.small_map:
+            raise SceneError("beside", "expected beside a small_map, which there is not")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,6 +199,13 @@ class DesignPlan:
         """Axes of the small map of each scene that has one."""
         return {name: one.small_map for name, one in self.scenes.items() if one.small_map}
 
+    def beside(self, scene: str) -> dict[str, dict[str, Any]]:
+        """Other assumptions about a scene, as plain data by their names."""
+        return {
+            name: {"words": one.words, "set": dict(one.changes)}
+            for name, one in self.scenes[scene].beside.items()
+        }
+
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Read every scene and look whether its map can be solved.
 
@@ -191,6 +214,13 @@ class DesignPlan:
         ValueError
             One line.
         """
-        for name, one in self.scenes.items():
+        for name, design in self.scenes.items():
             path = Path(folder) / f"{name}.yaml"
-            one.limits.check(life_scene(path), str(path))
+            design.limits.check(life_scene(path), str(path))
+            for other, one in design.beside.items():
+                try:
+                    for_life(variant(path, one.changes), str(path))
+                except ValueError as error:
+                    what = str(error).removeprefix("--set ")
+                    where = f"config/design.yaml: scenes.{name}.beside.{other}"
+                    raise ValueError(f"{where}: {what}") from None

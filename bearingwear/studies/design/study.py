@@ -70,7 +70,9 @@ class DesignStudy(Study):
             for scene in plan.maps
         }
         self.small = {
-            scene: _drawn(scene, _SMALL, several=len(axes.friction) > 1)
+            scene: _drawn(
+                scene, _SMALL, several=len(axes.friction) > 1, beside=bool(plan.beside(scene))
+            )
             for scene, axes in self.small_maps.items()
         }
         self.jobs = (
@@ -102,11 +104,10 @@ class DesignStudy(Study):
         self.plan.check_scenes()
 
     def page_answers(self) -> list[str]:
-        kinds = ("tables/*.md", "figures/*.svg", "figures/*.png")
-        there = [path for kind in kinds for path in glob(f"results/*/design/{kind}")]
+        kinds = ("answer.json", "tables/*.md", "figures/*.svg", "figures/*.png")
+        there = [path for kind in kinds for path in sorted(glob(f"results/*/design/{kind}"))]
         small = [path for path in self.default_targets() if not path.endswith((".csv", ".nc"))]
-        # the page takes its headline from the first table
-        return sorted(there or small, key=lambda path: ("/design." not in path, path))
+        return there or small
 
     def _chosen(self) -> list[Step]:
         plan = self.plan
@@ -167,7 +168,22 @@ class DesignStudy(Study):
                 },
                 matches={"scene": "|".join(map(re.escape, maps))},
                 label="{scene}: small map and recommended preload",
-            )
+            ),
+            *(
+                Step(
+                    name=f"beside_{scene}",
+                    run=f"{_RUN}.beside.lives_beside",
+                    inputs={
+                        "scene": _SCENE.format(scene=scene),
+                        "recommendation": f"{_SMALL}/recommendation.nc".format(scene=scene),
+                    },
+                    outputs=(f"{_SMALL}/beside.nc".format(scene=scene),),
+                    settings={"cases": self.plan.beside(scene)},
+                    label=f"{scene}: other assumptions at the recommended preload",
+                )
+                for scene in maps
+                if self.plan.beside(scene)
+            ),
         ]
 
     def _checked(self) -> list[Step]:
@@ -212,7 +228,9 @@ class DesignStudy(Study):
         ]
 
 
-def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bundle:
+def _drawn(
+    scene: str, folder: str, several: bool, sampled: bool = False, beside: bool = False
+) -> Bundle:
     """Figures and tables of a map.
 
     Parameters
@@ -222,6 +240,8 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
         Whether it is of several friction coefficients.
     sampled : bool
         Whether the study of uncertainty samples lives of the scene.
+    beside : bool
+        Whether lives with other assumptions stand beside it.
     """
     at = folder.format(scene=scene)
     names = ("design", "recommendation", *(("uncertainty",) if sampled else ()))
@@ -251,6 +271,13 @@ def _drawn(scene: str, folder: str, several: bool, sampled: bool = False) -> Bun
             result="design, table",
             caption="design",
             category=scene,
+        ),
+        Step(
+            name="answer",
+            run=f"{_RUN}.answer.design_answer",
+            inputs=files | ({"beside": f"{at}/beside.nc"} if beside else {}),
+            outputs=(f"{at}/answer.json",),
+            label=f"{scene}: which preload to take",
         ),
     ]
     which = "small map" if folder == _SMALL else "map"

@@ -16,6 +16,7 @@ from bearingwear.studies.protocol import Step, Study, Wildcards
 
 _RUN = "studies.grid"
 _SCENE = "config/scenes/{scene}.yaml"
+_ANSWER = "results/answer.json"
 
 START = 1.0
 """What a process takes before it solves [s]."""
@@ -52,7 +53,7 @@ class GridStudy(Study):
         solved = [path for scene in plan.grids for path in plan.solved(scene)]
         gathered = [*plan.studies(), *plan.dynamics(), *plan.lives(), *plan.spreads_of_lives()]
         drawn = [path for bundle in self.drawn for path in bundle.outputs]
-        return [*solved, *plan.dynamic_cases(), *gathered, *drawn]
+        return [*solved, *plan.dynamic_cases(), *gathered, *drawn, *self.page_answers()]
 
     def default_targets(self) -> list[str]:
         return self.targets()
@@ -77,7 +78,7 @@ class GridStudy(Study):
         return [*studies, *tables, *figures]
 
     def page_answers(self) -> list[str]:
-        return self.plan.spreads_of_lives()
+        return [_ANSWER] if self.plan.lives() else []
 
     def _solved(self) -> list[Step]:
         """A rule for each list of losses that a job solves; wildcards say scene and line."""
@@ -183,6 +184,16 @@ class GridStudy(Study):
                 inputs=lambda w: {"paths": self.plan.dynamic_cases(w["scene"])},
                 outputs=("results/{scene}/dynamic.nc",),
                 label="{scene}: gather the cases solved in time",
+            ),
+            Step(
+                name="answer",
+                run=f"{_RUN}.answer.lives_answer",
+                inputs={
+                    "lives": self.plan.lives(),
+                    "uncertainty": self.plan.spreads_of_lives(),
+                },
+                outputs=(_ANSWER,),
+                label="what the lives say",
             ),
         ]
 

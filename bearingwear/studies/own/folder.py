@@ -19,6 +19,7 @@ import yaml
 
 from bearingwear.atomic import reason, write_text
 from bearingwear.console import UsageError
+from bearingwear.results.answer import load_answer
 from bearingwear.scene.records import NAME, NAME_RULE
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.life_scene import life_scene
@@ -95,8 +96,7 @@ def looked_at(folder: Path) -> Iterator[Path]:
 
 def answer_of(folder: Path, name: str) -> str:
     """The answer of the study of a scene, in a sentence."""
-    text = _text(folder / f"results/{name}/preload/tables/design.md") or ""
-    return text.partition("\n\n")[2].partition(". ")[0].partition(".\n")[0]
+    return load_answer(folder / f"results/{name}/preload/answer.json").headline
 
 
 def _hash(text: str) -> str:

@@ -1,34 +1,41 @@
-"""The answer of a study: which preload method lasts longest, how long, and what ends the life."""
+"""What the lives of the main study say: which preload method lasts longest, and what ends it."""
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import xarray as xr
 
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
+from bearingwear.model.criterion import IN_WORDS
 from bearingwear.plotting.drawing import in_words, methods, mu_is, percent_in_text, scene_of
+from bearingwear.results.answer import Answer, AnswerTable
+from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
-    QUANTILES_TEXT,
     SEE,
     Quantiles,
-    hours_of,
+    load_quantiles,
     quantiles_of,
-    quantiles_text,
 )
-from bearingwear.results.units import span
+from bearingwear.results.units import digits, in_print, span
 from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import loaded
 
-ENDS = {  # words for a criterion, and by how much its limit in the scene is multiplied
-    "preload_fraction": ("residual preload down to {:g}\N{NO-BREAK SPACE}%", 100.0),
-    "gyroscopic_slip_share": ("gyroscopic share of slip up to {:g}\N{NO-BREAK SPACE}%", 100.0),
-    "skid_ratio": ("skid ratio up to {:g}\N{NO-BREAK SPACE}%", 100.0),
-    "ball_diameter_loss_um": ("{:g}\N{NO-BREAK SPACE}µm of ball diameter lost", 1.0),
-}
 WORDS = {"ball_and_races": "balls and races", "ball": "the balls alone"}
 NO_END = "no end of life is met"
+RANK = 1
+"""Of the answer: one that recommends a preload comes before it."""
+
+
+def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
+    """Step: what the lives of the study say, as JSON; the first scene is what it is about."""
+    known = [load_quantiles(path) for path in uncertainty]
+    read = [loaded(path, interpolated_step=()) for path in lives]
+    first = scene_of(read[0])
+    found = answer([life for one in read for life in lives_of(one, known)], first)
+    return found.as_json()
 
 
 class Life(NamedTuple):
@@ -68,9 +75,10 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
             end = NO_END
             if status not in (OK, CRITERION_NOT_REACHED):
                 end = f"not solved: {in_words(STATUS_NAMES[status])}"
-            elif criterion in ENDS:
-                words, factor = ENDS[criterion]
-                end = words.format(factor * limits[criterion])
+            elif criterion in IN_WORDS:
+                met = IN_WORDS[criterion]
+                way = "down to" if met.falls else "up to"
+                end = f"{met.words} {way} {in_print(met.number(limits[criterion]))}"
             counts = wear.get("counts", COUNTS[-1])
             error = one.get("life_error_estimate", one["life"] * math.nan)
             found.append(
@@ -88,41 +96,47 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
     return found
 
 
-@dataclass(frozen=True)
-class Answer:
-    """The answer of a study, in sentences; the first scene is what it is about."""
-
-    headline: str
-    facts: list[tuple[str, list[str]]]  # question and sentences
-    rows: list[dict[str, str]]  # one for each friction and method of the first scene
-
-
-def answer(lives: Sequence[Life]) -> Answer | None:
-    """What a study says about preload, or None if it has no lives.
+def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
+    """What a study says about its lives, of which there is at least one.
 
     Two methods whose lives differ by less than their estimated numerical errors together count as
     equal.
+
+    Parameters
+    ----------
+    lives : sequence of Life
+    scene : mapping
+        The first scene, as its file states it.
     """
-    if not lives:
-        return None
     name = lives[0].scene
     here = [life for life in lives if life.scene == name]
     others = [life for life in lives if life.scene != name]
-    facts = [("How long", _how_long(here)), ("What ends it", _what_ends(here))]
+    points = [("What ends it", _what_ends(here))]
     contests = _contests(here)
     if contests:
-        facts.insert(0, ("Which preload method", _verdicts(contests)))
-    facts.append(("How sure that is", _how_sure(here)))
+        points.insert(0, ("Which preload method", _verdicts(contests)))
+    if at_once := _at_once(here):
+        points.append(("How sure that is", [at_once]))
     if others:
-        facts.append(("On the other bearings", _elsewhere(others)))
-    facts.append(
-        (
-            "How much preload",
-            ["Not varied in this study; bearingwear recommend finds one in seconds."],
-        )
+        points.append(("On the other bearings", _elsewhere(others)))
+    preload = scene["operation"]["preload_N"]
+    rows = [_row(life) for life in sorted(here, key=lambda life: life.friction)]
+    table = AnswerTable(
+        title=f"Lives of {name} at a preload of {preload:g} N",
+        columns=list(rows[0]),
+        rows=[list(row.values()) for row in rows],
+        note=_note(here),
     )
-    rows = [_row(life, lives) for life in sorted(here, key=lambda life: life.friction)]
-    return Answer(_headline(name, here, contests), facts, rows)
+    return Answer(
+        scene=name,
+        bearing=bearing_line(scene),
+        rank=RANK,
+        title=f"At {preload:g} N",
+        headline=_headline(f"{name} at {preload:g} N", here, contests),
+        points=points,
+        tables=[table],
+        figures=["wear_life"],
+    )
 
 
 class _Contest(NamedTuple):
@@ -163,7 +177,7 @@ def _headline(name: str, lives: Sequence[Life], contests: Sequence[_Contest]) ->
         return f"{name}: both preload methods last equally long"
     if len(winners) == 1:
         return f"{name}: {in_words(str(*winners))} lasts longest"
-    return f"{name}: which preload lasts longest depends on friction"
+    return f"{name}: which method lasts longest depends on friction"
 
 
 def _distinct(lives: Iterable[Life], what: str) -> list[str]:
@@ -191,42 +205,26 @@ def _margin(ratio: float) -> str:
     return f"{ratio:.2g} times as long"
 
 
-def _how_long(lives: Sequence[Life]) -> list[str]:
-    counts = lives[0].counts
-    said = [
-        f"{_hours([life.hours[way] for life in lives])} if the wear of {WORDS[way]} counts"
-        for way in sorted(WORDS, key=lambda way: way != counts)
-    ]
-    spread = ", over the methods and frictions studied" if len(lives) > 1 else ""
-    errors = [life.error for life in lives if math.isfinite(life.error)]
-    return [
-        _sentence("; ".join(said) + spread),
-        *([f"Numerical error: {percent_in_text(max(errors))} at most."] if errors else []),
-    ]
-
-
-def _how_sure(lives: Sequence[Life]) -> list[str]:
-    """Ranges of L10 and L50 where they were computed; the table has each."""
-    counts = lives[0].counts
-    said = []
-    for way in sorted(WORDS, key=lambda way: way != counts):
-        known = hours_of((life.spread for life in lives), way)
-        ranges = ", ".join(f"{name}\N{NO-BREAK SPACE}{_hours(h)}" for name, h in known.items())
-        said += [_sentence(f"{ranges} if the wear of {WORDS[way]} counts")] if known else []
-    at_once = [
+def _at_once(lives: Sequence[Life]) -> str:
+    """Of which lives one in ten is beyond a limit when new; nothing where there is none."""
+    found = [
         f"{in_words(life.method)} at {mu_is(life.friction)}"
         for life in lives
-        if life.spread and any(one.hours == 0.0 for one in life.spread[counts])
+        if life.spread and any(one.hours == 0.0 for one in life.spread[life.counts])
     ]
-    if at_once:
-        said.append(
-            _sentence(f"one in ten or more is beyond a limit when new: {', '.join(at_once)}")
-        )
-    if said:
-        said.append(QUANTILES_TEXT)
-    if not all(life.spread for life in lives):
-        said.append(_sentence(f"{NO_QUANTILES}{' for the others' if said else ''}, {SEE}"))
-    return said
+    text = f"one in ten or more is beyond a limit when new: {', '.join(found)}"
+    return _sentence(text) if found else ""
+
+
+def _note(lives: Sequence[Life]) -> str:
+    """What the columns of the table are."""
+    counts = f"Life counts the wear of {WORDS[lives[0].counts]}."
+    if not any(life.spread for life in lives):
+        return f"{counts} {_sentence(f'{NO_QUANTILES}, {SEE}')}"
+    return (
+        f"{counts} L10 is the life that one bearing in ten does not reach, L50 the one that half "
+        "of them do not, with all that the scene calls uncertain."
+    )
 
 
 def _what_ends(lives: Sequence[Life]) -> list[str]:
@@ -258,16 +256,21 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def _row(life: Life, lives: Sequence[Life]) -> dict[str, str]:
-    """Life of one point, and its range over all scenes that have this method and friction."""
-    twins = [one for one in lives if (one.method, one.friction) == (life.method, life.friction)]
-    row = {"friction": f"{life.friction:g}", "preload method": in_words(life.method)}
-    for way, words in (("ball_and_races", "balls and races"), ("ball", "ball alone")):
-        row[f"life, {words}"] = _hours([life.hours[way]])
-        row[f"spread, {words}"] = quantiles_text((life.spread or {}).get(way, ()))
-        if len({one.scene for one in lives}) > 1:
-            row[f"{words}, all bearings"] = _hours([one.hours[way] for one in twins])
-    return row | {"numerical error": percent_in_text(life.error), "ended by": life.end}
+def _row(life: Life) -> dict[str, str]:
+    """A life, its spread and its end."""
+    counts = life.counts
+    spread = {one.name: digits(one.hours) for one in (life.spread or {}).get(counts, ())}
+    other = next(way for way in COUNTS if way != counts)
+    return {
+        "friction": f"{life.friction:g}",
+        "preload method": in_words(life.method),
+        "life (h)": digits(life.counted),
+        "L10 (h)": spread.get("L10", "–"),
+        "L50 (h)": spread.get("L50", "–"),
+        f"life if {WORDS[other]} count (h)": digits(life.hours[other]),
+        "ended by": life.end,
+        "numerical error": percent_in_text(life.error),
+    }
 
 
 def _hours(values: Iterable[float]) -> str:

@@ -1,0 +1,321 @@
+"""What the design study answers: which preload to take, what holds it, how far that holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.plotting.drawing import in_words, methods, percent_in_text, scene_of
+from bearingwear.results.answer import Answer, AnswerTable
+from bearingwear.results.bearing_line import bearing_line
+from bearingwear.results.quantiles import QUANTILES_TEXT, RECOMMENDED, Quantile, quantiles_of
+from bearingwear.results.units import digits, display, in_print
+from bearingwear.results.warnings import warnings_in
+from bearingwear.scene.scene import COUNTS
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.beside import (
+    beside_table,
+    beside_told,
+    load_beside,
+    passed,
+)
+from bearingwear.studies.design.choice import (
+    ACTIVE,
+    LIMITED,
+    limits_of,
+    preload_text,
+)
+from bearingwear.studies.design.draw import design_files
+from bearingwear.studies.design.figures import at_scene
+from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
+from bearingwear.studies.design.recommend import best_method
+from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows, track_told
+from bearingwear.studies.design.tables import none_because
+from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
+from bearingwear.studies.design.words import (
+    GROOVE_WORDS,
+    HERTZIAN_LIFE_WORDS,
+    LIMIT_WORDS,
+    limit_text,
+)
+
+TAKE = {
+    "constant_force": "a spring of {} N (constant force)",
+    "fixed_position": "a fixed position preloaded with {} N",
+}
+"""How a preload is applied, in the words of the headline."""
+
+_HELD = {
+    "none": "No limit holds it: the life is longest there.",
+    "end_of_range": "The map ends there; a longer life may lie beyond it.",
+    "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
+    "end_of_life": "No limit holds it: at other preloads something else ends the life sooner.",
+}
+"""What keeps a preload from one with a longer life, where that is no limit."""
+
+NO_CLOCK = (
+    "Compare lives with each other, not with a clock: they go with hardness over wear coefficient, "
+    "and a wear coefficient is known to an order of magnitude at best."
+)
+
+_SHOWN = {
+    "axial_stiffness": ("axial stiffness", ""),
+    "system_axial_stiffness": ("stiffness, arrangement", ""),
+    "friction_power": ("friction power", ""),
+    "maximum_pressure": ("pressure", ""),
+    "gyroscopic_slip_share": ("gyroscopic slip share", "%"),
+    "residual_preload_at_end": ("preload left at the end", ""),
+}
+"""What stands beside a life: of each the worst from new to the end of life."""
+
+Spread = dict[str, Sequence[Quantile]]
+"""L10 and L50 of each method."""
+
+RoomRows = Sequence[tuple[str, str, str, tuple[float, float, float]]]
+"""As of `show.room_rows`."""
+
+
+def design_answer(
+    design: Path,
+    recommendation: Path,
+    uncertainty: Path | None = None,
+    beside: Path | None = None,
+) -> str:
+    """Step: which preload to take, as JSON.
+
+    Parameters
+    ----------
+    design, recommendation, uncertainty : path
+        As of `design_files`.
+    beside : path, optional
+        Lives at the recommended preloads with other assumptions (`lives_beside`).
+    """
+    files = design_files(design, recommendation, uncertainty)
+    others = None if beside is None else load_beside(beside, files.recommendation)
+    return preload_answer(files.design, files.recommendation, files.uncertainty, others).as_json()
+
+
+def preload_answer(
+    design: xr.Dataset,
+    recommendation: xr.Dataset,
+    uncertainty: xr.Dataset | None = None,
+    beside: xr.Dataset | None = None,
+) -> Answer:
+    """Which preload to take for a scene."""
+    scene, room = scene_of(recommendation), room_rows(recommendation)
+    spread = _spread(recommendation, uncertainty)
+    best = best_method(recommendation)
+    points: list[tuple[str, list[str]]] = []
+    if best is not None:
+        told = [] if beside is None else beside_told(beside, recommendation, best)
+        points = [
+            ("What it gives", [_gives(recommendation)]),
+            ("What limits it", [_held(_lives(recommendation)[0][1])]),
+            ("What would change it", [_holds(room, recommendation), *told]),
+            ("How sure that is", _sure(recommendation, spread)),
+        ]
+    none = none_because(recommendation)
+    points += [("What is not possible", none)] if none else []
+    notes = [("Limits, from new to the end of life", [_limits(design)])]
+    warned = [f"{one['sentence']}; {one['advice']}." for one in warnings_in(recommendation.attrs)]
+    notes += [("Warnings, at their worst", warned)] if warned else []
+    return Answer(
+        scene=scene["name"],
+        bearing=bearing_line(scene),
+        rank=0,
+        title="The preload to take",
+        headline=_headline(recommendation),
+        points=points,
+        notes=notes,
+        tables=[
+            *([] if best is None else [_recommended(recommendation, spread)]),
+            *([] if beside is None else [beside_table(beside, recommendation)]),
+            _over_preload(design, recommendation),
+            *([_room(room, recommendation)] if room else []),
+        ],
+        figures=["design", "map", "uncertainty"],
+    )
+
+
+def _lives(recommendation: xr.Dataset) -> list[tuple[str, xr.Dataset, float]]:
+    """Each method that has a preload, and its life [h]; the longest first."""
+    basis = counted(recommendation)
+    found = [
+        (method, one, float(one["life"].isel(loss_basis=basis)))
+        for method, one in methods(recommendation)
+    ]
+    return sorted((each for each in found if math.isfinite(each[2])), key=lambda each: -each[2])
+
+
+def _headline(recommendation: xr.Dataset) -> str:
+    name = scene_of(recommendation)["name"]
+    taken = [TAKE[method].format(preload_text(one)) for method, one, _ in _lives(recommendation)]
+    if not taken:
+        return f"{name}: no preload keeps to all limits"
+    if int(recommendation["verdict"]) == NEITHER_LONGER:
+        return f"{name}: neither method lasts longer; take {' or '.join(taken)}"
+    return f"{name}: take {taken[0]}"
+
+
+def _gives(recommendation: xr.Dataset) -> str:
+    lives = _lives(recommendation)
+    life = lives[0][2]
+    way = in_words(COUNTS[counted(recommendation)]).replace("ball", "balls")
+    said = f"{digits(life)} h of life, counting the wear of {way}"
+    if len(lives) > 1:
+        other, twin, less = lives[1]
+        ratio = life / less if less else math.inf
+        more = f"{percent_in_text(ratio - 1.0)} more than"
+        times = more if ratio < 1.1 else f"{ratio:.2g} times"
+        said += f": {times} the {digits(less)} h of {in_words(other)} at {preload_text(twin)} N"
+    return f"{said}."
+
+
+def _held(one: xr.Dataset) -> str:
+    """What keeps a preload from another one with a longer life."""
+    name = ACTIVE[int(one["active_limit"])]
+    if name not in LIMITED:
+        return _HELD[name]
+    limit = limits_of(one).given[name]
+    return f"A preload with a longer life would pass a limit: {limit_text(name, limit)}."
+
+
+def _limits(design: xr.Dataset) -> str:
+    given = limits_of(design).given
+    said = "; ".join(limit_text(name, value) for name, value in given.items()) or "none"
+    return f"{said[0].upper()}{said[1:]}."
+
+
+def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
+    """Which assumption turns the choice of the method round."""
+    lives = _lives(recommendation)
+    if len(lives) < 2:
+        return "The other method has no preload within the limits."
+    said = []
+    for _, label, unit, (low, now, high) in room:
+        ends = [
+            f"{way} {digits(end)}"
+            for way, end in (("below", low), ("above", high))
+            if math.isfinite(end)
+        ]
+        if ends:
+            unit = f"\N{NO-BREAK SPACE}{in_print(unit)}" if unit else ""
+            label = label.replace("end: ", "an end of life by ")
+            said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
+    if not said:
+        return "No limit, end of life or friction turns it round, as far as was looked."
+    return f"{in_words(lives[1][0]).capitalize()} is the better method with {'; '.join(said)}."
+
+
+def _spread(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> Spread:
+    """L10 and L50 at the recommended preload of each method, where they were sampled."""
+    scene, way = scene_of(recommendation), COUNTS[counted(recommendation)]
+    known = [] if uncertainty is None else [uncertainty]
+    mu = scene["friction"]["ball_race"]
+    return {
+        method: (quantiles_of(known, scene, method, mu, RECOMMENDED) or {}).get(way, ())
+        for method, _ in methods(recommendation)
+    }
+
+
+def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
+    method, one, _ = _lives(recommendation)[0]
+    error = float(one["life_error_estimate"].isel(loss_basis=counted(recommendation)))
+    said = []
+    if int(recommendation["verdict"]) == NEITHER_LONGER:
+        said.append(
+            f"Neither method is said to last longer where a change of {100 * CLAIMED:g} % in one "
+            "assumption, or the other track of a ball, turns it round."
+        )
+    quantiles = ", ".join(q.text for q in spread[method])
+    said += [f"{quantiles}."] if quantiles else []
+    if math.isfinite(error):
+        said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
+    return [*said, *track_told(recommendation), NO_CLOCK]
+
+
+def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
+    """The preload to take by each method, and the bearing with it."""
+    basis = counted(recommendation)
+    columns = [one for _, one in methods(recommendation)]
+
+    def hours(name: str, way: int) -> list[str]:
+        return [digits(float(one[name].isel(loss_basis=way))) for one in columns]
+
+    rows = [["preload to set (N)", *map(preload_text, columns)]]
+    worn = [int(one["groove"]) == WORN_GROOVE for one in columns]
+    groove = f", groove {GROOVE_WORDS['worn']}" if any(worn) else ""
+    rows.append([f"life{groove} (h)", *hours("life", basis)])
+    if groove:
+        rows.append([f"life {HERTZIAN_LIFE_WORDS} (h)", *hours("hertzian_life", basis)])
+    for name in ("L10", "L50") if any(spread.values()) else ():
+        known = [{q.name: q.hours for q in found}.get(name, math.nan) for found in spread.values()]
+        rows.append([f"{name} (h)", *map(digits, known)])
+    rows.append([f"life, counting {in_words(COUNTS[1 - basis])} (h)", *hours("life", 1 - basis)])
+    for name, (label, shown) in _SHOWN.items():
+        values = recommendation[name]
+        unit = display(values.attrs["units"], values, shown=shown)
+        rows.append([unit.label(label), *(unit.text(one[name]) for one in columns)])
+    rows.append(["held by", *(LIMIT_WORDS[ACTIVE[int(one["active_limit"])]] for one in columns)])
+    return AnswerTable(
+        title="At the preload to take",
+        columns=["", *(in_words(method) for method, _ in methods(recommendation))],
+        rows=rows,
+        note="Stiffness, power, pressure and slip are the worst from new to the end of life."
+        + (f" {QUANTILES_TEXT}" if any(spread.values()) else ""),
+    )
+
+
+def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
+    """Every preload of the map, by each method, at the scene's friction and speed."""
+    followed = lines_followed(recommendation)
+    line = (at_scene(design) if followed is None else followed).assign_attrs(design.attrs)
+    basis = counted(design)
+    shown = {
+        name: (label, display(line[name].attrs["units"], line[name], shown=as_))
+        for name, (label, as_) in _SHOWN.items()
+    }
+    rows = [
+        [
+            f"{preload:g}",
+            in_words(method),
+            digits(float(one["life"].isel(loss_basis=basis))),
+            *(unit.text(one[name]) for name, (_, unit) in shown.items()),
+            passed(one),
+        ]
+        for k, preload in enumerate(line["preload"].values)
+        for method, of_method in methods(line)
+        for one in [of_method.isel(preload=k)]
+    ]
+    preloads, best = line["preload"].values, best_method(recommendation)
+    taken = preloads[-1] if best is None else float(recommendation["preload"][best])
+    return AnswerTable(
+        title="Life and limits over the preload",
+        columns=[
+            "preload (N)",
+            "preload method",
+            "life (h)",
+            *(unit.label(label) for label, unit in shown.values()),
+            "limits passed",
+        ],
+        rows=rows,
+        slider=True,
+        start=f"{preloads[np.abs(preloads - taken).argmin()]:g}",
+    )
+
+
+def _room(room: RoomRows, recommendation: xr.Dataset) -> AnswerTable:
+    rows = [
+        [f"{label} ({in_print(unit)})" if unit else label, *map(digits, numbers)]
+        for _, label, unit, numbers in room
+    ]
+    return AnswerTable(
+        title="How far the choice of the method holds",
+        columns=["assumed", *ROOM_COLUMNS],
+        rows=rows,
+        note=" ".join([ROOM_TOLD, *track_told(recommendation)]),
+    )

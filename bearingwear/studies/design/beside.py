@@ -1,0 +1,177 @@
+"""Lives at the recommended preloads where something is assumed otherwise, and what that changes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import in_words, methods
+from bearingwear.results.answer import AnswerTable
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.units import digits, display
+from bearingwear.results.variable import Variable
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.scene.variant import variant
+from bearingwear.studies.dataset import LOSS_BASIS, coordinate, counted, dataset_with
+from bearingwear.studies.design.choice import limit_margins, limits_of
+from bearingwear.studies.design.followed import followed_point, with_grooves
+from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
+from bearingwear.studies.design.words import LIMIT_WORDS
+from bearingwear.studies.life_scene import life_scene
+
+_KIND = "beside"
+_WORDS = "words"
+"""Attribute: what is assumed otherwise, in words, for each of them."""
+
+_SHOWN = {
+    "system_axial_stiffness": "stiffness, arrangement",
+    "friction_power": "friction power",
+    "maximum_pressure": "pressure",
+}
+_NONE = {"status": -1, "end_criterion": len(CRITERIA) - 1, "solves": 0, "failed_solves": 0}
+
+
+def lives_beside(
+    scene: Path, recommendation: Path, cases: Mapping[str, Mapping[str, Any]]
+) -> xr.Dataset:
+    """Step: lives at the recommended preloads of a scene, with other assumptions.
+
+    Parameters
+    ----------
+    scene, recommendation : path
+    cases : mapping
+        Of each name `words`, and `set`, the keys of the scene that are changed.
+    """
+    found = recommended_for(life_scene(scene), load(recommendation))
+    limits = limits_of(found)
+    points = []
+    for case in cases.values():
+        other = variant(scene, case["set"])
+        for flag, preload in zip(
+            found["preload_method"].values, found["preload"].values, strict=True
+        ):
+            held = held_by(other, PRELOAD_METHODS[int(flag)], float(np.nan_to_num(preload)))
+            known = math.isfinite(preload)
+            points.append(followed_point(held, limits.gyroscopic_slip_share) if known else _NONE)
+    names = Variable(
+        _KIND, (_KIND,), "", "what is assumed otherwise", dtype="i1", flags=tuple(cases)
+    )
+    sizes = {_KIND: len(cases), "preload_method": found.sizes["preload_method"]}
+    return dataset_with(
+        with_grooves(points, sizes),
+        {
+            **{name: found[name].variable for name in ("preload_method", *LOSS_BASIS.dims)},
+            **coordinate(names),
+        },
+        {key: found.attrs[key] for key in found.attrs if key not in ("warnings", "none_because")}
+        | {
+            "kind": _KIND,
+            "title": "Lives at the recommended preloads with other assumptions",
+            _WORDS: json.dumps([case["words"] for case in cases.values()]),
+        },
+    )
+
+
+def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
+    """What stands beside a recommendation.
+
+    Raises
+    ------
+    CaseFileError
+        One line.
+    """
+    found = load(path)
+    if found.attrs.get("kind") != _KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
+        raise CaseFileError(f"{path}: not a file of the kind {_KIND}")
+    if found.attrs["scene"] != recommendation.attrs["scene"]:
+        raise CaseFileError(f"{path}: not of the scene of the recommendation")
+    return found
+
+
+def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
+    """Lives at the recommended preloads, as studied and with other assumptions."""
+    basis = counted(recommendation)
+    units = {
+        name: (label, display(beside[name].attrs["units"], beside[name], recommendation[name]))
+        for name, label in _SHOWN.items()
+    }
+    rows = [
+        [
+            words,
+            in_words(method),
+            digits(float(one["life"].isel(loss_basis=basis))),
+            *(unit.text(one[name]) for name, (_, unit) in units.items()),
+            passed(one),
+        ]
+        for words, case in [("as above", recommendation), *assumptions_of(beside)]
+        for method, one in methods(case)
+        if int(one["status"]) >= 0
+    ]
+    return AnswerTable(
+        title="What other assumptions change, at these preloads",
+        columns=[
+            "assumed",
+            "preload method",
+            "life (h)",
+            *(unit.label(label) for label, unit in units.values()),
+            "limits passed",
+        ],
+        rows=rows,
+    )
+
+
+def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> list[str]:
+    """With which assumptions the recommended method is not the better one, or passes a limit."""
+    basis = counted(recommendation)
+    turned, beyond, unknown, same = [], [], [], []
+    for words, case in assumptions_of(beside):
+        lives = case["life"].isel(loss_basis=basis).values
+        taken = case.isel(preload_method=method)
+        limits = passed(taken)
+        if int(taken["status"]) != OK:
+            unknown.append(words)
+        elif np.nanargmax(lives) != method:
+            turned.append(words)
+        elif limits != NONE_PASSED:
+            beyond.append(f"{words} ({limits})")
+        else:
+            same.append(words)
+    said = (
+        ("The other method lives longer with {}.", turned),
+        ("It passes a limit with {}.", beyond),
+        ("Method and limits hold with {}.", same),
+        ("No life was found with {}.", unknown),
+    )
+    return [text.format("; ".join(found)) for text, found in said if found]
+
+
+def assumptions_of(beside: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
+    """Words and numbers of each assumption, which have the limits of the recommendation."""
+    words = json.loads(beside.attrs[_WORDS])
+    return [(text, beside.isel({_KIND: k})) for k, text in enumerate(words)]
+
+
+def passed(one: xr.Dataset) -> str:
+    """Which limits a point passes, or why it has no life."""
+    if int(one["status"]) != OK:
+        return f"not solved: {in_words(STATUS_NAMES[int(one['status'])])}"
+    limits = limits_of(one)
+    margins = zip(limits.given, limit_margins(one, limits), strict=True)
+    return (
+        ", ".join(LIMIT_WORDS[name] for name, left in margins if not left >= -SAME) or NONE_PASSED
+    )
+
+
+NONE_PASSED = "none"
+
+SAME = 1e-6
+"""By how much, relative, a limit may be passed by rounding."""

@@ -1,0 +1,243 @@
+"""The page in a browser: at a desk and on a phone, by day and by night, on paper.
+
+Chromium is asked through Playwright, the extra `page`; without them these tests are skipped, but
+for `make test-page`, where they fail. That also looks at the pages named in BEARINGWEAR_PAGES.
+"""
+
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+REQUIRED = "BEARINGWEAR_PAGES" in os.environ
+PAGES = os.environ.get("BEARINGWEAR_PAGES", "").split()
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+DESK, PHONE = (1280, 900), (390, 844)
+MOST_PAGES = 10  # on paper
+LEAST_CONTRAST = 4.5  # WCAG 2, AA
+
+if not REQUIRED:
+    pytest.importorskip("playwright", reason="needs the extra `page`")
+    if not CHROMIUM:
+        pytest.skip("needs Chromium", allow_module_level=True)
+
+TOO_WIDE = """() => {
+  const found = [];
+  const shown = document.documentElement.clientWidth;
+  if (document.documentElement.scrollWidth > shown) found.push("the page itself");
+  for (const node of document.body.querySelectorAll("*")) {
+    const box = node.getBoundingClientRect();
+    if (!box.width || node.closest("script, style, svg")) continue;
+    const scrolled = node.parentElement.closest("nav, .wide, .plot");
+    if (!scrolled && box.right > shown + 1) found.push("beyond the edge: " + node.outerHTML);
+    const hidden = node.scrollWidth > node.clientWidth + 1 && node.clientWidth > 0;
+    const inline = getComputedStyle(node).display.startsWith("inline");
+    if (!hidden || inline) continue;
+    if (!node.matches("nav, .wide, .plot")) found.push("cut: " + node.outerHTML);
+    const cue = node.matches(".plot")
+      ? node.nextElementSibling.getBoundingClientRect().height > 0
+      : getComputedStyle(node).backgroundImage.includes("gradient");
+    if (!cue) found.push("no cue: " + node.outerHTML);
+  }
+  return found.map((text) => text.slice(0, 200));
+}"""
+
+TOO_NARROW = """() => [...document.querySelectorAll("p, dd, td, th, li, h1, h2, figcaption")]
+  .filter((node) => node.getClientRects().length && node.textContent.trim().length > 12)
+  .filter((node) => node.clientWidth < 3 * parseFloat(getComputedStyle(node).fontSize))
+  .map((node) => node.outerHTML.slice(0, 200))"""
+
+CONTRASTS = """() => {
+  const rgba = (text) => text.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => [r, g, b].map((c) => c / 255)
+    .map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
+    .reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
+  const behind = (node) => {
+    for (let one = node; one; one = one.parentElement) {
+      const colour = rgba(getComputedStyle(one).backgroundColor);
+      if (colour.length < 4 || colour[3] > 0) return colour;
+    }
+    return [255, 255, 255];
+  };
+  return [...document.body.querySelectorAll("*")]
+    .filter((node) => [...node.childNodes].some((c) => c.nodeType === 3 && c.data.trim()))
+    .filter((node) => node.getClientRects().length)
+    .map((node) => {
+      const [a, b] = [rgba(getComputedStyle(node).color), behind(node)].map(light);
+      return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), node.outerHTML.slice(0, 120)];
+    });
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright
+
+    assert CHROMIUM, "needs Chromium"
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+@pytest.fixture(params=["small study", *PAGES])
+def path(request):
+    """The page of a small study, and each that is given."""
+    if request.param in PAGES:
+        return Path(request.param).resolve()
+    return request.getfixturevalue("whole_page")
+
+
+@pytest.fixture
+def opened(browser, path):
+    """Function (size, dark=, script=) -> the page, and what it told the console."""
+    contexts = []
+
+    def show(size=DESK, scheme="light", script=True):
+        context = browser.new_context(
+            viewport=dict(zip(("width", "height"), size, strict=True)),
+            color_scheme=scheme,
+            java_script_enabled=script,
+        )
+        contexts.append(context)
+        page = context.new_page()
+        told = []
+        page.on("console", lambda message: told.append(message.text))
+        page.on("pageerror", lambda error: told.append(str(error)))
+        page.on("request", lambda one: told.append(one.url) if "://" in one.url[5:] else None)
+        page.goto(path.as_uri())
+        return page, [line for line in told if line != path.as_uri()]
+
+    yield show
+    for context in contexts:
+        context.close()
+
+
+def unfold(page):
+    page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE])
+def test_nothing_is_cut_and_nothing_fails(opened, size):
+    page, told = opened(size)
+    assert told == []
+    assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
+    unfold(page)
+    assert page.evaluate(TOO_WIDE) == [] and page.evaluate(TOO_NARROW) == []
+
+
+def test_a_cut_would_be_seen(opened):
+    page, _ = opened(PHONE)
+    page.evaluate("document.querySelector('h1').style.width = '500px'")
+    assert any("beyond the edge: <h1" in text for text in page.evaluate(TOO_WIDE))
+    page, _ = opened(PHONE)
+    page.evaluate("document.querySelector('.cue').style.display = 'none'")
+    assert any(text.startswith("no cue") for text in page.evaluate(TOO_WIDE))
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE])
+def test_the_first_screen_says_what_to_do(opened, size):
+    page, _ = opened(size)
+    for one in (".eyebrow", "h1", "dl"):
+        box = page.locator(one).first.bounding_box()
+        assert box["y"] + box["height"] <= size[1], one
+    table = page.locator("#answer-1 table").first.bounding_box()
+    if size == DESK:
+        assert table["y"] + table["height"] <= size[1]
+    else:
+        assert table["y"] < size[1]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_contrast(opened, scheme):
+    page, _ = opened(scheme=scheme)
+    unfold(page)
+    contrasts = page.evaluate(CONTRASTS)
+    assert len(contrasts) > 100
+    assert [one for one in contrasts if one[0] < LEAST_CONTRAST] == []
+    paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    dark = sum(map(int, re.findall(r"\d+", paper)[:3])) < 150
+    assert dark == (scheme == "dark")
+
+
+def test_links_lead_somewhere(opened, path):
+    page, _ = opened()
+    links = page.eval_on_selector_all("a", "links => links.map((one) => one.href)")
+    assert links
+    for link in links:
+        file, _, place = link.removeprefix("file://").partition("#")
+        assert Path(file).is_file() if not place else page.locator(f"#{place}").count() == 1, link
+
+
+def test_the_navigation_stays_and_unfolds(opened):
+    page, _ = opened()
+    page.evaluate("scrollTo(0, 2000)")
+    page.wait_for_function("scrollY > 1000")
+    assert page.locator("nav").bounding_box()["y"] == 0.0
+    page.locator("nav a", has_text="Words").click()
+    page.wait_for_timeout(100)
+    place = page.locator("#words").bounding_box()["y"]
+    assert 0.0 <= place < DESK[1]
+
+
+def test_the_slider_shows_the_rows_of_a_preload(opened):
+    page, _ = opened()
+    box = page.locator(".slider").first
+    slider, shown = box.locator("input"), box.locator("output")
+    table = page.locator(f"#{box.get_attribute('data-table')}")
+    unfold(page)
+    rows = table.locator("tbody tr").all()
+    values = [row.locator("th, td").all_inner_texts() for row in rows]
+    preloads = list(dict.fromkeys(row[0] for row in values))
+    assert len(preloads) > 2
+    start = shown.inner_text()
+    assert start.endswith(f": {box.get_attribute('data-start')}")
+    for k, preload in ((0, preloads[0]), (len(preloads) - 1, preloads[-1])):
+        slider.fill(str(k))
+        assert shown.inner_text().endswith(f": {preload}")
+        picked = [row[1:] for row in values if row[0] == preload]
+        cells = box.locator("tbody tr").all()
+        told = [row.locator("td").all_inner_texts() for row in cells]
+        assert [list(column) for column in zip(*told, strict=True)] == picked
+    slider.focus()
+    page.keyboard.press("ArrowLeft")
+    assert shown.inner_text().endswith(f": {preloads[-2]}")
+
+
+def test_tables_are_sorted(opened):
+    page, _ = opened()
+    unfold(page)
+    box = page.locator(".slider").first
+    table = page.locator(f"#{box.get_attribute('data-table')}")
+    column = [text.split("\n")[0] for text in table.locator("thead th").all_inner_texts()]
+    k = next(k for k, text in enumerate(column) if text.startswith("life"))
+
+    def lives():
+        texts = table.locator(f"tbody tr > :nth-child({k + 1})").all_inner_texts()
+        return [float(text) for text in texts if text != "–"]
+
+    before = lives()
+    heading = table.locator("thead th").nth(k)
+    heading.locator("button").click()
+    assert lives() == sorted(before) and heading.get_attribute("aria-sort") == "ascending"
+    heading.locator("button").click()
+    assert lives() == sorted(before, reverse=True)
+    assert heading.get_attribute("aria-sort") == "descending"
+
+
+def test_everything_is_there_without_the_script(opened):
+    page, told = opened(script=False)
+    assert told == []
+    assert not page.locator(".slider").first.is_visible()
+    summary = page.locator(".picked summary").first
+    summary.click()
+    assert page.locator(".picked details table").first.is_visible()
+
+
+def test_it_prints_on_a_few_pages(opened):
+    page, _ = opened()
+    printed = page.pdf(prefer_css_page_size=True)
+    pages = len(re.findall(rb"/Type\s*/Page\b", printed))
+    assert 1 <= pages <= MOST_PAGES

@@ -1,0 +1,155 @@
+"""What the design study answers, and what other assumptions change in it."""
+
+import json
+
+import numpy as np
+import pytest
+from small_study import CHOICE
+from support import step
+
+from bearingwear.results.answer import load_answer
+from bearingwear.results.netcdf import load
+from bearingwear.results.units import digits
+from bearingwear.studies.design.answer import preload_answer
+from bearingwear.studies.design.beside import beside_told
+from bearingwear.studies.design.plan import DesignPlan
+from bearingwear.studies.design.verdict import NEITHER_LONGER
+
+CASES = {
+    "same": {"words": "nothing", "set": {}},
+    "warm": {"words": "a warm inner ring", "set": {"temperature.inner_ring_C": 30}},
+}
+
+
+@pytest.fixture(scope="module")
+def files(small_project, tmp_path_factory):
+    """Map, recommendation and what stands beside it."""
+    beside = tmp_path_factory.mktemp("beside") / "beside.nc"
+    status = step(
+        "studies.design.beside.lives_beside",
+        beside,
+        settings={"cases": CASES},
+        scene=small_project / "mine.yaml",
+        recommendation=small_project / CHOICE / "recommendation.nc",
+    )
+    assert status == 0
+    return {
+        "design": small_project / CHOICE / "design.nc",
+        "recommendation": small_project / CHOICE / "recommendation.nc",
+        "beside": beside,
+    }
+
+
+def told(answer):
+    points = {question: " ".join(said) for question, said in (*answer.points, *answer.notes)}
+    return {name: text.replace("\N{NO-BREAK SPACE}", " ") for name, text in points.items()}
+
+
+def test_the_answer_is_that_of_the_files(files, tmp_path):
+    path = tmp_path / "answer.json"
+    assert step("studies.design.answer.design_answer", path, **files) == 0
+    answer, found = load_answer(path), load(files["recommendation"])
+    spring, fixed = (float(life) for life in found["life"].isel(loss_basis=1))
+    preload = float(found["preload"][0])
+    assert answer.headline == f"mine: take a spring of {preload:g} N (constant force)"
+    said = told(answer)
+    assert said["What it gives"].startswith(
+        f"{digits(spring)} h of life, counting the wear of balls"
+    )
+    assert f"the {digits(fixed)} h of fixed position" in said["What it gives"]
+    assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
+    assert "Fixed position is the better method with stiffness" in said["What would change it"]
+    assert "order of magnitude" in said["How sure that is"]
+    assert "temperature is left out" in said["Warnings, at their worst"]
+    first, other, slider, room = answer.tables
+    assert dict((row[0], row[1]) for row in first.rows)["life (h)"] == digits(spring)
+    # with nothing assumed otherwise the lives are those above
+    assert [row[2:] for row in other.rows[2:4]] == [row[2:] for row in other.rows[:2]]
+    lives = {(row[0], row[1]): row[2] for row in other.rows}
+    assert lives["a warm inner ring", "fixed position"] != digits(fixed)
+    assert slider.slider and slider.start in [row[0] for row in slider.rows]
+    assert len(slider.rows) == 2 * load(files["design"]).sizes["preload"]
+    assert ["stiffness of the arrangement (N/µm)", "–", "3"] in [row[:3] for row in room.rows]
+
+
+def test_a_limit_that_is_passed_is_named(files):
+    slider = preload_answer(load(files["design"]), load(files["recommendation"])).tables[1]
+    design, limit = load(files["design"]), 3.0e6
+    for row in slider.rows:
+        one = design.sel(preload=float(row[0])).isel(friction=0, shaft_speed=0)
+        one = one.isel(preload_method=int(row[1] == "fixed position"))
+        soft = float(one["system_axial_stiffness"]) < limit
+        assert ("stiffness of the arrangement" in row[-1]) == soft
+
+
+def test_neither_lasts_longer(files):
+    found = load(files["recommendation"])
+    found["verdict"][...] = NEITHER_LONGER
+    answer = preload_answer(load(files["design"]), found)
+    assert answer.headline.startswith("mine: neither method lasts longer; take a spring of")
+    assert " or a fixed position preloaded with " in answer.headline
+    assert "a change of 5 % in one assumption" in told(answer)["How sure that is"]
+
+
+def test_no_preload_within_the_limits(files):
+    found = load(files["recommendation"])
+    found["life"][...] = np.nan
+    found["preload"][...] = np.nan
+    why = {"constant_force": "axial stiffness at least 900 N/µm, at best 5 at 20 N"}
+    found.attrs["none_because"] = json.dumps(why)
+    answer = preload_answer(load(files["design"]), found)
+    assert answer.headline == "mine: no preload keeps to all limits"
+    assert "at best 5 at 20 N" in told(answer)["What is not possible"]
+    assert answer.tables[0].slider
+
+
+def test_what_other_assumptions_change_is_told(files):
+    found, beside = load(files["recommendation"]), load(files["beside"])
+    assert beside_told(beside, found, 0) == [
+        "It passes a limit with a warm inner ring (stiffness of the arrangement).",
+        "Method and limits hold with nothing.",
+    ]
+    beside["life"][1, 1] = 2.0 * beside["life"][1, 0]
+    beside["system_axial_stiffness"][0, 0] = 2.9e6
+    said = beside_told(beside, found, 0)
+    assert said == [
+        "The other method lives longer with a warm inner ring.",
+        "It passes a limit with nothing (stiffness of the arrangement).",
+    ]
+    beside["status"][0, 0] = 1
+    assert "No life was found with nothing." in beside_told(beside, found, 0)
+
+
+def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_path, capsys):
+    other = load(files["beside"])
+    scene = json.loads(other.attrs["scene"])
+    scene["operation"]["preload_N"] += 1.0
+    path = tmp_path / "other.nc"
+    other.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
+    for given, why in ((path, "not of the scene"), (files["design"], "not a file of the kind")):
+        out = tmp_path / "answer.json"
+        run = "studies.design.answer.design_answer"
+        assert step(run, out, **files | {"beside": given}) == 2
+        said = capsys.readouterr().err
+        assert str(given) in said and why in said and said.count("\n") == 1
+
+
+def test_an_assumption_that_is_no_scene_is_refused(monkeypatch):
+    from support import ROOT
+
+    from bearingwear.scene.checking import record
+
+    monkeypatch.chdir(ROOT)
+    small = {
+        "preload_method": ["constant_force"],
+        "friction": [0.08],
+        "shaft_speed_rpm": [30000],
+        "preload_N": [1.0, 2.0],
+    }
+    bad = {"words": "x", "set": {"operation.preload_N": -1}}
+    plan = {"scenes": {"gyro_s1": {"small_map": small, "beside": {"bad": bad}}}}
+    with pytest.raises(ValueError, match=r"beside\.bad: operation\.preload_N: got -1"):
+        record(DesignPlan, plan, "plan").check_scenes()
+    del plan["scenes"]["gyro_s1"]["small_map"]
+    with pytest.raises(ValueError, match="beside"):
+        record(DesignPlan, plan, "plan")

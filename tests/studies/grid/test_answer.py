@@ -1,0 +1,236 @@
+"""What the answer of the main study says of its lives, and how sure they are."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+from small_study import FOLDER, LIVES_ANSWER
+from support import step
+
+from bearingwear.cli import main
+from bearingwear.results.answer import load_answer
+from bearingwear.results.netcdf import load
+from bearingwear.results.units import digits
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.grid import figures
+from bearingwear.studies.grid.answer import Life, answer, lives_of
+
+SCENE = {
+    "name": "a",
+    "bearing": {
+        "ball_count": 9,
+        "ball_diameter_mm": 2.0,
+        "pitch_diameter_mm": 7.5,
+        "contact_angle_deg": 20.0,
+        "ball_material": "steel",
+        "race_material": "steel",
+    },
+    "operation": {"preload_N": 7.0, "shaft_speed_rpm": 3e4},
+    "friction": {},
+}
+
+
+def plain(text):
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def life(method, friction, hours, error=0.01, scene="a", end="x"):
+    both = {"ball": 10.0 * hours, "ball_and_races": hours}
+    return Life(scene, method, friction, both, "ball_and_races", error, end)
+
+
+CONSTANT, FIXED = PRELOAD_METHODS
+
+
+@pytest.mark.parametrize(
+    ("lives", "headline", "sentence"),
+    [
+        (
+            [life(CONSTANT, 0.1, 2.0), life(FIXED, 0.1, 1.0)],
+            "a at 7 N: constant force lasts longest",
+            "Constant force outlasts fixed position: 2 times as long at µ = 0.1.",
+        ),
+        (
+            [life(CONSTANT, 0.1, 1.0), life(FIXED, 0.1, 1.05)],
+            "a at 7 N: fixed position lasts longest",
+            "Fixed position outlasts constant force: by 5 % at µ = 0.1.",
+        ),
+        (
+            [life(CONSTANT, 0.1, 1.0), life(FIXED, 0.1, 1.019)],
+            "a at 7 N: both preload methods last equally long",
+            "No difference beyond the numerical error at µ = 0.1.",
+        ),
+        (
+            [life(CONSTANT, 0.1, 1.0, math.nan), life(FIXED, 0.1, 1.019, math.nan)],
+            "a at 7 N: fixed position lasts longest",
+            "Fixed position outlasts constant force: by 1.9 % at µ = 0.1.",
+        ),
+        (
+            [
+                life(m, mu, 2.0 if (mu == 0.1) == (m == CONSTANT) else 1.0)
+                for mu in (0.1, 0.2)
+                for m in (CONSTANT, FIXED)
+            ],
+            "a at 7 N: which method lasts longest depends on friction",
+            "Constant force outlasts fixed position: 2 times as long at µ = 0.1.",
+        ),
+        ([life(FIXED, 0.1, 1.0)], "a at 7 N: life with fixed position", "Fixed position: x."),
+        (
+            [life(CONSTANT, 0.1, math.nan), life(FIXED, 0.1, 1.0)],
+            "a at 7 N: life with constant force and fixed position",
+            "Fixed position: x.",
+        ),
+        ([life(FIXED, 0.1, math.nan)], "a at 7 N: no end of life was found", "Fixed position: x."),
+        (
+            [life(CONSTANT, 0.1, 1.0), *(life(m, 0.1, 3.0, scene="b") for m in PRELOAD_METHODS)],
+            "a at 7 N: life with constant force",
+            "The methods are equal in 1 of 1 comparisons.",
+        ),
+    ],
+)
+def test_the_answer_in_words(lives, headline, sentence):
+    found = answer(lives, SCENE)
+    assert found.headline == headline
+    said = [plain(text) for _, texts in found.points for text in texts]
+    assert any(sentence in text for text in said), said
+    cells = [cell for table in found.tables for row in table.rows for cell in row]
+    assert not any("nan" in text.split() for text in (*said, *cells))
+    assert len(found.tables[0].rows) == len([one for one in lives if one.scene == "a"])
+
+
+def test_lives_of_zero_are_no_contest():
+    """Beyond a limit when new: equal if both are, and no ratio if one is."""
+
+    def lives(constant, fixed):
+        hours = zip(("constant_force", "fixed_position"), (constant, fixed), strict=True)
+        return [
+            Life("s", name, 0.04, {"ball": h, "ball_and_races": h}, "ball", 0.0, "")
+            for name, h in hours
+        ]
+
+    both, one = answer(lives(0.0, 0.0), SCENE), answer(lives(0.0, 2.0), SCENE)
+    assert both.headline == "s at 7 N: both preload methods last equally long"
+    assert [plain(text) for text in one.points[0][1]] == [
+        "Fixed position outlasts constant force: it alone is within the limits when new at "
+        "µ = 0.04."
+    ]
+
+
+@pytest.fixture
+def sure(small_project, tmp_path):
+    """The lives with a made-up spread beside them, and that file."""
+    from bearingwear.scene.read import load_scene
+
+    scene = load_scene(small_project / "mine.yaml")
+    middle = np.arange(1.0, 25.0).reshape(2, 2, 3, 2)  # method, at, probability, counts
+    names = {"life_quantile": 1.0, "life_quantile_low": 0.9, "life_quantile_high": 1.25}
+    dims = ("preload_method", "preload_choice", "uncertain_inputs", "probability", "loss_basis")
+    methods = {"flag_values": [0, 1], "flag_meanings": " ".join(PRELOAD_METHODS)}
+    dataset = xr.Dataset(
+        {name: (dims, (middle * factor)[:, :, None]) for name, factor in names.items()}
+        | {"solved_share": (dims[:2], [[1.0, 1.0], [0.99, 1.0]])},
+        {"preload_method": ("preload_method", [0, 1], methods), "probability": [0.1, 0.5, 0.9]},
+        load(small_project / FOLDER / "wear_life.nc").attrs
+        | {"kind": "uncertainty", "scene": json.dumps(scene.to_dict())},
+    )
+    (tmp_path / "design").mkdir()
+    path = tmp_path / "design" / "uncertainty.nc"
+    dataset.to_netcdf(path)
+    lives = tmp_path / "wear_life.nc"
+    lives.write_bytes((small_project / FOLDER / "wear_life.nc").read_bytes())
+    return lives, path
+
+
+def row_of(found, method, friction):
+    """Cells of a life by the names of their columns."""
+    (table,) = found.tables
+    (row,) = [one for one in table.rows if one[:2] == [friction, method]]
+    return dict(zip(table.columns, row, strict=True))
+
+
+def answered(lives, spread=()):
+    path = lives.parent / "answer.json"
+    run = "studies.grid.answer.lives_answer"
+    assert step(run, path, lives=[lives], uncertainty=spread) == 0
+    return load_answer(path)
+
+
+def test_the_answer_is_that_of_the_file(small_project):
+    lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
+    low = {life.method: life.counted for life in lives if life.friction == 0.02}
+    ratio = low["constant_force"] / low["fixed_position"]
+    found = load_answer(small_project / LIVES_ANSWER)
+    said = plain(" ".join(text for _, texts in found.points for text in texts))
+    assert f"Constant force outlasts fixed position: {ratio:.2g} times as long at µ = 0.02" in said
+    assert "gyroscopic slip share up to 50 % at µ = 0.02" in said
+    assert "No spread computed" in plain(found.tables[0].note)
+    for one in lives:
+        row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
+        assert row["life (h)"] == digits(one.counted) and row["L10 (h)"] == "–"
+    assert "9 balls of 2 mm" in plain(found.bearing)
+
+
+def test_lives_stand_with_their_spread(small_project, sure, capsys):
+    lives, spread = sure
+    # at the scene's own preload; methods by rows of 12, quantiles by pairs of counts
+    constant = "L10 1 h [0.9, 1.25]; L50 3 h [2.7, 3.75]", "L10 2 h [1.8, 2.5]; L50 4 h [3.6, 5]"
+    fixed = "L10 13 h [11.7, 16.2]; L50 15 h [13.5, 18.8] (of the 99 % of lives that were solved)"
+    written, table = lives.parent / "a.csv", lives.parent / "summary.md"
+    given = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
+    assert step("studies.grid.tables.study_tables", written, table, **given) == 0
+    text = table.read_text().replace("\N{NO-BREAK SPACE}", " ")
+    rows = [line.split(" | ") for line in text.splitlines()]
+    rows = {(row[0][2:], row[1]): (row[3], row[5]) for row in rows if len(row) == 9}
+    assert rows["constant force", "0.08"] == constant
+    assert rows["fixed position", "0.08"][0] == fixed
+    assert rows["constant force", "0.02"] == ("no spread computed",) * 2
+    assert "the command bearingwear uncertainty computes it" in table.read_text()
+
+    drawn = figures.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
+    drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
+    assert drawn.endswith("; L10: 2 to 14 h, L50: 4 to 16 h")
+    assert figures.life_figure(load(lives), [0.02]).get_suptitle().endswith("no spread computed")
+
+    found = answered(lives, [spread])
+    row = row_of(found, "constant force", "0.08")
+    assert (row["L10 (h)"], row["L50 (h)"]) == ("2", "4")
+    row = row_of(found, "fixed position", "0.08")
+    assert (row["L10 (h)"], row["L50 (h)"]) == ("14", "16")
+    assert row_of(found, "fixed position", "0.02")["L10 (h)"] == "–"
+
+    capsys.readouterr()
+    assert main(["show", str(lives)]) == 0
+    shown = capsys.readouterr().out
+    of_force = shown.partition("constant_force, mu 0.08\n  L10")[2].partition("fixed_pos")[0]
+    assert re.search(r"L50 +h +3 +4\n", of_force)
+    assert re.search("0.9 to 1.25 +1.8 to 2.5", shown)
+    assert "no spread computed for the other 2; the command" in shown
+
+
+def test_no_spread_is_invented(small_project, sure, capsys):
+    """Without a study of uncertainty, or with that of another scene, no life has a spread."""
+    lives, path = sure
+    other = load(path)
+    scene = json.loads(other.attrs["scene"])
+    scene["operation"]["shaft_speed_rpm"] += 1.0
+    other.attrs["scene"] = json.dumps(scene)
+    path.unlink()
+    other.to_netcdf(path)
+    found = answered(lives, [path])
+    assert row_of(found, "constant force", "0.08")["L10 (h)"] == "–"
+    assert "No spread computed, the command bearingwear uncertainty" in found.tables[0].note
+    folder = small_project / FOLDER
+    assert "L10" not in (folder / "tables" / "summary.md").read_text()
+    for place in (lives, folder / "wear_life.nc"):
+        capsys.readouterr()
+        assert main(["show", str(place)]) == 0
+        shown = capsys.readouterr().out
+        assert "L10" not in shown and "  no spread computed; the command" in shown
+    made_of = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [lives]}
+    written = [lives.parent / "a.csv", lives.parent / "b.md"]
+    assert step("studies.grid.tables.study_tables", *written, **made_of) == 2
+    assert not any(file.exists() for file in written)
+    assert "not a file of the kind uncertainty" in capsys.readouterr().err
