@@ -67,7 +67,7 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
         if found:
             raise NotAvailable(
                 f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady "
-                "life that counts ball_and_races, slip over the ellipse, films of balls that wear evenly"
+                "life that counts ball_and_races, slip over the ellipse, filmed balls worn evenly"
             )
         return True, "grooves: followed as they wear; asked for"
     if scene.model.contact != "auto" or found:

@@ -180,10 +180,8 @@ class WornSide(SteadySide):
         known = self._states.get(id(point))
         if known is None or known[0] is not point:
             made = replace(self._wear_state(point), stiffness=state.stiffness / self.tandem)
-            known = (
-                point,
-                replace(made, **self._of_films(point), **warmth_of_side(self.scene, state)),
-            )
+            made = replace(made, **self._of_films(point))
+            known = point, replace(made, **warmth_of_side(self.scene, state))
             self._states[id(point)] = known
         return known[1]
 
@@ -196,9 +194,13 @@ class WornSide(SteadySide):
 
     def _of_films(self, point: WornPoint) -> dict[str, Any]:
         """What of a state films and running in decide; nothing without any."""
-        films, D = self.bearing.films, point.D
+        films, D, shares = self.bearing.films, point.D, []
         if films is None:
             return {}
+        for k, force in enumerate(self.bearing.forces(point)):
+            bare = self.bearing.bare(point.wear, k)
+            bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha)
+            shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
         rate = self.rate(point)
         area = rate.grooves.sum(axis=1) * self.bearing.arc_step
         ring = 2.0 * np.pi * np.cos(self.bearing.latitude) * (0.5 * D) ** 2
@@ -207,7 +209,7 @@ class WornSide(SteadySide):
             "ball_rate": 0.5 * np.pi * D * D * rate.ball + bands,
             "race_rate": 2.0 * np.pi * point.track * area,
             "film": films.left(point.wear.grooves.max(axis=1), 0.5 * point.wear.ball),
-            "film_worn": self.bearing.bare_shares(point),
+            "film_worn": np.array(shares),
         }
 
     def _wear_state(self, point: WornPoint) -> WearState:

@@ -195,14 +195,11 @@ class WornBearing:
         self, p: ThrustProblem, D: float, wear: WornDepths
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
         """Seat and motion, and the contacts there, with as many cells as these need."""
-        arcs, bare = self._arcs(wear), (UNWORN_ARC, UNWORN_ARC)
-        without = AS_WITH_FILM
-        if self.films is not None and self.films.without >= 0.0:
-            without = self.films.without
-            shares = (
-                self.films.bare(depth, 0.5 * wear.ball, self.spread) for depth in wear.grooves
-            )
-            bare = tuple(map(depth_spline, self.arc, self.arc_step, shares))
+        arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
+        without = AS_WITH_FILM if self.films is None else self.films.without
+        if without >= 0.0:
+            shares = [self.bare(wear, k) for k in range(2)]
+            bare = list(map(depth_spline, self.arc, self.arc_step, shares))
         for _ in range(_MOST_WIDENINGS):
             races = tuple(
                 race._replace(groove=arcs[k], band=arcs[2], uncovered=bare[k], without=without)
@@ -363,8 +360,8 @@ class WornBearing:
             ):
                 return False
             if self.films is not None:
-                Q, (S, mu) = contact_load(force.hertz.K, force.approach), laws[k]
-                law = (S, mu, 1.5 * Q / (np.pi * force.a * force.b))
+                Q, law = contact_load(force.hertz.K, force.approach), laws[k]
+                law = (*law, 1.5 * Q / (np.pi * force.a * force.b))
                 bare = self.at_cells(self.bare(wear, k), k, race.x, force.alpha)
                 found = friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without)
                 if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
