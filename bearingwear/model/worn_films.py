@@ -11,6 +11,9 @@ from bearingwear.scene.scene import Scene
 FILM_EDGE = 0.05
 """Of its thickness: the last of a film, assumed, that does not cover all of its place any more."""
 
+LEAST_WANDER = 0.1
+"""rms of a track over the edge of a film at the least, in semi-major axes: about a cell."""
+
 AS_WITH_FILM = -1.0
 """Friction coefficient where no film is left, if it stays."""
 

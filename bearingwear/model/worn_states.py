@@ -40,11 +40,10 @@ from bearingwear.model.worn_depths import (
     depth_spline,
     wandering,
 )
-from bearingwear.model.worn_films import AS_WITH_FILM, WornFilms
+from bearingwear.model.worn_films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 
 SIDES = (INNER, OUTER)
 ARC_STEP = 0.05  # of the initial semi-major axis
-LEAST_WANDER = 0.1  # of the track over the edge of a film: about a cell
 ARC_END = 5.0  # initial semi-major axes from where the contact was, new
 BAND_END = 0.8  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
@@ -348,7 +347,6 @@ class WornBearing:
     ) -> bool:
         """Whether contacts and power balance by sums that the solver did not take."""
         g, op = p.g, p.op
-        laws = (op.S_i, op.mu_i), (op.S_o, op.mu_o)
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
             check = contact_check(race.cells, race.wear, race.pressure)
             unworn = race.cells.fresh.sum() * race.cells.area
@@ -360,8 +358,11 @@ class WornBearing:
             ):
                 return False
             if self.films is not None:
-                Q, law = contact_load(force.hertz.K, force.approach), laws[k]
-                law = (*law, 1.5 * Q / (np.pi * force.a * force.b))
+                Q = contact_load(force.hertz.K, force.approach)
+                law = (
+                    *((op.S_i, op.mu_i), (op.S_o, op.mu_o))[k],
+                    1.5 * Q / (np.pi * force.a * force.b),
+                )
                 bare = self.at_cells(self.bare(wear, k), k, race.x, force.alpha)
                 found = friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without)
                 if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
