@@ -12,7 +12,15 @@ from bearingwear.kernels.compile import jit
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.params import BallState
-from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O, assemble_condensed
+from bearingwear.kernels.quasistatic import (
+    COS_I,
+    COS_O,
+    SIN_I,
+    SIN_O,
+    add_traction_stiffness,
+    assemble_condensed,
+    inner_force,
+)
 from bearingwear.kernels.race import axial_stiffness
 from bearingwear.kernels.rates import state_rates
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI
@@ -140,6 +148,8 @@ def ball_state(bearing, buf, j, Omega):
     g, balls, force = bearing.g, buf.balls, buf.cage.ball_force[j]
     d, D = balls.direction[j], bearing.D[j]
     Q_i, Q_o = balls.Q[j, 0], balls.Q[j, 1]
+    T_i, T_o = balls.T[j, 0], balls.T[j, 1]
+    F_ix, F_ir = inner_force(balls, j)
     return BallState(
         status=OK,
         X1=balls.X[j, 0],
@@ -150,13 +160,15 @@ def ball_state(bearing, buf, j, Omega):
         Q_o=Q_o,
         hertz_i=race_contact(g, INNER, D, d[COS_I], math.nan),
         hertz_o=race_contact(g, OUTER, D, d[COS_O], math.nan),
-        F_ix=Q_i * d[SIN_I],
-        F_ir=Q_i * d[COS_I],
+        F_ix=F_ix,
+        F_ir=F_ir,
         S_xx=0.0,
         S_xr=0.0,
         S_rr=0.0,
-        P_x=force[0],
-        P_r=force[2] + bearing.mass[j] * balls.r[j] * Omega**2,
+        P_x=force[0] + T_i * d[COS_I] + T_o * d[COS_O],
+        P_r=(
+            force[2] + bearing.mass[j] * balls.r[j] * Omega**2 - T_i * d[SIN_I] - T_o * d[SIN_O]
+        ),
         residual=0.0,
     )
 
@@ -238,6 +250,8 @@ def add_instant(y, bearing, buf, recorder, place):
         mean_lead += (psi - 2.0 * math.pi * j / n) / n
     left = race_residual(bearing, buf, (race_x, race_y, race_z), largest)
     sums.residual[0] = max(sums.residual[0], left)
+    if bearing.traction:
+        add_traction_stiffness(bearing, balls)
     assemble_condensed(y, bearing, False, balls)
     for i in range(3):
         sums.bearing[SHIFT + i] += balls.delta[i]
@@ -334,7 +348,7 @@ def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, r
         status = tally.status
         if status != OK:
             break
-        status = state_rates(end, y, bearing, buf, stage.rates)
+        status = state_rates(end, y, bearing, buf, stage.end_rates)
         if status != OK:
             break
         add_instant(y, bearing, buf, recorder, place)

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 from bearingwear.kernels.cage import angular_velocity, turn
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.dynamic_equilibrium import keep_places, restore_places
-from bearingwear.kernels.integrators import Tableau, take_step
+from bearingwear.kernels.dynamic_equilibrium import restore_places, size_of_unbalanced
+from bearingwear.kernels.integrators import Tableau, begin_step, take_step
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.profile import STORED
-from bearingwear.kernels.quasistatic import HERTZ_K
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.quasistatic import HERTZ_K, start_is_known
+from bearingwear.kernels.rates import rates_here, state_rates
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -36,6 +36,7 @@ from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 EVENT_DEPTH = 4.0
 _MOST_STEPS = 3000  # tried in the longest step's time, a hundred times what a run usually takes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
+AGREED = 1e-6  # share of the largest load that a balance of normal forces may leave
 _FAILED = 1e9  # error of a step that could not be taken
 
 
@@ -100,7 +101,7 @@ def step_error(h, y, bearing, balls, stage, tolerance):
             place = bearing.layout.qv + 2 * j + k
             load += balls.Q[j, k]
             qv += (stage.new[place] - y[place]) / h
-            qv_error += abs(error[place]) / h
+            qv_error += abs(stage.qv_error[2 * j + k]) / h
     # At rest there is no slip to compare with; v_r is the smallest that matters.
     slip = max(qv / load, v_r) if load > 0.0 else v_r
     largest = qv_error / (slip * load) if load > 0.0 else 0.0
@@ -203,7 +204,10 @@ def try_step(control, time, now, step, y, bearing, buf, stage):
     error = step_error(step, y, bearing, buf.balls, stage, control.tolerance)
     events, fraction = 0, 1.0
     if error <= 1.0:
-        status = state_rates(now, stage.new, bearing, buf, stage.rates)
+        if control.method.implicit:
+            status = rates_here(now, stage.new, bearing, buf, stage.end_rates)
+        else:
+            status = state_rates(now, stage.new, bearing, buf, stage.end_rates)
         if status == OK:
             interferences(buf, stage.after)
             depth = EVENT_DEPTH * min(bearing.cage.ramp_pocket, bearing.cage.ramp_land)
@@ -212,13 +216,33 @@ def try_step(control, time, now, step, y, bearing, buf, stage):
 
 
 @jit
-def accept_step(y, bearing, buf, stage):
+def accept_step(control, y, bearing, buf, stage):
     """Go on from the end of the step tried last."""
     copy(stage.new, y)
+    copy(stage.end_rates, stage.rates[0])
     y[bearing.layout.hertz] += hertz_factor_work(buf.balls, stage.hertz)
-    reset_rotation_vector(y, bearing, buf.cage, stage.rates)
+    reset_rotation_vector(y, bearing, buf.cage, stage.rates[0])
     copy(stage.after, stage.before)
-    keep_places(buf.balls, stage.kept)
+    begin_step(control.method, y, bearing, buf, stage)
+
+
+@jit
+def begin(control, time, y, bearing, buf, stage):
+    """Bring `buf` and `stage` to a state; returns a status.
+
+    Places that agree with it already, as where a run goes on, stay as they are to the last bit.
+    """
+    balls, rates = buf.balls, stage.rates[0]
+    status = NOT_CONVERGED
+    if start_is_known(balls):
+        status = rates_here(time, y, bearing, buf, rates)
+    if status != OK or size_of_unbalanced(balls) > AGREED * balls.Q.max():
+        status = state_rates(time, y, bearing, buf, rates)
+    if status == OK:
+        interferences(buf, stage.before)
+        hertz_factor_work(buf.balls, stage.hertz)
+        begin_step(control.method, y, bearing, buf, stage)
+    return status
 
 
 @jit
@@ -237,12 +261,9 @@ def advance(control, time, end, h, y, bearing, buf, stage):
     """
     power = -1.0 / control.method.order
     accepted = rejected = events = 0
-    status = state_rates(time, y, bearing, buf, stage.rates)
-    interferences(buf, stage.before)
+    status = begin(control, time, y, bearing, buf, stage)
     located = False  # the step ends where a contact closes
     most = _MOST_STEPS * max(1.0, (end - time) / control.longest)
-    keep_places(buf.balls, stage.kept)
-    hertz_factor_work(buf.balls, stage.hertz)
     while status == OK and time < end:
         if accepted + rejected > most:
             status = TOO_STIFF
@@ -255,7 +276,7 @@ def advance(control, time, end, h, y, bearing, buf, stage):
         usable = trial.status == OK and trial.error <= 1.0
         if usable and (located or trial.fraction == 1.0):
             time = now
-            accept_step(y, bearing, buf, stage)
+            accept_step(control, y, bearing, buf, stage)
             accepted += 1
             events += trial.events
             located = False
@@ -275,7 +296,6 @@ def advance(control, time, end, h, y, bearing, buf, stage):
             break
         # A step that failed leaves places that mislead.
         restore_places(buf.balls, stage.kept)
-        status = state_rates(time, y, bearing, buf, stage.rates)
     return Tally(
         status=status,
         time=time,

@@ -12,6 +12,7 @@ from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA, take_step
 from bearingwear.kernels.rates import state_rates
 from bearingwear.kernels.state import BALL
 from bearingwear.kernels.status import OK
+from bearingwear.kernels.step_control import begin
 from bearingwear.kernels.summary import QV
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.steady import ThrustProblem
@@ -95,7 +96,7 @@ def test_every_ball_moves_as_one_ball(scene):
 def fixed_step(method, motion, time, h):
     """One step without control of its error."""
     of = (motion.y, motion.bearing, motion.buffers)
-    assert state_rates(time, *of, motion.stages.rates) == OK
+    assert begin(motion.control(method=method), time, *of, motion.stages) == OK
     assert take_step(method, time, h, *of, motion.stages) == OK
     motion.y[:] = motion.stages.new
 
