@@ -2,8 +2,8 @@
 
 from bearingwear.kernels.block_system import (
     ALGEBRAIC,
-    CAGE_BORDER,
     BORDER,
+    CAGE_BORDER,
     FORCE,
     LOCAL,
     POCKET,
@@ -12,7 +12,18 @@ from bearingwear.kernels.cage import INNER_LAND
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.jacobian import F_ORBIT, HEAT, SHAFT
 from bearingwear.kernels.linear import solve_factored
-from bearingwear.kernels.state import BALL, CENTRE, MOMENTUM, OMEGA, PSI, ROTATION, VELOCITY, W_X, W_Y, W_Z
+from bearingwear.kernels.state import (
+    BALL,
+    CENTRE,
+    MOMENTUM,
+    OMEGA,
+    PSI,
+    ROTATION,
+    VELOCITY,
+    W_X,
+    W_Y,
+    W_Z,
+)
 from bearingwear.kernels.vectors import cross, minus, plus, triple
 
 

@@ -17,12 +17,7 @@ from bearingwear.kernels.linear import copy, factor_in_place
 from bearingwear.kernels.quasistatic import inner_force
 from bearingwear.kernels.state import (
     BALL,
-    CENTRE,
-    MOMENTUM,
     OMEGA,
-    PSI,
-    ROTATION,
-    VELOCITY,
     W_Y,
     W_Z,
 )

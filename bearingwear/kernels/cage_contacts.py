@@ -73,7 +73,12 @@ def add_land_motion(speed, slower, n, offset, h, place, contacts):
     h : tuple of 3 floats
         Force on the cage [N].
     """
-    K, C, heat, loss = contacts.K[place], contacts.C[place], contacts.heat[place], contacts.loss[place]
+    K, C, heat, loss = (
+        contacts.K[place],
+        contacts.C[place],
+        contacts.heat[place],
+        contacts.loss[place],
+    )
     along = (0.0, -n[2], n[1])
     out = times(speed, along)  # change of the land's velocity against the cage's, outward
     turned = (0.0, slower[2] / offset, -slower[1] / offset)  # and along

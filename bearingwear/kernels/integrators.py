@@ -134,8 +134,9 @@ class Stages(NamedTuple):
     qv_error: np.ndarray  # (2 n,) and that of the integrals of QV
     before: np.ndarray  # (3 n + 2,) see step_control.interferences, at both ends of a step
     after: np.ndarray  # (3 n + 2,)
+    closing: np.ndarray  # (n + 2,) rates of the first of these over the last step [m/s]
     kept: np.ndarray  # (places_size(n),) see dynamic_equilibrium.keep_places
-    hertz: np.ndarray  # (n, 2, 2) see step_control.hertz_factor_work
+    work: np.ndarray  # (n, 2, 4) see step_control.work_of_places
     system: BlockSystem
 
 
@@ -155,8 +156,9 @@ def stages(n, layout):
         qv_error=np.zeros(2 * n),
         before=np.zeros(3 * n + 2),
         after=np.zeros(3 * n + 2),
+        closing=np.zeros(n + 2),
         kept=np.zeros(places_size(n)),
-        hertz=np.zeros((n, 2, 2)),
+        work=np.zeros((n, 2, 4)),
         system=block_system(n),
     )
 

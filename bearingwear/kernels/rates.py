@@ -131,7 +131,7 @@ def rates_here(time, y, bearing, buf, dy):
     store_cage_rates(y, bearing, contacts, dy)
     dy[layout.shaft] = shaft + contacts.sums[LAND_WORK]
     dy[layout.heat] = heat
-    dy[layout.hertz] = 0.0  # see integrators.hertz_factor_work
+    dy[layout.hertz] = dy[layout.traction] = 0.0  # see step_control.work_of_places
     theta, rate = m.omega_i * time, m.omega_i * bearing.F_rot
     dy[layout.load] = -rate * (balls.delta[1] * math.cos(theta) + balls.delta[2] * math.sin(theta))
     return OK

@@ -308,6 +308,7 @@ class DynamicSystem:
             "coriolis": -(orbit.sum() - y[layout.turning]),
             "azimuth": -y[layout.azimuth],
             "hertz": -y[layout.hertz],
+            "traction": y[layout.traction],
         }
 
     @property
