@@ -10,7 +10,7 @@ from bearingwear.kernels.block_system import (
 )
 from bearingwear.kernels.cage import INNER_LAND
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.jacobian import F_ORBIT, HEAT, SHAFT
+from bearingwear.kernels.jacobian import F_ORBIT, HEAT_POWER, SHAFT_POWER
 from bearingwear.kernels.linear import solve_factored
 from bearingwear.kernels.state import (
     BALL,
@@ -187,8 +187,8 @@ def add_ball_powers(U, y, rates, bearing, buf, system, out):
         moved = (Y1, Y2, X1, X2, U[i + W_X], U[i + W_Y], U[i + W_Z], U[i + OMEGA])
         shaft = heat = force = 0.0
         for v in range(8):
-            shaft += buf.blocks[j, SHAFT, v] * moved[v]
-            heat += buf.blocks[j, HEAT, v] * moved[v]
+            shaft += buf.blocks[j, SHAFT_POWER, v] * moved[v]
+            heat += buf.blocks[j, HEAT_POWER, v] * moved[v]
             force += buf.blocks[j, F_ORBIT, v] * moved[v]
         out[layout.shaft] += shaft
         out[layout.heat] += heat

@@ -26,9 +26,9 @@ from bearingwear.kernels.state import (
 ALGEBRAIC, LOCAL = 2, 6
 SPIN_Y, SPIN_Z, ORBIT_STEP = ALGEBRAIC + W_Y, ALGEBRAIC + W_Z, ALGEBRAIC + OMEGA
 # What it gives way to: the groove's shift (axial, radial), the force of its pocket.
-GROOVE, FORCE, INPUTS = 0, 2, 5
+GROOVE_SHIFT, FORCE, BALL_INPUTS = 0, 2, 5
 # What comes of that: the inner race's force (axial, radial, along the orbit's y), the pocket's.
-RACE, POCKET, OUTPUTS = 0, 3, 6
+RACE, POCKET, BALL_OUTPUTS = 0, 3, 6
 CAGE_BORDER = 6  # velocity and momentum of the cage
 BORDER = CAGE_BORDER + 3  # and the race
 
@@ -50,10 +50,10 @@ class BlockSystem(NamedTuple):
     heat: np.ndarray  # (n + 2, 6)
     loss: np.ndarray  # (n + 2, 6)
     inverse: np.ndarray  # (n, LOCAL, LOCAL) of the balls' blocks
-    gain: np.ndarray  # (n, LOCAL, INPUTS) what groove and pocket do to a ball's equations
-    response: np.ndarray  # (n, LOCAL, INPUTS) and to its unknowns
-    reading: np.ndarray  # (n, OUTPUTS, LOCAL) what its unknowns do to the forces on race and cage
-    passing: np.ndarray  # (n, OUTPUTS, INPUTS) and groove and pocket, the ball eliminated
+    gain: np.ndarray  # (n, LOCAL, BALL_INPUTS) what groove and pocket do to a ball's equations
+    response: np.ndarray  # (n, LOCAL, BALL_INPUTS) and to its unknowns
+    reading: np.ndarray  # (n, BALL_OUTPUTS, LOCAL) forces on race and cage by its unknowns
+    passing: np.ndarray  # (n, BALL_OUTPUTS, BALL_INPUTS) and groove and pocket, the ball eliminated
     by_azimuth: np.ndarray  # (n, LOCAL) of a ball's equations
     race_by_azimuth: np.ndarray  # (n, 3) of the inner race's force on it
     cage_slope: np.ndarray  # (n + 2, 3, CAGE_BORDER) force on a partner by the cage's unknowns
@@ -84,10 +84,10 @@ def block_system(n):
         heat=np.zeros((n + 2, 6)),
         loss=np.zeros((n + 2, 6)),
         inverse=np.zeros((n, LOCAL, LOCAL)),
-        gain=np.zeros((n, LOCAL, INPUTS)),
-        response=np.zeros((n, LOCAL, INPUTS)),
-        reading=np.zeros((n, OUTPUTS, LOCAL)),
-        passing=np.zeros((n, OUTPUTS, INPUTS)),
+        gain=np.zeros((n, LOCAL, BALL_INPUTS)),
+        response=np.zeros((n, LOCAL, BALL_INPUTS)),
+        reading=np.zeros((n, BALL_OUTPUTS, LOCAL)),
+        passing=np.zeros((n, BALL_OUTPUTS, BALL_INPUTS)),
         by_azimuth=np.zeros((n, LOCAL)),
         race_by_azimuth=np.zeros((n, 3)),
         cage_slope=np.zeros((n + 2, 3, CAGE_BORDER)),
@@ -172,7 +172,7 @@ def race_block(shift, y, bearing, buf, j, system):
     for p in range(LOCAL):
         scale = 1.0 if p < ALGEBRAIC else (orbit if p == ORBIT_STEP else spin)
         y1, y2 = scale * block[p, INNER_1], scale * block[p, INNER_2]
-        gain[p, GROOVE], gain[p, GROOVE + 1] = y1, y2
+        gain[p, GROOVE_SHIFT], gain[p, GROOVE_SHIFT + 1] = y1, y2
         turned = y1 * a1 + y2 * a2
         system.by_azimuth[j, p] = turned
         A[p, 0], A[p, 1] = y1 - scale * block[p, OUTER_1], y2 - scale * block[p, OUTER_2]
@@ -347,7 +347,7 @@ def factorise(shift, y, bearing, buf, system):
         inputs, outputs = FORCE, POCKET
         if system.touching[j]:
             pocket_block(shift, y, bearing, j, system)
-            inputs, outputs = INPUTS, OUTPUTS
+            inputs, outputs = BALL_INPUTS, BALL_OUTPUTS
         if not invert_in_place(system.inverse[j], LOCAL):
             return False
         passing, inner = system.passing[j], buf.inner[j]

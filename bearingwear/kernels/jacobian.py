@@ -19,7 +19,7 @@ from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O
 from bearingwear.kernels.state import BALL, OMEGA, W_X, W_Y, W_Z
 
 # Rows of a ball's block: force in the balance, moment, force against the orbit, powers.
-P_AXIAL, P_RADIAL, M_X, M_Y, M_Z, F_ORBIT, SHAFT, HEAT = range(8)
+P_AXIAL, P_RADIAL, M_X, M_Y, M_Z, F_ORBIT, SHAFT_POWER, HEAT_POWER = range(8)
 # Columns: legs from the ball's centre to the inner groove's and from the outer groove's to the
 # ball's, (axial, radial); then the ball's w_x, w_y, w_z, Omega.
 INNER_1, INNER_2, OUTER_1, OUTER_2, MOTION = range(5)
@@ -68,7 +68,9 @@ def gradient_changes(contact, bare, R, c, gradient, H, L, change):
                 value += H[p, q] * L[q, v]
             change[p, v] = value
         higher = 2.0 * c[2] * (H[p, 2] - middle * H[p, 1])
-        change[p, BY_LOAD] = (gradient[p] * (1.0 - film) + (c[3] * H[p, 3] + higher) / 3.0) / contact.Q
+        change[p, BY_LOAD] = (
+            gradient[p] * (1.0 - film) + (c[3] * H[p, 3] + higher) / 3.0
+        ) / contact.Q
     change[2, BY_LOAD] += 2.0 / 3.0 * (gradient[2] - middle * gradient[1]) / contact.Q
     change[3, BY_LOAD] += gradient[3] / (3.0 * contact.Q)
 

@@ -27,7 +27,7 @@ from bearingwear.kernels.quasistatic import (
 from bearingwear.kernels.race import axial_stiffness
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.step_control import Tally, begin, march
+from bearingwear.kernels.step_control import Tally, make_ready, march
 from bearingwear.kernels.summary import (
     COLUMNS,
     LOAD,
@@ -325,8 +325,8 @@ def keep_powers(y, bearing, before, dt, history, place):
 
 
 @jit
-def advance_and_record(control, grid, begin_at, count, h, y, bearing, buf, stage, recorder):
-    """Integrate over `count` intervals of the grid from interval `begin_at` on.
+def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, recorder):
+    """Integrate over `count` intervals of the grid from interval `begin` on.
 
     The end of each is an instant of the recorder.
 
@@ -342,10 +342,10 @@ def advance_and_record(control, grid, begin_at, count, h, y, bearing, buf, stage
         Of all intervals; its `time` is the end of the last one that was finished.
     """
     accepted = rejected = evaluations = events = 0
-    time = grid.origin + (grid.first + begin_at) * grid.dt
-    status = OK if count == 0 else begin(control, time, y, bearing, buf, stage, True)
+    time = grid.origin + (grid.first + begin) * grid.dt
+    status = OK if count == 0 else make_ready(control, time, y, bearing, buf, stage, True)
     before, history = recorder.sums.before, recorder.history
-    for place in range(begin_at, begin_at + count):
+    for place in range(begin, begin + count):
         if status != OK:
             break
         copy(y[bearing.layout.qv :], before)
@@ -361,7 +361,7 @@ def advance_and_record(control, grid, begin_at, count, h, y, bearing, buf, stage
         status = tally.status
         if status != OK:
             break
-        status = begin(control, end, y, bearing, buf, stage, False)
+        status = make_ready(control, end, y, bearing, buf, stage, False)
         if status != OK:
             break
         add_instant(y, bearing, buf, recorder, place)

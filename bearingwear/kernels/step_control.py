@@ -39,7 +39,7 @@ IMPACT = 2.94 * 1.25**0.4  # duration of an impact on a Hertz spring over (m/K)^
 FIRST_OF_IMPACT = 0.3  # of its duration: the step that begins an impact, at the tolerance 1
 PATIENCE = 12  # steps refused before places are found anew
 SAFETY = 0.8  # of the step that the error allows
-LONGER, SHORTER = 4.0, 0.2  # than the last step, at the most
+LONGEST_GROWTH, LEAST_SHARE = 4.0, 0.2  # than the last step, at the most
 UNUSABLE = 0.25  # of a step that could not be taken
 SHORTEST_LOCATED = 0.05  # of a step taken anew up to where a contact closes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
@@ -280,7 +280,7 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage):
 
 @jit
 def accept_step(control, y, bearing, buf, stage, last):
-    """Go on from the end of the step tried last; after the `last` one, `begin` follows."""
+    """Go on from the end of the step tried last; after the `last` one, `make_ready` follows."""
     copy(stage.new, y)
     copy(stage.end_rates, stage.rates[0])
     hertz, traction = work_of_places(buf.balls, stage.work)
@@ -293,7 +293,7 @@ def accept_step(control, y, bearing, buf, stage, last):
 
 
 @jit
-def begin(control, time, y, bearing, buf, stage, settled):
+def make_ready(control, time, y, bearing, buf, stage, settled):
     """Bring `buf` and `stage` to a state; returns a status.
 
     Parameters
@@ -317,7 +317,7 @@ def begin(control, time, y, bearing, buf, stage, settled):
 
 @jit
 def march(control, time, end, h, y, bearing, buf, stage):
-    """Integrate from `time`, where `begin` was called, to `end`; y is replaced.
+    """Integrate from `time`, where `make_ready` was called, to `end`; y is replaced.
 
     Parameters
     ----------
@@ -351,7 +351,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
         usable = trial.status == OK and trial.error <= 1.0
         if usable and (located or trial.fraction == 1.0):
             time = now
-            grown = step * min(LONGER, SAFETY * max(trial.error, 1e-9) ** power)
+            grown = step * min(LONGEST_GROWTH, SAFETY * max(trial.error, 1e-9) ** power)
             # A step that was cut short says nothing of longer ones.
             h = grown if step == whole else max(h, grown)
             if trial.events > 0:
@@ -368,7 +368,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
         if usable:
             h = max(trial.fraction, SHORTEST_LOCATED) * step
         elif trial.status == OK:
-            h = step * max(SHORTER, SAFETY * trial.error**power)
+            h = step * max(LEAST_SHARE, SAFETY * trial.error**power)
         else:
             h = step * UNUSABLE
         if not h > 1e-15 * max(end, 1e-9):
@@ -378,7 +378,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
         restore_places(buf.balls, stage.kept)
         if failed == PATIENCE and control.method.implicit:
             # Balls and race may have to jump to where they are in balance.
-            status = begin(control, time, y, bearing, buf, stage, False)
+            status = make_ready(control, time, y, bearing, buf, stage, False)
     return Tally(
         status=status,
         time=time,
@@ -392,8 +392,8 @@ def march(control, time, end, h, y, bearing, buf, stage):
 
 @jit
 def advance(control, time, end, h, y, bearing, buf, stage):
-    """`begin` and `march`."""
-    status = begin(control, time, y, bearing, buf, stage, True)
+    """`make_ready` and `march`."""
+    status = make_ready(control, time, y, bearing, buf, stage, True)
     if status != OK:
         return Tally(status=status, time=time, h=h, accepted=0, rejected=0, evaluations=0, events=0)
     return march(control, time, end, h, y, bearing, buf, stage)

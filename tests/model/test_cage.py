@@ -330,7 +330,7 @@ def test_derivative_of_a_pocket_force(scene):
     j = touching[0]
     motion.update()
     cage_contacts(motion.y, bearing, balls, buf.cage)
-    linearise_cage_forces(motion.y, bearing, balls, buf.cage)
+    linearise_cage_forces(bearing, balls, buf.cage)
     lines = balls.cage_linear[j, K_11:].reshape(2, 2).copy()
     step = 1e-5 * buf.cage.approach[j]
     differences = np.empty((2, 2))

@@ -20,7 +20,7 @@ from bearingwear.kernels.steady_balance import (
 from bearingwear.kernels.summary import QV
 from bearingwear.kernels.verification import friction_check
 from bearingwear.model import parameters
-from bearingwear.model.fidelity import NotAvailable, choice, gyroscopic_share
+from bearingwear.model.fidelity import choice, gyroscopic_share
 from bearingwear.model.life import life
 from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
@@ -206,9 +206,8 @@ def test_estimate_before_the_solve(scene, name, most):
     assert "traction: in the balance of normal forces" in "\n".join(choice(s).reasons)
 
 
-def test_runs_in_time_are_without_and_say_so(scene):
-    s = scene("gyro_s1", HERTZ)
-    assert "(in time)" in "\n".join(choice(s, "dynamic").reasons)
-    asked = s.with_({"model.normal_balance": "with_traction"})
-    with pytest.raises(NotAvailable, match="model.normal_balance: got with_traction"):
-        choice(asked, "dynamic")
+def test_runs_in_time_have_it_and_say_so(scene):
+    said = "traction: in the balance of normal forces"
+    for contact, has in (("hertz", True), ("paper", False)):
+        s = scene("gyro_s1", {"model.contact": contact})
+        assert (said in "\n".join(choice(s, "dynamic").reasons)) == has
