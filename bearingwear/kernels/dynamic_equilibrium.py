@@ -114,7 +114,7 @@ def free_equilibrium(time, y, bearing, buf):
     for _ in range(MOST_ITERATIONS):
         find_contacts(y, bearing, balls)
         balance(y, bearing, buf)
-        regular = assemble_condensed(y, bearing, bearing.axial_is_held, balls)
+        regular = assemble_condensed(bearing, bearing.axial_is_held, balls)
         if regular and solve_race(bearing, balls):
             largest = back_substitute(bearing, balls)
             if largest < LONGEST_PLACE_STEP * BD:
@@ -153,7 +153,7 @@ def joint_equilibrium(time, y, bearing, buf):
         balance(y, bearing, buf)
         left = size_of_unbalanced(balls)
         if left < size:
-            regular = assemble_condensed(y, bearing, bearing.axial_is_held, balls)
+            regular = assemble_condensed(bearing, bearing.axial_is_held, balls)
             if not (regular and solve_race(bearing, balls)):
                 return NOT_CONVERGED
             size = left

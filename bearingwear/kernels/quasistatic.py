@@ -222,7 +222,7 @@ def unbalanced_forces(y, bearing, balls):
 
 
 @jit
-def assemble_condensed(y, bearing, axial_is_held, balls):
+def assemble_condensed(bearing, axial_is_held, balls):
     """One pass over the balls: condensation of each ball, equations of the race.
 
     Fills `balls.matrix` and `balls.step` for the free translations of the race, from the contacts
@@ -243,11 +243,10 @@ def assemble_condensed(y, bearing, axial_is_held, balls):
     matrix[k + 1, k], matrix[k + 1, k + 1] = land[K_21], land[K_22]
     for j in range(bearing.D.size):
         r1, r2 = balls.left[j, 0], balls.left[j, 1]
-        x, s, Omega = balls.cage_linear[j], balls.stiffness[j], y[BALL * j + OMEGA]
+        x, s = balls.cage_linear[j], balls.stiffness[j]
         i11, i12, i21, i22 = s[I_11], s[I_12], s[I_21], s[I_22]
         k11, k12 = i11 + s[O_11] + x[K_11], i12 + s[O_12] + x[K_12]
         k21, k22 = i21 + s[O_21] + x[K_21], i22 + s[O_22] + x[K_22]
-        k22 -= bearing.mass[j] * Omega * Omega
         det = k11 * k22 - k12 * k21
         if not abs(det) > 0.0:  # below 0 where friction in a pocket is stronger than the races
             return False

@@ -17,16 +17,19 @@ from bearingwear.kernels.cage_law import (
     POCKET_TORQUE,
 )
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.dynamic_equilibrium import equilibrium
+from bearingwear.kernels.dynamic_equilibrium import equilibrium, size_of_unbalanced
 from bearingwear.kernels.quasistatic import (
     FORCE_1,
     FORCE_2,
     find_contacts,
     inner_force,
+    start_is_known,
     unbalanced_forces,
 )
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, W_Z
-from bearingwear.kernels.status import OK
+from bearingwear.kernels.status import NOT_CONVERGED, OK
+
+AGREED = 1e-8  # share of the largest load that a balance of normal forces may leave
 
 
 @jit(forceinline=True)
@@ -144,3 +147,17 @@ def state_rates(time, y, bearing, buf, dy):
     if status != OK:
         return status
     return rates_here(time, y, bearing, buf, dy)
+
+
+@jit
+def agreed_rates(time, y, bearing, buf, dy):
+    """`rates_here` where the places of `buf` agree with the state, else `state_rates`.
+
+    What was found stays as it is to the last bit, however often it is asked for.
+    """
+    status = NOT_CONVERGED
+    if start_is_known(buf.balls):
+        status = rates_here(time, y, bearing, buf, dy)
+    if status != OK or size_of_unbalanced(buf.balls) > AGREED * buf.balls.Q.max():
+        status = state_rates(time, y, bearing, buf, dy)
+    return status

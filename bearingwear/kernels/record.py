@@ -20,7 +20,6 @@ from bearingwear.kernels.quasistatic import (
     LOG_KAPPA,
     SIN_I,
     SIN_O,
-    add_traction_stiffness,
     assemble_condensed,
     inner_force,
 )
@@ -261,9 +260,7 @@ def add_instant(y, bearing, buf, recorder, place):
         mean_lead += (psi - 2.0 * math.pi * j / n) / n
     left = race_residual(bearing, buf, (race_x, race_y, race_z), largest)
     sums.residual[0] = max(sums.residual[0], left)
-    if bearing.traction:
-        add_traction_stiffness(bearing, balls)
-    assemble_condensed(y, bearing, False, balls)
+    assemble_condensed(bearing, False, balls)
     for i in range(3):
         sums.bearing[SHIFT + i] += balls.delta[i]
     sums.bearing[PRELOAD] += race_x

@@ -14,8 +14,8 @@ from bearingwear.kernels.dynamic_equilibrium import restore_places, size_of_unba
 from bearingwear.kernels.integrators import Tableau, begin_step, take_step
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.profile import STORED
-from bearingwear.kernels.quasistatic import HERTZ_K, start_is_known
-from bearingwear.kernels.rates import rates_here, state_rates
+from bearingwear.kernels.quasistatic import HERTZ_K
+from bearingwear.kernels.rates import agreed_rates, rates_here, state_rates
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -43,7 +43,7 @@ LONGEST_GROWTH, LEAST_SHARE = 4.0, 0.2  # than the last step, at the most
 UNUSABLE = 0.25  # of a step that could not be taken
 SHORTEST_LOCATED = 0.05  # of a step taken anew up to where a contact closes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
-AGREED = 1e-6  # share of the largest load that a balance of normal forces may leave
+LEFT = 0.1  # of the tolerance: share of the largest load that a step may leave unbalanced
 _FAILED = 1e9  # error of a step that could not be taken
 
 
@@ -268,9 +268,11 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage):
         return Trial(status=status, error=_FAILED, events=0, fraction=1.0)
     events, fraction = 0, 1.0
     if error <= 1.0:
+        status = NOT_CONVERGED
         if control.method.implicit:
             status = rates_here(now, stage.new, bearing, buf, stage.end_rates)
-        else:
+        left = LEFT * control.tolerance * buf.balls.Q.max()
+        if status != OK or size_of_unbalanced(buf.balls) > left:
             status = state_rates(now, stage.new, bearing, buf, stage.end_rates)
         if status == OK:
             interferences(buf, stage.after)
@@ -302,12 +304,10 @@ def make_ready(control, time, y, bearing, buf, stage, settled):
         Whether places that agree with the state stay as they are, to the last bit, as where a run
         goes on; else they are found anew, from there on.
     """
-    balls, rates = buf.balls, stage.rates[0]
-    status = NOT_CONVERGED
-    if settled and start_is_known(balls):
-        status = rates_here(time, y, bearing, buf, rates)
-    if status != OK or size_of_unbalanced(balls) > AGREED * balls.Q.max():
-        status = state_rates(time, y, bearing, buf, rates)
+    if settled:
+        status = agreed_rates(time, y, bearing, buf, stage.rates[0])
+    else:
+        status = state_rates(time, y, bearing, buf, stage.rates[0])
     if status == OK:
         interferences(buf, stage.before)
         work_of_places(buf.balls, stage.work)

@@ -24,7 +24,7 @@ from bearingwear.kernels.race import (
     race_equilibrium,
     unpack_ball_state,
 )
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.rates import agreed_rates
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -170,7 +170,7 @@ class DynamicSystem:
 
     def update(self) -> int:
         """Bring buffers and rates to this instant; returns the status of the equilibrium."""
-        return state_rates(self.time, self.y, self.bearing, self.buffers, self.dy)
+        return agreed_rates(self.time, self.y, self.bearing, self.buffers, self.dy)
 
     def diagnose(self, status: int) -> int:
         """The status; where it gives no reason, one that does, if there is one.

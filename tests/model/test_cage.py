@@ -167,7 +167,7 @@ def test_damping_of_a_restitution(restitution):
         assert -v == pytest.approx(restitution, abs=2e-3)
 
 
-PRECISE = {"model.dynamic_tolerance": 1e-4, "model.simulated_turns": 20}
+PRECISE = {"model.dynamic_tolerance": 1e-4, "model.simulated_turns": 6}
 
 
 @pytest.mark.parametrize("changes", [ROTATING, HEAVY])
