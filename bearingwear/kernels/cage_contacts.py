@@ -58,6 +58,21 @@ def set_race_velocity(time, bearing, contacts):
 
 
 @jit(forceinline=True)
+def land_contact(cage, approach, n, slip, closing):
+    """Elastic force of a closed land edge [N], and the contact."""
+    spring, F, stiffness, damping, change = land_force(cage, approach, closing)
+    return spring, CageContact(
+        n=n,
+        slip=slip,
+        closing=closing,
+        F=F,
+        stiffness=stiffness,
+        damping=damping,
+        change=change,
+    )
+
+
+@jit(forceinline=True)
 def add_land_motion(speed, slower, n, offset, h, place, contacts):
     """Add to the slopes of a land what an edge of the cage meets elsewhere.
 
@@ -132,16 +147,8 @@ def add_land_edge(bearing, z, w, shift, edge, delta, contacts, load):
     s0, s1, s2 = -v_cage[0], speed1 - omega * l2 - v_cage[1], speed2 + omega * l1 - v_cage[2]
     closing = -(s1 * n1 + s2 * n2)
     slip = (s0, s1 + closing * n1, s2 + closing * n2)
-    spring, F, stiffness, damping, change = land_force(cage, approach, closing)
-    contact = CageContact(
-        n=(0.0, n1, n2),
-        slip=slip,
-        closing=closing,
-        F=F,
-        stiffness=stiffness,
-        damping=damping,
-        change=change,
-    )
+    spring, contact = land_contact(cage, approach, (0.0, n1, n2), slip, closing)
+    F = contact.F
     friction, speed = contact_law(contact, cage.mu, cage.v_r, contacts.K[place], contacts.C[place])
     power_slopes(contact, cage.mu, cage.v_r, contacts.heat[place], contacts.loss[place])
     h = (friction[0], friction[1] - F * n1, friction[2] - F * n2)

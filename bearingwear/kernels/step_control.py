@@ -281,8 +281,10 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage):
 
 
 @jit
-def accept_step(control, y, bearing, buf, stage, last):
+def accept_step(control, step, y, bearing, buf, stage, last):
     """Go on from the end of the step tried last; after the `last` one, `make_ready` follows."""
+    for i in range(stage.closing.size):
+        stage.closing[i] = (stage.after[i] - stage.before[i]) / step
     copy(stage.new, y)
     copy(stage.end_rates, stage.rates[0])
     hertz, traction = work_of_places(buf.balls, stage.work)
@@ -313,6 +315,22 @@ def make_ready(control, time, y, bearing, buf, stage, settled):
         work_of_places(buf.balls, stage.work)
         begin_step(control.method, y, bearing, buf, stage)
     return status
+
+
+@jit
+def shortened(trial, power):
+    """Share of a step that was refused to try next: up to where a contact closes, or for its error.
+
+    Parameters
+    ----------
+    power : float
+        Of the error that the step goes by.
+    """
+    if trial.status != OK:
+        return UNUSABLE
+    if trial.error <= 1.0:
+        return max(trial.fraction, SHORTEST_LOCATED)
+    return max(LEAST_SHARE, SAFETY * trial.error**power)
 
 
 @jit
@@ -356,21 +374,14 @@ def march(control, time, end, h, y, bearing, buf, stage):
             h = grown if step == whole else max(h, grown)
             if trial.events > 0:
                 h = first_step_of_impact(control, bearing, stage, step, h)
-            for i in range(n + 2):
-                stage.closing[i] = (stage.after[i] - stage.before[i]) / step
-            accept_step(control, y, bearing, buf, stage, time >= end)
+            accept_step(control, step, y, bearing, buf, stage, time >= end)
             accepted += 1
             events += trial.events
             located, failed = False, 0
             continue
         rejected, failed = rejected + 1, failed + 1
         located = usable
-        if usable:
-            h = max(trial.fraction, SHORTEST_LOCATED) * step
-        elif trial.status == OK:
-            h = step * max(LEAST_SHARE, SAFETY * trial.error**power)
-        else:
-            h = step * UNUSABLE
+        h = step * shortened(trial, power)
         if not h > 1e-15 * max(end, 1e-9):
             status = TOO_STIFF if trial.status == OK else trial.status
             break
