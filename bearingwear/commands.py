@@ -97,11 +97,13 @@ def life(args: argparse.Namespace) -> int:
 def uncertainty(args: argparse.Namespace) -> int:
     _check_output(args.output, args.scene)
     from bearingwear.studies.dataset import write_dataset
-    from bearingwear.studies.sampling import SAMPLES
+    from bearingwear.studies.sampling import SAMPLES, usable_cores
     from bearingwear.studies.uncertainty.quantiles import life_quantiles
 
     samples = SAMPLES if args.samples is None else args.samples
-    found = life_quantiles(args.scene, args.friction, args.method or (), samples, args.seed)
+    found = life_quantiles(
+        args.scene, args.friction, args.method or (), samples, args.seed, usable_cores()
+    )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not args.quiet:

@@ -37,10 +37,13 @@ class WornRace(NamedTuple):
     pressure: np.ndarray  # (m, n) the last one found, over the peak of Hertz
     wear: np.ndarray  # (n,) depth at the cells beyond the reference, over the approach
     x: np.ndarray  # (n,) cells along the major axis [m]
+    bare: np.ndarray  # (n,) share of the cells along the major axis that has no film [1]
     rise: np.ndarray  # (n,) of the pressed surface from the ball's centre, by wear [m]
     groove: Arc  # over S [m]
     band: Arc  # of the ball, over latitude; no intervals: the ball wears evenly
     alpha_ref: float  # contact angle at which S = x [rad]
+    uncovered: Arc  # share without film, over S [1]
+    without: float  # friction coefficient there, below zero as with film [1]
 
 
 class WornForce(NamedTuple):
@@ -124,6 +127,9 @@ def worn_force(g, D, race, sigma, reference, y1, y2, beta):
         race.x[i] = x
         race.wear[i] = (w_groove + w_band - reference) / d
         race.rise[i] = 0.5 * (w_groove - w_band - reference)
+        if race.without >= 0.0:
+            bare, _ = arc_depth(race.uncovered, x + shift)
+            race.bare[i] = min(max(bare, 0.0), 1.0)
     status, _ = worn_pressure(race.cells, race.wear, race.work, race.pressure)
     load, centre, slope, peak = cell_sums(race, R, a, middle)
     if status == OK and not load > 0.0:

@@ -37,8 +37,9 @@ LEVELS = 5  # of v_r, each
 LEVEL_RATIO = 4.0  # times the next, where Newton fails from the last motion
 OF_UNWORN, OF_WORN = range(2)
 # Rows of the cells written down: place x/a, share of the load, height and place across [m], number
-# of the cell along the major axis, how many cells there are.
-CELL_X, CELL_WEIGHT, CELL_HEIGHT, CELL_WIDTH, CELL_COLUMN, CELL_COUNT = range(6)
+# of the cell along the major axis, share of the friction, how many cells there are.
+CELL_X, CELL_WEIGHT, CELL_HEIGHT, CELL_WIDTH, CELL_COLUMN, CELL_FRICTION, CELL_COUNT = range(7)
+THIN_PRESSURE = 0.05  # of Hertz' peak: cells with less count in proportion to the area in contact
 
 
 class FrictionWork(NamedTuple):
@@ -78,7 +79,7 @@ def friction_work(rule, n, m_cells):
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
         step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),
-        h_along=np.empty(n), cells=np.zeros((2, 2, 6, n * m_cells)),
+        h_along=np.empty(n), cells=np.zeros((2, 2, 7, n * m_cells)),
     )  # fmt: skip
 
 
@@ -100,6 +101,40 @@ def place_cells(g, D, op, races, seat, work):
         for worn in range(2):
             pressure = race.pressure if worn == OF_WORN else race.cells.fresh
             fill_cells(race, pressure, worn, contact.b, total, work, work.cells[k, worn])
+        if (op.S_i if k == 0 else op.S_o) > 0.0 or race.without >= 0.0:
+            film_friction(race, op.mu_i if k == 0 else op.mu_o, contact.mu, work.cells[k, OF_WORN])
+
+
+@jit
+def area_in_contact(pressure):
+    """Cells in contact; those with little pressure in proportion, so that none comes at once."""
+    area = 0.0
+    for j in range(pressure.shape[0]):
+        for i in range(pressure.shape[1]):
+            area += min(pressure[j, i] / THIN_PRESSURE, 1.0)
+    return area
+
+
+@jit
+def film_friction(race, constant, unworn, cells):
+    """Shares of friction of worn cells: of their film under its own mean pressure, or bare.
+
+    Parameters
+    ----------
+    constant : float
+        The part of the film's coefficient that the pressure has no part in [1].
+    unworn : float
+        Coefficient of the unworn contact, which the shares are of [1].
+    cells : ndarray
+        Rows of the worn cells.
+    """
+    load = race.pressure.sum() / race.cells.fresh.sum()
+    area = area_in_contact(race.pressure) / area_in_contact(race.cells.fresh)
+    filmed = constant + (unworn - constant) * area / load
+    for p in range(int(cells[CELL_COUNT, 0])):
+        bare = race.bare[int(cells[CELL_COLUMN, p])] if race.without >= 0.0 else 0.0
+        mu = filmed + bare * (race.without - filmed)
+        cells[CELL_FRICTION, p] = cells[CELL_WEIGHT, p] * mu / unworn
 
 
 @jit
@@ -116,17 +151,19 @@ def fill_cells(race, pressure, worn, b, total, work, cells):
                 )
                 cells[CELL_WIDTH, count] = b * race.cells.Y[j]
                 cells[CELL_COLUMN, count] = i
+                cells[CELL_FRICTION, count] = cells[CELL_WEIGHT, count]
                 count += 1
     cells[CELL_COUNT, 0] = count
 
 
 @jit
 def loaded_cells(cells):
-    """Places, weights, heights, widths and columns of cells that `fill_cells` wrote down."""
+    """Places, shares of load and of friction, heights, widths, columns of cells written down."""
     n = int(cells[CELL_COUNT, 0])
     return (
         cells[CELL_X, :n],
         cells[CELL_WEIGHT, :n],
+        cells[CELL_FRICTION, :n],
         cells[CELL_HEIGHT, :n],
         cells[CELL_WIDTH, :n],
         cells[CELL_COLUMN, :n],
@@ -145,9 +182,9 @@ def worn_slope(cells, contact, R, c, op, v_r, rule, work):
         work.hessian,
     )  # fmt: skip
     for worn in range(2):
-        t, weight, h, width, _ = loaded_cells(cells[worn])
+        t, _, friction, h, width, _ = loaded_cells(cells[worn])
         traction_slope(
-            contact, c, contact.mu, v_r, t, weight, h, width, work.ones, work.halves,
+            contact, c, contact.mu, v_r, t, friction, h, width, work.ones, work.halves,
             work.part_gradient, work.part_hessian,
         )  # fmt: skip
         sign = 1.0 if worn == OF_WORN else -1.0
@@ -247,8 +284,9 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
 
     Parameters
     ----------
-    out : ndarray (2, 4)
-        Filled, one row a race: QV [W], heat [W], gyroscopic share [1], torque of the race [N m].
+    out : ndarray (2, 5)
+        Filled, one row a race: QV [W], heat [W], gyroscopic share [1], torque of the race [N m],
+        friction coefficient, mean over the load [1].
     rates : ndarray (2, n)
         Filled: QV per length along the cells [W/m], scaled to the sum of `out`.
     """
@@ -267,14 +305,19 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
         )
         gyro *= qv
         for worn in range(2):
-            t, weight, h, width, column = loaded_cells(work.cells[k, worn])
+            t, weight, friction, h, width, column = loaded_cells(work.cells[k, worn])
             part = dissipation(
                 contact, c, contact.mu, op.v_r, r, t, weight, h, width, work.ones, work.halves
             )
             sign = 1.0 if worn == OF_WORN else -1.0
             qv += sign * part[0]
-            heat += sign * part[1]
             gyro += sign * part[2] * part[0]
+            out[k, 4] = contact.mu * (friction.sum() / weight.sum())
+            if out[k, 4] != contact.mu:
+                part = dissipation(
+                    contact, c, contact.mu, op.v_r, r, t, friction, h, width, work.ones, work.halves
+                )
+            heat += sign * part[1]
             torque += sign * part[3]
         rates[k, :] = 0.0
         for p in range(t.size):  # of the worn cells

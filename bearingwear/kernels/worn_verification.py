@@ -80,3 +80,37 @@ def contact_check(cells, wear, pressure):
             else:
                 overlap = max(overlap, -gap)
     return ContactCheck(gap=largest_gap, overlap=overlap, tension=tension, load=load * dX * dY)
+
+
+@jit
+def friction_of_cells(pressure, fresh, law, bare, without):
+    """Friction coefficient of a worn contact, mean over its load [1], by plain sums over its cells.
+
+    Parameters
+    ----------
+    pressure, fresh : ndarray (m, n)
+        Worn and unworn, over the peak of Hertz.
+    law : tuple of 3 floats
+        Shear strength of the film [Pa], its coefficient beside that [1], and the peak pressure of
+        Hertz [Pa].
+    bare : ndarray (n,)
+        Share of the cells without film [1].
+    without : float
+        Coefficient there, below zero as with film [1].
+    """
+    S, constant, peak = law
+    m, n = pressure.shape
+    load = old_load = area = old_area = bare_load = 0.0
+    for i in range(n):
+        for j in range(m):
+            load += pressure[j, i]
+            bare_load += bare[i] * pressure[j, i]
+            old_load += fresh[j, i]
+            area += min(20.0 * pressure[j, i], 1.0)
+            old_area += min(20.0 * fresh[j, i], 1.0)
+    # Hertz' mean pressure, two thirds of the peak, times the load's share over the area's.
+    mean = 2.0 / 3.0 * peak * (load / old_load) / (area / old_area)
+    filmed = constant + S / mean
+    if without < 0.0:
+        return filmed
+    return filmed * (1.0 - bare_load / load) + without * bare_load / load

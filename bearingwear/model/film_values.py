@@ -17,7 +17,8 @@ def film_values(scene: Scene, history: LifeHistory) -> dict:
         return values
     left = np.array([s.film for s in states])  # (steps, 3)
     time = np.array(history.times)[:, COUNTS.index(scene.wear.counts)]
-    through = [time[np.argmax(gone)] if gone.any() else np.nan for gone in (left <= 0.0).T]
+    through = [_time_of_nothing(time, part) for part in left.T]
+    left = np.maximum(left, 0.0)
     values["history_film_worn_share"] = np.array([s.film_worn for s in states])
     if films.race.film is not None:
         values["history_race_film"] = left[:, :2]
@@ -26,3 +27,15 @@ def film_values(scene: Scene, history: LifeHistory) -> dict:
         values["history_ball_film"] = left[:, 2]
         values["ball_film_worn_through"] = through[2]
     return values
+
+
+def _time_of_nothing(time: np.ndarray, left: np.ndarray) -> float:
+    """When a film is gone, between the steps about it; NaN where it is not."""
+    gone = left <= 0.0
+    if not gone.any():
+        return float("nan")
+    k = int(np.argmax(gone))
+    if k == 0 or left[k] == 0.0:
+        return float(time[k])
+    share = left[k - 1] / (left[k - 1] - left[k])
+    return float(time[k - 1] + share * (time[k] - time[k - 1]))

@@ -179,6 +179,10 @@ class WornLife:
             lengths.append(self.step / (deepest / side.bearing.gap_at_edge(point)).max())
         return float(min(lengths))
 
+    def _too_deep(self, now: Instant, new: Instant) -> bool:
+        both = zip(self.sides, now.points, new.points, strict=True)
+        return any(side.too_deep(before, after, self.step) for side, before, after in both)
+
     def margin(self, now: Instant) -> np.ndarray:
         """How far each criterion is from being met (4,), as `life.margins`."""
         left = [
@@ -255,7 +259,7 @@ class WornLife:
             dt = self.longest_step(now, rates)
             new = self.heun(now, rates, dt)
             for _ in range(_SHORTENINGS):
-                if new.status == code.OK:
+                if new.status == code.OK and not self._too_deep(now, new):
                     break
                 dt *= 0.5
                 new = self.heun(now, rates, dt)

@@ -15,7 +15,6 @@ from bearingwear.model.life import life_history, life_values, steady_states
 from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.pair_life import PairLife, of_both, pair_states
 from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
-from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
 REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
@@ -55,18 +54,20 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
     NotAvailable
         Where the scene asks for it and it cannot be.
     """
+    ball = scene.materials[scene.bearing.ball_material]
+    in_bands = scene.wear.ball_track == "bands" and bool(ball.film or ball.running_in)
     obstacles = {
         f"model.fidelity {tier}": tier != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
-        "films that wear through": changes_as_it_wears(scene),
+        "films or running in of balls in bands": in_bands,
     }
     found = [name for name, stands in obstacles.items() if stands]
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
                 f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady "
-                "life that counts ball_and_races, slip over the ellipse, films that last"
+                "life that counts ball_and_races, slip over the ellipse, filmed balls worn evenly"
             )
         return True, "grooves: followed as they wear; asked for"
     if scene.model.contact != "auto" or found:

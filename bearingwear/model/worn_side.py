@@ -11,7 +11,6 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.profile import contact_approach, semi_axis
 from bearingwear.kernels.thrust import ThrustCase, skid_ratio
-from bearingwear.kernels.worn_friction import unworn_contact
 from bearingwear.model import parameters
 from bearingwear.model.heat import NOTHING
 from bearingwear.model.life_integrator import WearState
@@ -21,9 +20,12 @@ from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import HeatFlow, warmed
 from bearingwear.model.values import friction_used
 from bearingwear.model.worn_depths import WornDepths, WornPoint
+from bearingwear.model.worn_films import WornFilms
 from bearingwear.model.worn_states import WornBearing
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
+_TOO_DEEP = 2.0  # times the depth that a step is to wear
 _FURTHER = 20  # approaches that an even loss is looked for on either side of the guess
 
 
@@ -55,6 +57,7 @@ class WornSide(SteadySide):
         self.problem = problem
         self.mounted = parameters.static_place(scene)
         self.factors = parameters.wear_factors(scene)
+        filmed = scene.friction.film is not None or changes_as_it_wears(scene)
         self.bearing = WornBearing(
             problem,
             case,
@@ -62,6 +65,7 @@ class WornSide(SteadySide):
             cells,
             bands=scene.wear.ball_track == "bands",
             wander=scene.wear.track_wander,
+            films=WornFilms.of(scene) if filmed else None,
         )
         self.wear = WornDepths(0.0, np.zeros(0), np.zeros(0))
         self.stiff = True  # whether each state is solved with its stiffness, not with the last one
@@ -176,19 +180,46 @@ class WornSide(SteadySide):
         known = self._states.get(id(point))
         if known is None or known[0] is not point:
             made = replace(self._wear_state(point), stiffness=state.stiffness / self.tandem)
+            made = replace(made, **self._of_films(point))
             known = point, replace(made, **warmth_of_side(self.scene, state))
             self._states[id(point)] = known
         return known[1]
+
+    def too_deep(self, point: WornPoint, new: WornPoint, step: float) -> bool:
+        """Whether a groove wore by far more than `step` of the gap, having worn through a film."""
+        if self.bearing.films is None:
+            return False
+        worn = (new.wear.grooves - point.wear.grooves).max(axis=1)
+        return bool((worn / self.bearing.gap_at_edge(point)).max() > _TOO_DEEP * step)
+
+    def _of_films(self, point: WornPoint) -> dict[str, Any]:
+        """What of a state films and running in decide; nothing without any."""
+        films, D, shares = self.bearing.films, point.D, []
+        if films is None:
+            return {}
+        for k, force in enumerate(self.bearing.forces(point)):
+            bare = self.bearing.bare(point.wear, k)
+            bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha)
+            shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
+        rate = self.rate(point)
+        area = rate.grooves.sum(axis=1) * self.bearing.arc_step
+        ring = 2.0 * np.pi * np.cos(self.bearing.latitude) * (0.5 * D) ** 2
+        bands = float((rate.band * ring).sum() * self.bearing.band_step)
+        return {
+            "ball_rate": 0.5 * np.pi * D * D * rate.ball + bands,
+            "race_rate": 2.0 * np.pi * point.track * area,
+            "film": films.left(point.wear.grooves.max(axis=1), 0.5 * point.wear.ball),
+            "film_worn": np.array(shares),
+        }
 
     def _wear_state(self, point: WornPoint) -> WearState:
         g, op, D = point.problem.g, point.problem.op, point.D
         forces, r = self.bearing.forces(point), g.R_o + point.seat.X2
         alpha = np.array([f.alpha for f in forces])
-        qv, _, share, _ = point.slip.T
+        qv, _, share, _, mu = point.slip.T
         ball, race = self.factors
         moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
         load = np.array([f.Q for f in forces])
-        mu = np.array([unworn_contact(g, op, k, f).mu for k, f in enumerate(forces)])
         return WearState(
             loss=self.even_loss(point),
             status=point.status,

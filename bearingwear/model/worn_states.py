@@ -4,6 +4,7 @@ Depths stand on fixed grids: each groove's along its own arc, the balls' along t
 """
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import drag_force
@@ -26,11 +27,10 @@ from bearingwear.kernels.worn_contact import contact_cells
 from bearingwear.kernels.worn_friction import (
     FrictionWork,
     friction_work,
-    unworn_contact,
     worn_dissipation,
 )
 from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
-from bearingwear.kernels.worn_verification import contact_check
+from bearingwear.kernels.worn_verification import contact_check, friction_of_cells
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.worn_depths import (
     NO_FORCE,
@@ -40,6 +40,7 @@ from bearingwear.model.worn_depths import (
     depth_spline,
     wandering,
 )
+from bearingwear.model.worn_films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 
 SIDES = (INNER, OUTER)
 ARC_STEP = 0.05  # of the initial semi-major axis
@@ -70,6 +71,8 @@ class WornBearing:
         Whether the balls wear in bands, not evenly.
     wander : float
         rms of the track's places, over the initial semi-major axes.
+    films : WornFilms, optional
+        Where friction or wear go by films or running in.
     """
 
     def __init__(
@@ -80,7 +83,9 @@ class WornBearing:
         cells: tuple[int, int] = (48, 10),
         bands: bool = False,
         wander: float = 0.1,
+        films: WornFilms | None = None,
     ):
+        self.films = films
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.bands, self.wander = bands, wander
         self.D = problem.g.D0 - loss
@@ -138,6 +143,9 @@ class WornBearing:
             groove=UNWORN_ARC,
             band=UNWORN_ARC,
             alpha_ref=float(self.angle[k]),
+            bare=np.zeros(n),
+            uncovered=UNWORN_ARC,
+            without=AS_WITH_FILM,
         )
 
     def unworn(self, ball: float = 0.0) -> WornDepths:
@@ -156,11 +164,11 @@ class WornBearing:
             self.state.slope.fill(0.0)
             return WornPoint(status, wear, p)
         self.seat, self.u, self.worn_races = seat, u, races
-        slip = np.empty((2, 4))
+        slip = np.empty((2, 5))
         qv_along = np.empty((2, max(r.x.size for r in races)))
         worn_dissipation(p.g, p.op, D, races, seat, p.rule, work, u, slip, qv_along)
         forces = (seat.inner, seat.outer)
-        if not self._verified(p, races, seat, slip, u, D):
+        if not self._verified(p, races, wear, seat, slip, u, D):
             return WornPoint(code.UNVERIFIED, wear, p)
         r = p.g.R_o + seat.X2
         return WornPoint(
@@ -186,10 +194,15 @@ class WornBearing:
         self, p: ThrustProblem, D: float, wear: WornDepths
     ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
         """Seat and motion, and the contacts there, with as many cells as these need."""
-        arcs = self._arcs(wear)
+        arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
+        without = AS_WITH_FILM if self.films is None else self.films.without
+        if without >= 0.0:
+            shares = [self.bare(wear, k) for k in range(2)]
+            bare = list(map(depth_spline, self.arc, self.arc_step, shares))
         for _ in range(_MOST_WIDENINGS):
             races = tuple(
-                race._replace(groove=arcs[k], band=arcs[2]) for k, race in enumerate(self.races)
+                race._replace(groove=arcs[k], band=arcs[2], uncovered=bare[k], without=without)
+                for k, race in enumerate(self.races)
             )
             work = self._friction_work(p, races)
             seat, u = self._moved(p, D, races, work)
@@ -239,6 +252,23 @@ class WornBearing:
             self._work = size, friction_work(p.rule, size[0], self.cell_numbers[1])
         return self._work[1]
 
+    @property
+    def spread(self) -> float:
+        """rms of the track's places over the edge of a film, in steps of the arcs."""
+        return max(self.wander, LEAST_WANDER) / ARC_STEP
+
+    def bare(self, wear: WornDepths, k: int) -> np.ndarray:
+        """Share of groove k on which no film is left (arcs,); with films alone [1]."""
+        assert self.films is not None
+        return self.films.bare(wear.grooves[k], 0.5 * wear.ball, self.spread)
+
+    def at_cells(self, values: np.ndarray, k: int, x: np.ndarray, alpha: float) -> np.ndarray:
+        """Shares over the arc of groove k at places along its contact under an angle."""
+        g = self.problem.g
+        shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], SIDES[k], alpha)
+        there = CubicSpline(self.arc[k], values)(np.clip(x + shift, *self.arc[k][[0, -1]]))
+        return np.clip(there, 0.0, 1.0)
+
     def count_from(self, point: WornPoint) -> None:
         """Count the depths of the next states from what the contacts of this one gave way.
 
@@ -257,23 +287,32 @@ class WornBearing:
         Parameters
         ----------
         ball, race : float
-            K_s/H of ball and race [1/Pa].
+            K_s/H of ball and race [1/Pa], where films and running in do not decide them.
         """
         g, D = point.problem.g, point.D
         R = 0.5 * D
         grooves, band = np.zeros_like(self.arc), np.zeros_like(self.latitude)
-        beta = pitch(point.u)
+        beta, off_ball = pitch(point.u), point.slip[:, 0].copy()
         for k, (force, sigma) in enumerate(zip(self.forces(point), SIDES, strict=True)):
             x, qv = point.x[k], point.qv_along[k]
             shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], sigma, force.alpha)
             along = wandering(self.arc[k], x + shift, qv, self.wander * self.major[k])
-            grooves[k] = g.n_balls * race * along / (2.0 * np.pi * point.track[k])
+            factor: float | np.ndarray = race
+            if self.films is not None:
+                depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
+                covered = self.films.cover_of_race(depth, self.spread)
+                _, factor = self.films.factors(covered, depth, on_ball)
+                covered = self.at_cells(covered, k, x, force.alpha)
+                there, _ = self.films.factors(covered, covered, on_ball)
+                qv = qv * (there / ball)
+                off_ball[k] *= qv.sum() / point.qv_along[k].sum()
+            grooves[k] = g.n_balls * factor * along / (2.0 * np.pi * point.track[k])
             if self.bands:
                 places = latitude(sigma, force.alpha, beta) - x / R
                 wander = self.wander * self.major[k] / R
                 along = wandering(self.latitude, places[::-1], qv[::-1] * R, wander) / R
                 band += ball * along / (2.0 * np.pi * R * np.cos(self.latitude))
-        even = 0.0 if self.bands else 2.0 * ball * point.slip[:, 0].sum() / (np.pi * D * D)
+        even = 0.0 if self.bands else 2.0 * ball * off_ball.sum() / (np.pi * D * D)
         return WornDepths(float(even), grooves, band)
 
     @staticmethod
@@ -300,6 +339,7 @@ class WornBearing:
         self,
         p: ThrustProblem,
         races: tuple[WornRace, ...],
+        wear: WornDepths,
         seat: WornSeat,
         slip: np.ndarray,
         u: np.ndarray,
@@ -307,7 +347,7 @@ class WornBearing:
     ) -> bool:
         """Whether contacts and power balance by sums that the solver did not take."""
         g, op = p.g, p.op
-        for race, force in zip(races, (seat.inner, seat.outer), strict=True):
+        for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
             check = contact_check(race.cells, race.wear, race.pressure)
             unworn = race.cells.fresh.sum() * race.cells.area
             load = contact_load(force.hertz.K, force.approach) * check.load / unworn
@@ -317,12 +357,21 @@ class WornBearing:
                 and abs(load / force.Q - 1.0) <= LARGEST_RESIDUAL
             ):
                 return False
+            if self.films is not None:
+                Q = contact_load(force.hertz.K, force.approach)
+                law = (
+                    *((op.S_i, op.mu_i), (op.S_o, op.mu_o))[k],
+                    1.5 * Q / (np.pi * force.a * force.b),
+                )
+                bare = self.at_cells(self.bare(wear, k), k, race.x, force.alpha)
+                found = friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without)
+                if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
+                    return False
         r = g.R_o + seat.X2
         drag = drag_force(g, D, op.drag, u[3])[0] * r * u[3]
         power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
         given = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
-        mu = max(unworn_contact(g, op, k, f).mu for k, f in enumerate((seat.inner, seat.outer)))
-        floor = mu * (seat.inner.Q + seat.outer.Q) * op.v_r
+        floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
         self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
         return bool(self.power_error <= LARGEST_POWER_ERROR)
 

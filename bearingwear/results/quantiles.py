@@ -39,21 +39,29 @@ CONFIDENCE = 0.95
 
 NO_QUANTILES = "no spread computed"
 SEE = "the command bearingwear uncertainty computes it"
+BATCHES = 0.9
+"""Share of batches between the ends of an L10, by what is not known of them."""
+
+SAMPLING, OF_BATCHES = f"{100 * CONFIDENCE:g} % confidence", f"{100 * BATCHES:g} % of batches"
+"""What the ends of a quantile are of."""
+
 QUANTILES_TEXT = (
-    "Spread: L10 is the life that 10 % of bearings do not reach, L50 the one that half of them do "
-    f"not, with all that the scene calls uncertain; in brackets their {100 * CONFIDENCE:g} % "
-    "confidence intervals, by the size of the sample."
+    "Spread: L10 is the life that 10 % of the bearings of a batch do not reach, L50 the one that "
+    f"half of them do not; in brackets what {100 * BATCHES:g} % of batches have, since wear "
+    "coefficient, friction and drag are the same for a batch and not known. Where nothing but "
+    f"scatter is uncertain, {100 * CONFIDENCE:g} % confidence by the size of the sample."
 )
 
 
 class Quantile(NamedTuple):
-    """A quantile of the life, and the ends of its confidence interval [h]."""
+    """A quantile of the life over the bearings of a batch, and its ends [h]."""
 
     name: str  # L10: the life that 10 % of bearings do not reach
     hours: float
     low: float
     high: float
     solved: float = 1.0  # share of the sampled lives; the others are left out
+    between: str = SAMPLING  # what the ends are of
 
     @property
     def text(self) -> str:
@@ -127,7 +135,7 @@ def quantiles_of(
             one = dataset.isel(
                 {"preload_method": methods.index(method), UNCERTAIN_INPUTS: ALL_INPUTS}
             ).sel({PRELOAD_CHOICE: choice})
-            return {way: _quantiles(one.isel(loss_basis=k)) for k, way in enumerate(COUNTS)}
+            return {way: quantiles_at(one.isel(loss_basis=k)) for k, way in enumerate(COUNTS)}
     return None
 
 
@@ -164,15 +172,22 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
     }
 
 
-def _quantiles(one: xr.Dataset) -> tuple[Quantile, ...]:
-    return tuple(
-        Quantile(
-            name=f"L{100.0 * float(p):.0f}",
-            hours=float(one["life_quantile"][k]),
-            low=float(one["life_quantile_low"][k]),
-            high=float(one["life_quantile_high"][k]),
-            solved=float(one["solved_share"]),
-        )
-        for k, p in enumerate(one["probability"].values)
-        if p <= MEDIAN and np.isfinite(one["life_quantile"][k])
-    )
+def quantiles_at(one: xr.Dataset) -> tuple[Quantile, ...]:
+    """L10 and L50 over the bearings of a batch, between ends by what is not known of it.
+
+    Where all of that is known, between those of their confidence intervals by the sample.
+    """
+    found = []
+    for k, p in enumerate(one["probability"].values):
+        if p > MEDIAN or not np.isfinite(one["life_quantile"][k]):
+            continue
+        columns = [one[f"life_quantile{end}"][k] for end in ("_low", "", "_high")]
+        between = SAMPLING
+        if "batch_life_quantile" in one:
+            ends = one["batch_life_quantile"].isel(probability=k)
+            if bool(np.isfinite(ends).all()) and float(np.ptp(ends.values)) > 0.0:
+                columns, between = list(ends.values), OF_BATCHES
+        low, hours, high = map(float, columns)
+        name, solved = f"L{100.0 * float(p):.0f}", float(one["solved_share"])
+        found.append(Quantile(name, hours, low, high, solved, between))
+    return tuple(found)

@@ -12,7 +12,6 @@ import numpy as np
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
-    CONFIDENCE,
     GIVEN,
     KIND,
     NO_QUANTILES,
@@ -90,7 +89,7 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
             name = quantiles[0].name
             rows.append(Row(name, "h", tuple(q.hours for q in quantiles), f"life_{name}"))
             ends = tuple(f"{digits(q.low)} to {digits(q.high)}" for q in quantiles)
-            rows.append(Row(f"  {100 * CONFIDENCE:g} % confidence", "h", ends))
+            rows.append(Row(f"  {quantiles[0].between}", "h", ends))
     where = "" if missing == len(lives) else f" for the other {missing}"
     lines = (f"{NO_QUANTILES}{where}; {SEE}",) if missing else ()
     return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), lines)]

@@ -24,6 +24,10 @@ UNCERTAIN = {
 }
 """Keys of a scene that may be uncertain, and the block each stands in."""
 
+SAME_FOR_BATCH = ("brinell_hardness_GPa", "wear_coefficient", "ball_race", "drag_density_kg_m3")
+"""Those of them that are one unknown number for all bearings of a batch, if nothing else is said;
+the others scatter from bearing to bearing."""
+
 WORN = ("brinell_hardness_GPa", "wear_coefficient")
 """Those of them that are a material's: the races', and the balls' in proportion."""
 
@@ -33,6 +37,9 @@ PARAMETERS = {
     "uniform": (("low", "high"), ()),
 }
 """What each distribution needs, and what it may be given."""
+
+
+_NO_PARAMETERS = ("distribution", "same_for_batch")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,6 +87,18 @@ class Distribution:
     high: Annotated[
         float | None, Key("Largest value of a uniform distribution", "as the value")
     ] = None
+    same_for_batch: Annotated[
+        bool | None,
+        Key(
+            "Whether it is one unknown number for all bearings of a batch (true if left out for "
+            "hardness, wear coefficient, friction and drag), or scatters from bearing to bearing"
+        ),
+    ] = None
+
+
+def is_same_for_batch(name: str, given: Distribution) -> bool:
+    """Whether an uncertain value is one unknown number for all bearings of a batch."""
+    return name in SAME_FOR_BATCH if given.same_for_batch is None else given.same_for_batch
 
 
 def uncertain_key(name: str, material: str) -> str:
@@ -102,7 +121,9 @@ def check_uncertainty(scene: Scene) -> None:
                 key, "got it with friction.film; only allowed with friction.ball_race", (key,)
             )
         needs, takes = PARAMETERS[given.distribution]
-        parts = {f.name: getattr(given, f.name) for f in fields(given) if f.name != "distribution"}
+        parts = {
+            f.name: getattr(given, f.name) for f in fields(given) if f.name not in _NO_PARAMETERS
+        }
         for part, value in parts.items():
             if value is None and part in needs:
                 raise SceneError(

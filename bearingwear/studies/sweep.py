@@ -6,7 +6,6 @@ import itertools
 import json
 import math
 import multiprocessing
-import os
 import sys
 import time
 import warnings
@@ -21,6 +20,7 @@ from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lin
 from bearingwear.scene.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.sampling import usable_cores
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,7 +96,7 @@ def sweep(
     base = as_scene(scene)
     axes = {key: _values(key, values) for key, values in changes.items()}
     points = _points(base, axes, what, fidelity)
-    cores = min(len(points), _cores() if workers is None else workers)
+    cores = min(len(points), usable_cores() if workers is None else workers)
     if cores > 1:
         _compile(points)
     size = math.ceil(len(points) / (CHUNKS_PER_WORKER * max(cores, 1)))
@@ -139,13 +139,6 @@ def _points(
         else:
             found.append((scene, choice(scene, fidelity).tier))
     return found
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _compile(points: Sequence[tuple[Scene, str]]) -> None:

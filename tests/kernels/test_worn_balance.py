@@ -12,6 +12,7 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.worn_balance import Arc, WornRace, find_stiffness, worn_force
 from bearingwear.kernels.worn_cells import contact_buffers
 from bearingwear.kernels.worn_contact import contact_cells
+from bearingwear.model.worn_films import AS_WITH_FILM
 
 D, ALPHA = 2e-3, math.radians(20.0)
 G = Geometry(
@@ -39,7 +40,8 @@ def race_of(side, depth, cells=(48, 10), band=EVEN):
     return WornRace(
         cells=made, work=contact_buffers(*cells), pressure=made.fresh.copy(), wear=np.zeros(n),
         x=np.zeros(n), rise=np.zeros(n), groove=arc(x[0] * a, (x[1] - x[0]) * a, depth(x)),
-        band=band, alpha_ref=ALPHA,
+        band=band, alpha_ref=ALPHA, bare=np.zeros(n), uncovered=EVEN,
+        without=AS_WITH_FILM,
     ), hertz  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from bearingwear.plotting.drawing import (
     scene_of,
 )
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED
+from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED, quantiles_at
 from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -56,12 +56,11 @@ def at_scene(design: xr.Dataset) -> xr.Dataset:
     )
 
 
-def recommended_quantiles(uncertainty: xr.Dataset, flag: int) -> xr.DataArray:
-    """Quantiles of the life at the recommended preload of a method, with all that is uncertain."""
-    one = uncertainty.sel(
+def at_recommended(uncertainty: xr.Dataset, flag: int) -> xr.Dataset:
+    """Spread of the life at the recommended preload of a method, with all that is uncertain."""
+    return uncertainty.sel(
         preload_method=flag, preload_choice=RECOMMENDED, uncertain_inputs=ALL_INPUTS
     )
-    return one["life_quantile"]
 
 
 def design_figure(
@@ -95,7 +94,7 @@ def design_figure(
         if np.isfinite(chosen["preload"]):
             _recommended(panels[0], name, chosen)
             if uncertainty is not None:
-                lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
+                lives = at_recommended(uncertainty, int(chosen["preload_method"]))["life_quantile"]
                 _spread_bar(over_preload, name, chosen, lives.isel(loss_basis=basis))
     system = limits.system_axial_stiffness_N_um
     limit = limits.axial_stiffness_N_um if system is None else system
@@ -253,7 +252,7 @@ def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
         key("some limit passed", color="0.3", alpha=0.35, linewidth=0.8),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(
-            f"recommended{', bar: L10 to L90' if has_spread else ''}",
+            f"recommended{', bar: 10 % to 90 % credible' if has_spread else ''}",
             color="0.6",
             linestyle="none",
             **STAR,
@@ -300,9 +299,10 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     chosen = chosen.isel(loss_basis=basis)
     spread = ""
     if uncertainty is not None:
-        lives = recommended_quantiles(uncertainty, int(chosen["preload_method"]))
-        l10, l50 = (float(lives.isel(loss_basis=basis).sel(probability=p)) for p in (0.1, 0.5))
-        spread = f" (L10 {digits(l10)} h, L50 {digits(l50)} h)"
+        flag = int(chosen["preload_method"])
+        one = at_recommended(uncertainty, flag).isel(loss_basis=basis)
+        of_each = (f"{q.name} {digits(q.low)} to {digits(q.high)} h" for q in quantiles_at(one))
+        spread = f" ({', '.join(of_each)})"
     within = " within the limits" if limits_of(recommendation).given else ""
     held_by = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
     if int(recommendation["verdict"]) == NEITHER_LONGER:

@@ -22,7 +22,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
     scene_of,
 )
-from bearingwear.results.quantiles import ALL_INPUTS
+from bearingwear.results.quantiles import ALL_INPUTS, quantiles_at
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -88,12 +88,17 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         panel.set_title(f"{in_words(name)}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")
         panel.set_ylabel("share worn out")
-        quantile = drawn["life_quantile"].isel(loss_basis=basis)
-        l10, l50 = (float(quantile.sel(probability=p)) for p in (0.1, 0.5))
-        said.append(f"{in_words(name)}, L10 {digits(l10)} h, L50 {digits(l50)} h")
+        of_each = quantiles_at(drawn.isel(loss_basis=basis))
+        ends = (f"{q.name} {digits(q.low)} to {digits(q.high)} h" for q in of_each)
+        said.append(", ".join([in_words(name), *ends]))
     handles = [
         *(key(f"counting {in_words(w)}", color="0.3", linestyle=d) for w, d in LOSS_DASHES.items()),
-        key("L10, L50, L90 with their sampling error", color="0.3", linestyle="none", marker="o"),
+        key(
+            "10, 50, 90 % credible life, its sampling error",
+            color="0.3",
+            linestyle="none",
+            marker="o",
+        ),
     ]
     counting = in_words(COUNTS[basis])
     name = scene_of(uncertainty)["name"]

@@ -19,6 +19,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
+    BATCHES,
     QUANTILES_TEXT,
     RECOMMENDED,
     quantiles_of,
@@ -26,6 +27,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import digits, display, in_print, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
+from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
 from bearingwear.studies.design.draw import design_files
@@ -222,10 +224,35 @@ def _quantiles(uncertainty: xr.Dataset) -> list[str]:
                 rows.append([in_words(name), *_quantile_cells(one, where, way)])
     return [
         markdown_table(
-            "method | preload | counting | nominal life (h) | L10 (h) | L50 (h) | L90 (h) | "
-            "L10 to L90, wear coefficient and hardness as stated (h) | lives solved",
+            "method | preload | counting | nominal life (h) | L10 of a batch (h) "
+            "| L50 of a batch (h) | 10 % credible life (h) | 50 % (h) | 90 % (h) | "
+            "10 % to 90 %, wear coefficient and hardness as stated (h) | lives solved",
             rows,
-        )
+        ),
+        f"L10 and L50 are over the bearings of a batch, and lie between these ends for "
+        f"{100 * BATCHES:g} % of batches: what is the same for a batch is not known. A 10 % "
+        "credible life mixes both kinds of not knowing; it is no batch's.",
+        *_with_grooves(uncertainty),
+    ]
+
+
+def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
+    """How many lives follow their grooves, and how well the others are known."""
+    followed, error = uncertainty["followed_lives"], uncertainty["groove_error"]
+    if not bool((followed > 0).any()):
+        return []
+    return [
+        f"Grooves are followed as they wear in {int(followed.sum())} of the sampled lives; of the "
+        f"others they change the life by an interpolated ratio, whose rms error is at most "
+        f"{100.0 * float(error.max()):.2g} %, found on lives that it was not fitted to."
+    ]
+
+
+def _of_batches(one: xr.Dataset) -> list[str]:
+    """L10 and L50 over the bearings of a batch, by what is not known of it."""
+    of_batch = one["batch_life_quantile"].values
+    return [
+        f"{digits(low)} to {digits(high)}" for low, high in zip(*of_batch[[0, -1], :2], strict=True)
     ]
 
 
@@ -242,6 +269,7 @@ def _quantile_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
         f"{where}, {digits(float(one['preload']))} N",
         in_words(way),
         digits(float(one["nominal_life"])),
+        *_of_batches(one),
         *quantiles,
         f"{digits(low)} to {digits(high)}",
         f"{100 * float(one['solved_share']):.4g} % of {int(one['evaluations'])}",
@@ -265,11 +293,16 @@ def _indices(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
             f"{float(one['total_index']):.3f} ± {float(one['total_index_error']):.3f}"
             for one in indices
         ]
-        rows.append([key_in_words(name)[0], distribution_text(scene["uncertainty"][name]), *cells])
+        given = scene["uncertainty"][name]
+        of = "batch" if is_same_for_batch(name, Distribution(**given)) else "bearing"
+        within = [f"{float(one['class_index'].isel(quantity=q)):.3f}" for one in columns]
+        rows.append([key_in_words(name)[0], distribution_text(given), of, *within, *cells])
     names = [in_words(name) for name, _ in methods(uncertainty)]
     return [
         markdown_table(
-            "value | distribution | "
+            "value | distribution | differs from each to each | "
+            + " | ".join(f"{name}, within its kind" for name in names)
+            + " | "
             + " | ".join(names)
             + " | "
             + " | ".join(f"{name}, wear coefficient and hardness as stated" for name in names),

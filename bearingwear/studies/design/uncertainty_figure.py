@@ -75,7 +75,12 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
             key(f"counting {in_words(way)}", color="0.3", linestyle=d)
             for way, d in LOSS_DASHES.items()
         ),
-        key("L10, L50, L90 with their sampling error", color="0.3", linestyle="none", marker="o"),
+        key(
+            "10, 50, 90 % credible life, its sampling error",
+            color="0.3",
+            linestyle="none",
+            marker="o",
+        ),
         key("all uncertain", color="0.3", linewidth=6),
         key("wear coefficient and hardness as stated", color="0.7", linewidth=6),
     ]
@@ -172,6 +177,6 @@ def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int)
     low, high = float(quantile.sel(probability=0.1)), float(quantile.sel(probability=0.9))
     unsolved = f"; {failed} lives not solved" if failed else ""
     return (
-        f"{scene}: life spreads by a factor of {high / low:.0f} between L10 and L90, and the "
+        f"{scene}: life spreads by a factor of {high / low:.0f} from 10 to 90 % credible, and the "
         f"{decides(ALL_INPUTS)} decides; with it known, the {decides(ALL_BUT_WEAR)}{unsolved}"
     )

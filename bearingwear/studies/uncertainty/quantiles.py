@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from SALib.analyze import sobol as sobol_analysis
 from scipy import stats
 
 from bearingwear.kernels.status import OK
@@ -27,6 +26,12 @@ from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.sampling import SAMPLES, Sampling
+from bearingwear.studies.uncertainty.batches import (
+    BATCH_PROBABILITIES,
+    PROBABILITIES,
+    batch_quantiles,
+)
+from bearingwear.studies.uncertainty.indices import class_indices, indices
 from bearingwear.studies.uncertainty.plan import (
     AS_RECOMMENDED,
     OWN,
@@ -36,14 +41,10 @@ from bearingwear.studies.uncertainty.plan import (
 from bearingwear.studies.uncertainty.sample import (
     PART_KIND,
     lives,
-    problem,
     sample,
     value_at,
     with_preload,
 )
-
-PROBABILITIES = (0.1, 0.5, 0.9)
-RESAMPLES = 200  # of the bootstrap that the errors of the indices come from
 
 UNCERTAINTY_AXES = table(
     STUDY_COORDINATES["preload_method"],
@@ -60,8 +61,14 @@ UNCERTAINTY_AXES = table(
         flags=("all", "all_but_wear"),
     ),
     Variable("probability", ("probability",), "1", "share of bearings that have failed"),
+    Variable(
+        "batch_probability",
+        ("batch_probability",),
+        "1",
+        "share of batches, by what is not known of them, with a lower value",
+    ),
 )
-METHOD, CHOICE, BASIS, INPUTS, PROBABILITY = UNCERTAINTY_AXES
+METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
 ALONG = (METHOD, CHOICE)
 
 QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
@@ -70,8 +77,30 @@ ANALYSED = table(
     Variable("evaluations", (), "1", "lives evaluated", dtype="i8"),
     Variable("solved_share", (), "1", "share of the lives that were solved"),
     Variable("index_share", (), "1", "share of the base samples that the indices are taken from"),
+    Variable("followed_lives", (), "1", "lives whose grooves were followed as they wear"),
+    Variable(
+        "groove_error",
+        (),
+        "1",
+        "rms error of other lives with worn grooves",
+        comment="by the ratio to lives with Hertzian grooves, interpolated between those followed; "
+        "on lives that it was not fitted to; 0: all were followed, NaN: none",
+    ),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
-    Variable("life_quantile", QUANTILE, "h", "quantile of the life"),
+    Variable(
+        "batch_life_quantile",
+        (BATCH, PROBABILITY, BASIS),
+        "h",
+        "quantile of the life over the bearings of a batch, by what is not known of the batch",
+        comment="L10 at probability 0.1; its interval lies between the ends of batch_probability",
+    ),
+    Variable(
+        "life_quantile",
+        QUANTILE,
+        "h",
+        "quantile of the life over scatter and over what is not known of a batch",
+        comment="at probability 0.1 the 10 % credible life, where both are there",
+    ),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable(
         "life_quantile_high", QUANTILE, "h", "upper end of the quantile's confidence interval"
@@ -84,6 +113,13 @@ ANALYSED = table(
     ),
     Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
     Variable("first_index_error", INDEX, "1", "half its confidence interval"),
+    Variable(
+        "class_index",
+        ("quantity", BASIS),
+        "1",
+        "total Sobol index of log life within the class of the value",
+        comment="what is the same for a batch, or what scatters; the other class as in the scene",
+    ),
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half its confidence interval"),
     Variable(
@@ -156,6 +192,7 @@ def life_quantiles(
     methods: Sequence[str] = (),
     samples: int = SAMPLES,
     seed: int = 1,
+    workers: int = 1,
 ) -> xr.Dataset:
     """Step: quantiles of the life at a scene's own preload.
 
@@ -169,6 +206,8 @@ def life_quantiles(
     samples : int
         Half of the number of lives, a power of two.
     seed : int
+    workers : int
+        Processes that follow grooves.
     """
     try:
         plan = record(Sampling, {"samples": samples, "seed": seed})
@@ -177,13 +216,16 @@ def life_quantiles(
     settings = [] if friction is None else [f"friction.ball_race={friction!r}"]
     base = uncertain_scene(scene, settings)
     return own_quantiles(
-        base, list(dict.fromkeys(methods or [base.operation.preload_method])), plan
+        base, list(dict.fromkeys(methods or [base.operation.preload_method])), plan, workers
     )
 
 
-def own_quantiles(scene: Scene, methods: Sequence[str], plan: Sampling) -> xr.Dataset:
+def own_quantiles(
+    scene: Scene, methods: Sequence[str], plan: Sampling, workers: int = 1
+) -> xr.Dataset:
     """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
-    return _quantiles_at(scene, dict.fromkeys(methods, scene.operation.preload_N), plan, OWN)
+    at = dict.fromkeys(methods, scene.operation.preload_N)
+    return _quantiles_at(scene, at, plan, OWN, workers)
 
 
 def recommended_life_quantiles(
@@ -208,7 +250,7 @@ def recommended_life_quantiles(
 
 
 def _quantiles_at(
-    scene: Scene, preloads: Mapping[str, float], plan: Sampling, choice: str
+    scene: Scene, preloads: Mapping[str, float], plan: Sampling, choice: str, workers: int = 1
 ) -> xr.Dataset:
     """Quantiles of the life at a preload [N] of each method."""
     table = []
@@ -216,7 +258,7 @@ def _quantiles_at(
         of = with_preload(scene, method, preload)
         first_and_last = sample(of, plan)[:, [0, -1]]  # A and B; the others repeat them
         rows = first_and_last.reshape(-1, len(scene.uncertainty or {}))
-        found = lives(of, np.vstack([_middle(of), rows]))
+        found = lives(of, np.vstack([_middle(of), rows]), workers)
         nominal, *hours = found.life * HOURS_PER_SECOND
         solved = found.status[1:] == OK
         analysed = {
@@ -224,6 +266,9 @@ def _quantiles_at(
             "evaluations": solved.size,
             "solved_share": solved.mean(),
             "nominal_life": nominal,
+            "followed_lives": found.followed,
+            "groove_error": found.groove_error,
+            "batch_life_quantile": batch_quantiles(of, plan, workers),
         }
         table.append([analysed | _quantiles_of(np.array(hours), found.wear_factor[1:])])
     return _dataset(scene, plan, list(preloads), [choice], table)
@@ -245,6 +290,7 @@ def _dataset(
         **coordinate(UNCERTAINTY_AXES[BASIS]),
         **coordinate(UNCERTAINTY_AXES[INPUTS]),
         **coordinate(UNCERTAINTY_AXES[PROBABILITY], PROBABILITIES),
+        **coordinate(UNCERTAINTY_AXES[BATCH], BATCH_PROBABILITIES),
     }
     variables = {
         name: data_array(variable, [[one[name] for one in row] for row in table], ALONG)
@@ -266,18 +312,6 @@ def _dataset(
     )
 
 
-def indices(scene: Scene, y: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-    """Sobol indices (values,) of an answer y (samples, values + 2) in the order of `sample`."""
-    found = sobol_analysis.analyze(
-        problem(scene), y.ravel(), calc_second_order=False, num_resamples=RESAMPLES,
-        conf_level=CONFIDENCE, seed=seed,
-    )  # fmt: skip
-    names = {"first_index": "S1", "total_index": "ST"}
-    return {name: np.asarray(found[key]) for name, key in names.items()} | {
-        f"{name}_error": np.asarray(found[f"{key}_conf"]) for name, key in names.items()
-    }
-
-
 def _analysed(
     scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Sampling
 ) -> dict[str, Any]:
@@ -285,7 +319,7 @@ def _analysed(
     count = len(scene.uncertainty or {})
     sizes = {name: len(axis.flags) for name, axis in UNCERTAINTY_AXES.items() if axis.flags}
     sizes |= {PROBABILITY: len(PROBABILITIES), "end": 2, "quantity": count}
-    sizes |= {"member": 2 * plan.samples}
+    sizes |= {"member": 2 * plan.samples, BATCH: len(BATCH_PROBABILITIES)}
     found: dict[str, Any] = {
         name: np.full([sizes[dim] for dim in variable.dims], np.nan)
         for name, variable in ANALYSED.items()
@@ -299,6 +333,8 @@ def _analysed(
     usable = (solved & (life > 0.0).all(axis=-1)).all(axis=1)
     found["evaluations"] = solved.size
     found["solved_share"] = solved.mean()
+    found["followed_lives"] = sum(int(part.attrs["followed_lives"]) for part in parts)
+    found["groove_error"] = max(float(part.attrs["groove_error"]) for part in parts)
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
     found |= _quantiles_of(*(np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)))
@@ -308,7 +344,10 @@ def _analysed(
             if y.size and np.ptp(y) > 0.0:
                 for name, values in indices(scene, y, plan.seed).items():
                     found[name][k, :, c] = values
-    return found | _one_at_a_time(with_preload(scene, method, found["preload"]))
+    at_preload = with_preload(scene, method, found["preload"])
+    found["batch_life_quantile"] = batch_quantiles(at_preload, plan)
+    found["class_index"] = class_indices(at_preload, plan)
+    return found | _one_at_a_time(at_preload)
 
 
 def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:

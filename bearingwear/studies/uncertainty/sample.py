@@ -6,7 +6,7 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from bearingwear.scene.uncertain import uncertain_key
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
 from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
 
@@ -100,43 +101,61 @@ class SampledLives:
     status, end_criterion : (n,) ndarray
     wear_factor : (n,) ndarray
         What the life is longer by than with the scene's own K_s and H.
+    followed : int
+        Lives whose grooves were followed as they wear.
+    groove_error : float
+        As `FollowedLives.error`.
     """
 
     life: np.ndarray
     status: np.ndarray
     end_criterion: np.ndarray
     wear_factor: np.ndarray
+    followed: int
+    groove_error: float
 
 
-def lives(scene: Scene, rows: np.ndarray) -> SampledLives:
-    """Lives at values (n, values).
+def lives(scene: Scene, rows: np.ndarray, workers: int = 1) -> SampledLives:
+    """Lives at values (n, values), with the groove that `life` would follow.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
+    `workers` are the processes that follow grooves.
     """
     names = list(scene.uncertainty or {})
     shape = [k for k, name in enumerate(names) if name not in WORN]
-    factor = np.ones(len(rows))
-    for k, name in enumerate(names):
-        if name in WORN:
-            ratio = rows[:, k] / scene.nominal(name)
-            factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
+    worn = [k for k, name in enumerate(names) if name in WORN]
+    factor = wear_factor(scene, [names[k] for k in worn], rows[:, worn])
     unlike, which = np.unique(rows[:, shape], axis=0, return_inverse=True)
-    found = [
-        _life(scene, {names[k]: float(v) for k, v in zip(shape, row, strict=True)})
+    scenes = [
+        perturbed(scene, {names[k]: float(v) for k, v in zip(shape, row, strict=True)})
         for row in unlike
     ]
-    life, status, criterion = (np.array(part)[which.ravel()] for part in zip(*found, strict=True))
+    parts = zip(*map(_life, scenes), strict=True)
+    life, status, criterion = (np.array(part) for part in parts)
+    hertzian = FollowedLives(life=life, status=status, end_criterion=criterion)
+    found = with_followed_grooves(scenes, unlike, hertzian, workers)
+    each = which.ravel()
     return SampledLives(
-        life=life * factor[:, None],
-        status=status,
-        end_criterion=criterion,
+        life=found.life[each] * factor[:, None],
+        status=found.status[each],
+        end_criterion=found.end_criterion[each],
         wear_factor=factor,
+        followed=found.followed,
+        groove_error=found.error,
     )
 
 
-def _life(scene: Scene, values: Mapping[str, float]) -> tuple[np.ndarray, int, int]:
-    """Life (2,) [s], status and end criterion."""
-    other = perturbed(scene, values)
+def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
+    """What lives are longer by with other values (n, names) of K_s and H than the scene's."""
+    factor = np.ones(len(values))
+    for k, name in enumerate(names):
+        ratio = values[:, k] / scene.nominal(name)
+        factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
+    return factor
+
+
+def _life(other: Scene | None) -> tuple[np.ndarray, int, int]:
+    """Life (2,) with Hertzian grooves [s], status and end criterion."""
     if other is None:
         return np.full(2, np.nan), BEYOND_GROOVE, len(CRITERIA) - 1
     course = WearCourses(other)(other)
@@ -229,6 +248,10 @@ def sample_part(
     rows = sample(at_preload, plan)[base]
     found = lives(at_preload, rows.reshape(-1, rows.shape[-1]))
     along, shape = ("base", "row"), rows.shape[:2]
+    attributes |= {
+        "followed_lives": np.int64(found.followed),
+        "groove_error": np.float64(found.groove_error),
+    }
     variables = {}
     for name, variable in SAMPLED.items():
         values = getattr(found, name)

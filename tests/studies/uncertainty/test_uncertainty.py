@@ -9,15 +9,16 @@ from scipy import stats
 from support import scene_file
 
 from bearingwear.model.life import life
-from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, quantiles_of
+from bearingwear.results.quantiles import OF_BATCHES, RECOMMENDED, load_quantiles, quantiles_of
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty.indices import indices
 from bearingwear.studies.uncertainty.perturbed import perturbed
-from bearingwear.studies.uncertainty.quantiles import indices, own_quantiles, quantiles
+from bearingwear.studies.uncertainty.quantiles import own_quantiles, quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample, sample_part
 
 PLAN = Sampling(samples=1024, chunks=1, seed=1)
@@ -110,9 +111,13 @@ def test_spread_of_a_life_of_the_study(tmp_path):
     found = quantiles_of([known], scene.to_dict(), "constant_force", mu)
     middle = life(scene).values["life"] * HOURS_PER_SECOND  # K_s = 5e-6, the middle of its range
     assert_allclose(known["nominal_life"].squeeze(), middle, rtol=1e-12)
-    for (l10, l50), hours in zip(found.values(), middle, strict=True):
-        assert l10.low < hours * 5.0 / 7.4 < l10.high and l50.low < hours < l50.high
-        assert_allclose([l10.hours, l50.hours], [hours * 5.0 / 7.4, hours], rtol=0.02)
+    for c, ((l10, l50), hours) in enumerate(zip(found.values(), middle, strict=True)):
+        # all bearings of a batch have the same K_s: L10 is L50, between the ends of K_s
+        assert l10[1:4] == l50[1:4] and l10.between == OF_BATCHES
+        ends = [hours * 5.0 / 7.7, hours * 5.0 / 2.3]
+        assert_allclose([l10.low, l10.hours, l10.high], [ends[0], hours, ends[1]], rtol=0.02)
+        mixed = known["life_quantile"].isel(loss_basis=c, uncertain_inputs=0).squeeze()
+        assert_allclose(mixed[:2], [hours * 5.0 / 7.4, hours], rtol=0.02)
     for method, friction, which in (("fixed_position", mu, 0), ("constant_force", 0.05, 0),
                                  ("constant_force", mu, RECOMMENDED)):  # fmt: skip
         assert quantiles_of([known], scene.to_dict(), method, friction, which) is None

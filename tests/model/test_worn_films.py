@@ -1,0 +1,177 @@
+"""Films along worn grooves: the limits without film, friction of the real area, film by place."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.worn_verification import friction_of_cells
+from bearingwear.model.fidelity import NotAvailable
+from bearingwear.model.films import Films
+from bearingwear.model.life import life
+from bearingwear.model.solve import solve
+from bearingwear.model.worn_films import FILM_EDGE, WornFilms, cover
+from bearingwear.model.worn_life import WornLife
+from bearingwear.scene.blocks import CRITERIA
+
+STEEL = "materials.bearing_steel"
+WORN = {"model.contact": "worn", "uncertainty": None}
+FILM = WORN | {
+    "friction.ball_race": None,
+    "friction.film.shear_strength_MPa": 24.8,
+    "friction.film.pressure_coefficient": 0.001,
+}
+COULOMB = FILM | {
+    "friction.film.shear_strength_MPa": 0.0,
+    "friction.film.pressure_coefficient": 0.08,
+}
+THICK = {"friction.film.thickness_um": 0.3, "friction.film.wear_coefficient": 5e-6}
+SOON = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
+K_H = 5e-6 / 6.6e9
+
+
+@pytest.fixture(scope="module")
+def marched(scene):
+    """Function (changes) -> the way of gyro_s1 to a loss of 0.3 um, without estimates of errors."""
+    known = {}
+
+    def march(changes):
+        key = repr(sorted(changes.items()))
+        if key not in known:
+            known[key] = WornLife(scene("gyro_s1", SOON | changes)).march()[0]
+        return known[key]
+
+    return march
+
+
+def ends(found):
+    """Times, groove depths and motions along a life."""
+    return (
+        np.array([t[1] for t in found.history.times]),
+        np.array([p.wear.grooves for p in found.points]),
+        np.array([p.u for p in found.points]),
+    )
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [COULOMB, COULOMB | THICK | {"friction.film.bare_ball_race": 0.08}],
+    ids=["no shear strength", "a film like what lies below"],
+)
+def test_limits_without_film(marched, changes):
+    plain, filmed = ends(marched(WORN)), ends(marched(changes))
+    for one, other in zip(plain, filmed, strict=True):
+        assert_allclose(other, one, rtol=1e-8, atol=1e-8 * np.abs(one).max())
+
+
+def test_unworn_friction_is_that_of_hertz(scene, marched):
+    hertz = solve(scene("gyro_s1", FILM | {"model.contact": "hertz"})).values
+    first = marched(FILM).history.states[0]
+    assert_allclose(first.friction, hertz["friction_coefficient"][0], rtol=1e-6)
+
+
+def test_friction_of_a_film_rises_as_the_contact_widens(marched):
+    """S_0 A + alpha Q: by the cells in contact, counted here by hand."""
+    found = marched(FILM)
+    first, last = found.history.states[0], found.history.states[-1]
+    for k in range(2):
+        cells = found.bearing.races[k].cells.fresh
+        worn = found.points[-1].pressure[k]
+        area = np.count_nonzero(worn) / np.count_nonzero(cells)
+        load = worn.sum() / cells.sum()
+        force = found.bearing.forces(found.points[-1])[k]
+        hertz = 24.8e6 * np.pi * force.a * force.b / (force.Q / load)
+        assert last.friction[k] == pytest.approx(hertz * area / load + 0.001, rel=0.03)
+        assert last.friction[k] > 1.05 * first.friction[k]
+
+
+def test_check_has_its_own_sums(marched):
+    found = marched(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
+    point, op = found.points[-1], found.bearing.problem.op
+    for k, force in enumerate(found.bearing.forces(point)):
+        race = found.bearing.races[k]
+        Q = force.hertz.K * force.approach**1.5
+        law = (op.S_i, op.mu_i, 1.5 * Q / (np.pi * force.a * force.b))
+        films, spread = found.bearing.films, found.bearing.spread
+        bare = films.bare(point.wear.grooves[k], 0.5 * point.wear.ball, spread)
+        at = found.bearing.at_cells(bare, k, point.x[k], force.alpha)
+        plain = friction_of_cells(point.pressure[k], race.cells.fresh, law, at, 0.4)
+        assert plain == pytest.approx(point.slip[k, 4], rel=1e-9)
+        other = friction_of_cells(point.pressure[k], race.cells.fresh, law, at + 1e-3, 0.4)
+        assert abs(other / plain - 1.0) > 1e-4
+
+
+def test_volume_of_the_film_is_what_archard_takes(marched):
+    """While the film covers its track all that wears off a groove is film: K_f QV N/H."""
+    found = marched(FILM | THICK)
+    point = found.points[1]
+    rate = found.bearing.rate(point, K_H, K_H)
+    for k in range(2):
+        off = rate.grooves[k].sum() * found.bearing.arc_step[k] * 2.0 * np.pi * point.track[k]
+        assert off == pytest.approx(9 * K_H * point.slip[k, 0], rel=1e-9)
+        state = found.history.states[1]
+        assert state.race_rate[k] == pytest.approx(off, rel=1e-12)
+        assert state.film[k] == pytest.approx(0.3e-6 - point.wear.grooves[k].max(), rel=1e-12)
+
+
+def test_wear_by_place(scene):
+    """Film where there is film, what lies below where there is none, in between at its edge."""
+    films = WornFilms.of(scene("gyro_s1", FILM | THICK | {STEEL + ".wear_coefficient": 1e-4}))
+    h = 0.3e-6
+    depth = h * np.array([0.0, 1.0 - FILM_EDGE, 1.0 - 0.5 * FILM_EDGE, 1.0, 2.0])
+    on_race = cover(films.films.race, depth)
+    assert_allclose(on_race, [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-12)
+    for factor in films.factors(on_race, depth, 0.0):
+        assert_allclose(factor * 6.6e9, [5e-6, 5e-6, 5.25e-5, 1e-4, 1e-4], rtol=1e-12)
+    assert_allclose(films.bare(depth, 0.0, 1e-3), 1.0 - on_race, atol=1e-12)
+    even = films.cover_of_race(np.full(50, 0.5 * h), 2.0)
+    assert_allclose(even, 1.0, rtol=1e-12)
+
+
+def test_ball_film_and_running_in(scene):
+    on_balls = {f"{STEEL}.film": {"thickness_um": 0.2, "wear_coefficient": 3e-7}}
+    films = WornFilms.of(scene("gyro_s1", WORN | on_balls))
+    film = replace(films.films.race, film=None, thickness=0.0)
+    films = WornFilms(Films(films.films.ball, film), films.without)
+    for ball_depth, K in ((0.0, 3e-7), (0.3e-6, 5e-6)):
+        for factor in films.factors(np.zeros(3), np.zeros(3), ball_depth):
+            assert_allclose(np.broadcast_to(factor, 3) * 6.6e9, K, rtol=1e-12)
+    running = {f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.1}}
+    films = WornFilms.of(scene("gyro_s1", WORN | running))
+    depth = np.array([0.0, 0.1e-6, 0.2e-6])
+    _, race = films.factors(np.zeros(3), depth, 0.0)
+    assert_allclose(race * 6.6e9, 5e-6 + 4.5e-5 * np.exp(-depth / 0.1e-6), rtol=1e-12)
+
+
+def test_worn_through_place_by_place(scene):
+    """The middle of the track goes first; the share grows, and ends the life where asked for."""
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "film_worn_share": 0.1}}
+    given = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
+    found = WornLife(given).march()[0]
+    assert CRITERIA[found.history.criterion] == "film_worn_share"
+    share = np.array([s.film_worn for s in found.history.states])
+    assert share[-1].max() == pytest.approx(0.1, rel=1e-2)
+    assert np.all(share[0] == 0.0)
+    left = np.array([s.film for s in found.history.states])[:, :2]
+    assert np.all(np.diff(left, axis=0) <= 0.0) and left[-1].min() < 0.2 * FILM_EDGE * 1e-6
+
+
+def test_mos2_scene_follows_its_grooves(scene):
+    """A film of 0.5 um is as deep as all the wear that a groove sees."""
+    result = life(scene("mos2_gyro"))
+    v = result.values
+    assert result.status == "ok" and "groove_depth" in v
+    assert CRITERIA[v["end_criterion"]] == "ball_diameter_loss_um"
+    assert np.all(v["history_race_film"][-1] < 0.2 * 0.5e-6)
+    assert np.all(np.isnan(v["race_film_worn_through"]))
+    assert np.all(v["history_friction_coefficient"][-1] > v["history_friction_coefficient"][0])
+
+
+def test_refused_in_bands(scene):
+    changes = WORN | {
+        "wear.ball_track": "bands",
+        f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.1},
+    }
+    with pytest.raises(NotAvailable, match="films or running in of balls in bands"):
+        life(scene("gyro_s1", changes))

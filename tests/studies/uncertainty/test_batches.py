@@ -1,0 +1,129 @@
+"""Two kinds of not knowing, and grooves that are followed in sampled lives."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy import stats
+from support import scene_file
+
+from bearingwear.cli import main
+from bearingwear.model.life import life
+from bearingwear.results.netcdf import load
+from bearingwear.results.variable import HOURS_PER_SECOND
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.scene.uncertain import UNCERTAIN, Distribution, is_same_for_batch
+from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty import grooves
+from bearingwear.studies.uncertainty.batches import batch_quantiles, names_of, of_class, sizes
+from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
+from bearingwear.studies.uncertainty.indices import class_indices
+from bearingwear.studies.uncertainty.perturbed import perturbed
+from bearingwear.studies.uncertainty.sample import lives, sample
+
+PLAN = Sampling(samples=64, chunks=1, seed=1)
+FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
+
+
+def with_spread(settings=(), **spread):
+    plain = load_scene(scene_file("gyro_s1"), list(settings)).to_dict()
+    return scene_from_dict(plain | {"uncertainty": spread})
+
+
+def test_which_values_are_those_of_a_batch():
+    given = Distribution(distribution="uniform", low=1.0, high=2.0)
+    of_batch = {name for name in UNCERTAIN if is_same_for_batch(name, given)}
+    known = {"wear_coefficient", "brinell_hardness_GPa", "ball_race", "drag_density_kg_m3"}
+    assert of_batch == known
+    told = Distribution(distribution="uniform", low=1.0, high=2.0, same_for_batch=False)
+    assert not is_same_for_batch("wear_coefficient", told)
+    scene = with_spread(
+        ball_race={"distribution": "uniform", "low": 0.06, "high": 0.1, "same_for_batch": False},
+        preload_N={"distribution": "normal", "standard_deviation": 0.3, "same_for_batch": True},
+        contact_angle_deg={"distribution": "normal", "standard_deviation": 0.5},
+    )
+    assert names_of(scene, True) == ["preload_N"]
+    assert names_of(scene, False) == ["ball_race", "contact_angle_deg"]
+    assert list(of_class(scene, True).uncertainty) == ["preload_N"]
+    with pytest.raises(SceneError, match="same_for_batch"):
+        with_spread(ball_race={"distribution": "normal", "same_for_batch": 2})
+
+
+def test_l10_of_a_batch_scales_with_what_is_not_known():
+    """K_s of the batch times H of each bearing: both quantiles are known in closed form."""
+    wear = {"distribution": "lognormal", "factor": 2.0}
+    hardness = {"distribution": "uniform", "low": 5.0, "high": 8.0, "same_for_batch": False}
+    scene = with_spread(wear_coefficient=wear, brinell_hardness_GPa=hardness)
+    found = batch_quantiles(scene, Sampling(samples=1024, chunks=1, seed=1))
+    nominal = life(scene).values["life"] * HOURS_PER_SECOND / scene.nominal("brinell_hardness_GPa")
+    of_bearings = 5.0 + 3.0 * np.array([0.1, 0.5, 0.9])
+    of_batches = 2.0 ** stats.norm.ppf([0.05, 0.5, 0.95])
+    exact = of_batches[:, None, None] * of_bearings[:, None] * nominal
+    assert_allclose(found, exact, rtol=0.03)
+    # with nothing but scatter all batches are alike
+    alone = batch_quantiles(with_spread(brinell_hardness_GPa=hardness), PLAN)
+    assert_allclose(alone, np.broadcast_to(alone[0], alone.shape), rtol=1e-12)
+    assert sizes(1024) == (32, 64) and sizes(64) == (8, 16)
+
+
+def test_indices_within_a_class_are_among_their_own():
+    scene = with_spread(
+        wear_coefficient={"distribution": "lognormal", "factor": 3.0},
+        contact_angle_deg={"distribution": "normal", "standard_deviation": 1.0},
+    )
+    found = class_indices(scene, PLAN)
+    # each alone in its class, whatever the other spreads
+    assert_allclose(found, 1.0, atol=0.1)
+
+
+@pytest.fixture
+def fewer(monkeypatch):
+    monkeypatch.setattr(grooves, "FITTED", 16)
+    monkeypatch.setattr(grooves, "HELD_OUT", 8)
+
+
+def test_sampled_lives_follow_grooves_where_life_does(fewer):
+    """Those followed are the quick lives themselves; others are as near as the error says."""
+    scene = with_spread(
+        FOLLOWED,
+        ball_race={"distribution": "uniform", "low": 0.06, "high": 0.1},
+        preload_N={"distribution": "normal", "standard_deviation": 0.3},
+        wear_coefficient={"distribution": "lognormal", "factor": 2.0},
+    )
+    rows = sample(scene, Sampling(samples=16, chunks=1, seed=1))[:, [0, -1]].reshape(-1, 3)
+    found = lives(scene, rows)
+    assert found.followed == 24 and (found.status == 0).all()
+    assert 0.0 < found.groove_error < 0.01
+    names = list(scene.uncertainty)
+    for k in (0, 7, 31):
+        one = perturbed(scene, dict(zip(names, map(float, rows[k]), strict=True)))
+        assert_allclose(found.life[k], life(one).values["life"], rtol=0.01)
+    few = lives(scene, rows[:6])
+    assert few.followed == 6 and few.groove_error == 0.0
+    assert_allclose(few.life, found.life[:6], rtol=3e-3)
+
+
+def test_lives_of_hertzian_grooves_stay_as_they_are():
+    scene = with_spread(ball_race={"distribution": "uniform", "low": 0.06, "high": 0.1})
+    hertzian = FollowedLives(
+        life=np.ones((1, 2)), status=np.zeros(1, int), end_criterion=np.zeros(1, int)
+    )
+    assert with_followed_grooves([scene], np.zeros((1, 1)), hertzian) is hertzian
+    nothing = with_followed_grooves([None], np.zeros((1, 1)), hertzian)
+    assert nothing is hertzian and np.isnan(nothing.error)
+
+
+def test_command_tells_batches_and_grooves(tmp_path, capsys):
+    out = tmp_path / "uncertainty.nc"
+    settings = ["--samples", "4", "-o", str(out)]
+    scene = tmp_path / "mine.yaml"
+    text = "name: mine\nbased_on: gyro_s1\nset: {model.contact: auto}\n"
+    scene.write_text(text)
+    (tmp_path / "gyro_s1.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
+    assert main(["uncertainty", str(scene), *settings]) == 0
+    assert "90 % of batches" in capsys.readouterr().out
+    found = load(out)
+    assert int(found["followed_lives"].squeeze()) > 0
+    assert float(found["groove_error"].squeeze()) == 0.0
+    ends = found["batch_life_quantile"].squeeze().isel(loss_basis=1)
+    assert (np.diff(ends.values, axis=0) > 0.0).all() and (np.diff(ends.values) >= 0.0).all()
