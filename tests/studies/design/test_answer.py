@@ -9,6 +9,7 @@ from support import step
 
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
+from bearingwear.results.quantiles import RECOMMENDED, quantiles_of
 from bearingwear.results.units import digits
 from bearingwear.studies.design.answer import preload_answer
 from bearingwear.studies.design.beside import beside_told
@@ -175,4 +176,8 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     run = "studies.design.answer.design_answer"
     assert step(run, answer, **files, spread=path) == 0
     rows = {row[0]: row[1:] for row in load_answer(answer).tables[0].rows}
-    assert rows["L50 (h)"][0] == digits(float(median.sel(probability=0.5)))
+    mine = json.loads(spread.attrs["scene"])
+    known = quantiles_of([spread], mine, "constant_force", 0.08, RECOMMENDED)["ball_and_races"]
+    assert {f"{q.name} (h)": digits(q.hours) for q in known} == {
+        name: row[0] for name, row in rows.items() if name in ("L10 (h)", "L50 (h)")
+    }
