@@ -60,7 +60,7 @@ def potential(load, v_2, v_r2):
 def friction_coefficient(S, mu, Q, a, b):
     """Friction coefficient of a contact under its mean pressure p_m, mu + S/p_m [1].
 
-    A solid film is sheared at S + mu p_m (theory.md Eq. 85); without one S is zero.
+    A solid film is sheared at S + mu p_m (theory.md Eq. 79); without one S is zero.
 
     Parameters
     ----------

@@ -114,6 +114,15 @@ IN_WORDS = {
     "film_worn_share": Criterion(
         "share of a track without film", _at("film_worn_share"), "a thicker film, or less load"
     ),
+    "maximum_pressure_GPa": Criterion(
+        "contact pressure", _at("maximum_pressure", 1e-9), "less preload, or closer grooves", " GPa"
+    ),
+    "groove_depth_um": Criterion(
+        "depth of a groove",
+        _at("greatest_depth", 1e6),
+        "less preload, lower speed, or raise the limit",
+        " um",
+    ),
 }
 
 

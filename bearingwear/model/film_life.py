@@ -1,4 +1,4 @@
-"""Wear life of a bearing whose films wear through, or whose surfaces run in (theory.md section 22).
+"""Wear life of a bearing whose films wear through, or whose surfaces run in (theory.md section 23).
 
 The rate of loss then depends on how deep each part is worn, so the life is an initial-value problem
 over the loss L that is counted,

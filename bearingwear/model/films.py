@@ -1,6 +1,6 @@
 """Solid films and running in: what a part rubs and wears as, at the depth worn off it.
 
-Depths are radial, of the surface: half of what a ball loses of its diameter (theory.md section 22).
+Depths are radial, of the surface: half of what a ball loses of its diameter (theory.md section 23).
 """
 
 import math

@@ -204,7 +204,7 @@ def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
 
     Positive before, zero or below where it is met; infinite where it does not apply.
     """
-    MN_M = 1e6
+    MN_M, GPA = 1e6, 1e9
     looked_at: dict[str, Callable[[float], float]] = {
         "preload_fraction": lambda limit: state.preload / preload_N - limit,
         "gyroscopic_slip_share": lambda limit: limit - state.share.max(),
@@ -214,6 +214,8 @@ def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
         "system_axial_stiffness_N_um": lambda limit: state.system_stiffness / (limit * MN_M) - 1.0,
         "friction_used_by_gyroscopic_moment": lambda limit: limit - state.friction_used,
         "film_worn_share": lambda limit: limit - state.film_worn.max(),
+        "maximum_pressure_GPa": lambda limit: 1.0 - state.pressure / (limit * GPA),
+        "groove_depth_um": lambda limit: 1.0 - state.depth / (limit * parameters.UM),
     }
     found = np.full(len(CRITERIA) - 1, np.inf)
     for name, limit in end.criteria.items():
@@ -251,11 +253,13 @@ def life(
     """
     _check_end(scene)
     chosen = choice_for_life(scene, fidelity)
+    end = scene.wear.end_of_life or EndOfLife()
     started = time.perf_counter()
     if chosen.tier == "dynamic":
         # its kernels take long to load, and the others do without
         from bearingwear.model.dynamic_life import solve_life_in_time
 
+        _check_depth(scene, end)
         values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
     else:
         # needs what this module has
@@ -264,6 +268,8 @@ def life(
         followed, why = grooves_followed(scene, chosen.tier)
         if why:
             chosen = replace(chosen, reasons=(*chosen.reasons, why))
+        if followed is None:
+            _check_depth(scene, end)
         with Interrupt():
             if followed is not None:
                 values, attrs = solve_worn_life(followed)
@@ -282,6 +288,15 @@ def life(
         values |= growth_values(scene)
     attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
     return Result(values, attrs, elapsed)
+
+
+def _check_depth(scene: Scene, end: EndOfLife) -> None:
+    """Refuse a limit on what a life does not see: the depth of grooves that it does not follow."""
+    if end.groove_depth_um is not None:
+        raise NotAvailable(
+            f"{scene.name}: wear.end_of_life.groove_depth_um: got {end.groove_depth_um:g} with "
+            "grooves that are not followed, expected model.contact worn"
+        )
 
 
 def _check_end(scene: Scene) -> None:

@@ -48,6 +48,7 @@ class WearState:
     share: np.ndarray = pair()  # gyroscopic slip shares [1]
     skid: float = np.nan  # [1]
     pressure: float = np.nan  # largest contact pressure [Pa]
+    depth: float = np.nan  # of the deepest groove, where grooves are followed [m]
     stiffness: float = np.nan  # axial [N/m]
     friction_power: float = np.nan  # friction heat and drag, whole bearing [W]
     ball_rate: float = np.nan  # wear of one ball [m3/s]

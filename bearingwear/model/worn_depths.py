@@ -7,9 +7,13 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.params import Hertz
+from bearingwear.kernels.hertz import OUTER, race_contact
+from bearingwear.kernels.params import Geometry, Hertz
+from bearingwear.kernels.profile import contact_approach
+from bearingwear.kernels.summary import ANGLE, LOAD
+from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.kernels.worn_balance import Arc, WornForce
-from bearingwear.kernels.worn_state import WornSeat
+from bearingwear.kernels.worn_state import WornSeat, pitch
 from bearingwear.model.steady import ThrustProblem
 
 UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
@@ -87,3 +91,30 @@ def wandering(
     if wander > 0.0:
         found = gaussian_filter1d(found, wander / step, mode="constant", truncate=6.0)
     return found
+
+
+def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:
+    """Where a ball stands whose contacts bear what those of a Hertzian state do.
+
+    Parameters
+    ----------
+    case : ThrustCase
+    D : float
+        Ball diameter [m].
+    worn : float
+        Depth of the outer groove beyond its pressed surface [m].
+    """
+    alpha = case.contacts[1, ANGLE]
+    hertz = race_contact(g, OUTER, D, np.cos(alpha), np.nan)
+    length = g.r_o - 0.5 * D + worn + contact_approach(hertz.K, case.contacts[1, LOAD])
+    return WornSeat(
+        status=code.OK,
+        X1=float(length * np.sin(alpha)),
+        X2=float(length * np.cos(alpha)),
+        delta_a=float(case.delta_a),
+        beta=float(pitch(case.u)),
+        inner=NO_FORCE,
+        outer=NO_FORCE,
+        F_i=float(case.T_i),
+        F_o=float(case.T_o),
+    )

@@ -19,7 +19,7 @@ AS_WITH_FILM = -1.0
 
 
 def cover(surface: Surface, depth: np.ndarray | float) -> np.ndarray:
-    """Share of each place that its film still covers, worn so deep [m] (theory.md section 22)."""
+    """Share of each place that its film still covers, worn so deep [m] (theory.md section 23)."""
     if surface.film is None:
         return np.zeros_like(depth, dtype=float)
     left = np.maximum(surface.thickness - np.asarray(depth, dtype=float), 0.0)

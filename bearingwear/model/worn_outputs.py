@@ -72,6 +72,9 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
         return True, "grooves: followed as they wear; asked for"
     if scene.model.contact != "auto" or found:
         return False, ""
+    end = scene.wear.end_of_life
+    if end is not None and end.groove_depth_um is not None:
+        return True, "grooves: followed as they wear; their depth is a criterion"
     share = max(wear_over_gap(one) for one in (scene.sides if scene.pair else (scene,)))
     size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
     if math.isinf(share):

@@ -233,6 +233,7 @@ class WornSide(SteadySide):
             share=share,
             skid=skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
             pressure=max(f.peak for f in forces),
+            depth=float(point.wear.grooves.max()),
             friction_power=heat_of_point(point).total,
             ball_rate=float(ball * qv.sum()),
             race_rate=g.n_balls * race * qv,

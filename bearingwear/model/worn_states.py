@@ -12,7 +12,7 @@ from bearingwear.kernels.ellipse import most_points
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.profile import contact_approach, contact_load, middle_height, profile
-from bearingwear.kernels.summary import ANGLE, LOAD, MAJOR
+from bearingwear.kernels.summary import ANGLE, MAJOR
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.kernels.worn_balance import (
     Arc,
@@ -33,11 +33,11 @@ from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_sta
 from bearingwear.kernels.worn_verification import contact_check, friction_of_cells
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.worn_depths import (
-    NO_FORCE,
     UNWORN_ARC,
     WornDepths,
     WornPoint,
     depth_spline,
+    seat_of_case,
     wandering,
 )
 from bearingwear.model.worn_films import AS_WITH_FILM, LEAST_WANDER, WornFilms
@@ -45,7 +45,7 @@ from bearingwear.model.worn_films import AS_WITH_FILM, LEAST_WANDER, WornFilms
 SIDES = (INNER, OUTER)
 ARC_STEP = 0.05  # of the initial semi-major axis
 ARC_END = 5.0  # initial semi-major axes from where the contact was, new
-BAND_END = 0.8  # latitude up to which a ball may wear in bands [rad]
+BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
 LARGEST_GAP = 1e-7  # left by a contact, over the approach
@@ -105,19 +105,7 @@ class WornBearing:
         self.ends = np.full(2, CELLS_END)
         self.reference = np.zeros(2)
         self.races = tuple(self._race(k) for k in range(2))
-        hertz = race_contact(g, OUTER, self.D, np.cos(self.angle[1]), np.nan)
-        length = g.r_o - 0.5 * self.D + contact_approach(hertz.K, c[1, LOAD])
-        self.seat = WornSeat(
-            status=code.OK,
-            X1=float(length * np.sin(self.angle[1])),
-            X2=float(length * np.cos(self.angle[1])),
-            delta_a=float(self.case.delta_a),
-            beta=float(pitch(self.case.u)),
-            inner=NO_FORCE,
-            outer=NO_FORCE,
-            F_i=float(self.case.T_i),
-            F_o=float(self.case.T_o),
-        )
+        self.seat = seat_of_case(self.case, g, self.D, 0.0)
         self.u = self.case.u[:4].copy()
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
@@ -156,9 +144,17 @@ class WornBearing:
         """Steady state with some wear, from the last one solved."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
+        kept = self.seat, self.u
         seat, u, races, work = self._settled(p, D, wear)
+        if seat.status == code.NOT_CONVERGED:
+            # The last state has none nearby: the motion goes over to another one.
+            even = p.solve(D - self.reference.sum())
+            if even.status == code.OK:
+                self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+                seat, u, races, work = self._settled(p, D, wear)
         status = seat.status
         if status != code.OK:
+            self.seat, self.u = kept
             for race in races:  # nothing to start from
                 np.copyto(race.pressure, race.cells.fresh)
             self.state.slope.fill(0.0)
@@ -168,6 +164,8 @@ class WornBearing:
         qv_along = np.empty((2, max(r.x.size for r in races)))
         worn_dissipation(p.g, p.op, D, races, seat, p.rule, work, u, slip, qv_along)
         forces = (seat.inner, seat.outer)
+        if not self._within(races, seat, D):
+            return WornPoint(code.BEYOND_GROOVE, wear, p)
         if not self._verified(p, races, wear, seat, slip, u, D):
             return WornPoint(code.UNVERIFIED, wear, p)
         r = p.g.R_o + seat.X2
@@ -237,6 +235,19 @@ class WornBearing:
             if seat.status != code.NOT_CONVERGED:
                 break
         return seat, u
+
+    def _within(self, races: tuple[WornRace, ...], seat: WornSeat, D: float) -> bool:
+        """Whether all that wears lies on the grids."""
+        radii = (self.problem.g.r_i, self.problem.g.r_o)
+        for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
+            reach = force.a * race.cells.X[race.pressure.max(axis=0) > 0.0]
+            along = reach + arc_shift(race, radii[k], SIDES[k], force.alpha)
+            if np.abs(along).max() > self.arc[k, -1]:
+                return False
+            places = latitude(SIDES[k], force.alpha, seat.beta) - reach / (0.5 * D)
+            if self.bands and np.abs(places).max() > self.latitude[-1]:
+                return False
+        return True
 
     def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc, Arc]:
         """Splines of both grooves, and of the band."""

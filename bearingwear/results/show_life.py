@@ -49,10 +49,12 @@ CRITERION_ROWS = {
         "%",
     ),
     "film_worn_share": ("track without film", "history_film_worn_share", "%"),
+    "maximum_pressure_GPa": ("contact pressure", "history_maximum_pressure", "GPa"),
+    "groove_depth_um": ("depth of a groove", "history_greatest_depth", "um"),
 }
 """Of each criterion that may end a life: its name, its history, the unit in which it is shown."""
 
-_UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3, "N/um": 1e-6}
+_UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3, "N/um": 1e-6, "GPa": 1e-9}
 """From a history of the file to the unit of `CRITERION_ROWS`."""
 
 

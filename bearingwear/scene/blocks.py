@@ -306,6 +306,18 @@ class EndOfLife:
             "(0, 1]",
         ),
     ] = None
+    maximum_pressure_GPa: Annotated[
+        float | None,
+        Key("Largest contact pressure, at or above which life ends", "GPa", "(0, 20]"),
+    ] = None
+    groove_depth_um: Annotated[
+        float | None,
+        Key(
+            "Depth of the deepest groove at which life ends, seen where grooves are followed",
+            "um",
+            "(0, 50000]",
+        ),
+    ] = None
 
     @property
     def criteria(self) -> dict[str, float]:

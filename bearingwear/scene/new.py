@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.assumed import (
     GROOVES,
     Origin,
@@ -112,6 +113,7 @@ def scene_text(
         pocket=_down(min(0.05 * D, 0.5 * (dm * math.sin(math.pi / Z) - D))),
         ball_material=ball_material,
         preload_method=preload_method,
+        pair_kind=PAIRS[preload_method or "constant_force"],
         materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
         MATERIALS=MATERIALS,
     )

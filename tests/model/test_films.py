@@ -169,6 +169,16 @@ def test_random_films_are_solved(scene):
         assert found.values["friction_residual"] < 1e-9
 
 
+def test_in_time_as_steady(scene):
+    """Thrust alone, marched from the steady state: the same friction of the same loads."""
+    march = {"model.dynamic_solution": "march", "model.simulated_turns": 2}
+    given = scene("gyro_s1", FILM | march | {"model.normal_balance": "frictionless"}).without_cage
+    steady, in_time = (solve(given, tier).values for tier in ("steady", "dynamic"))
+    for name in ("friction_coefficient", "qv", "friction_heat"):
+        both = np.broadcast_to(steady[name], in_time[name].shape)
+        assert_allclose(in_time[name], both, rtol=1e-6)
+
+
 # films that wear through
 
 

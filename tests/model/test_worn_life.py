@@ -230,6 +230,38 @@ def test_auto_follows_the_grooves_where_the_loss_asks_for_it():
     assert life(asked).values["life"][1] == pytest.approx(life(little).values["life"][1], rel=0.1)
 
 
+def test_pressure_and_depth_end_a_life():
+    """At the values that a longer life has on the way."""
+    scene = scene_of(end_of_life=EndOfLife(ball_diameter_loss_um=0.3))
+    v = life(scene).values
+    time = v["history_time"][:, 1]
+    for name, history, limit in (
+        ("maximum_pressure_GPa", 1e-9 * v["history_maximum_pressure"], 1.1),
+        ("groove_depth_um", v["history_greatest_depth"] / UM, 0.1),
+    ):
+        wear = replace(scene.wear, end_of_life=EndOfLife(**{name: limit}))
+        ended = life(replace(scene, wear=wear))
+        assert CRITERIA[ended.values["end_criterion"]] == name
+        assert history.max() > limit > history[0]
+        expected = np.interp(limit, history[: history.argmax()], time[: history.argmax()])
+        assert ended.values["life"][1] == pytest.approx(expected, rel=0.03)
+    hertz = replace(scene, model=replace(scene.model, contact="hertz"))
+    with pytest.raises(NotAvailable, match=r"groove_depth_um: got 0.1 .* not followed"):
+        life(replace(hertz, wear=replace(hertz.wear, end_of_life=EndOfLife(groove_depth_um=0.1))))
+    # auto follows them for it, however little wears
+    auto = replace(scene.model, contact="auto")
+    shallow = replace(scene.wear, end_of_life=EndOfLife(groove_depth_um=1e-3))
+    assert "groove_depth" in life(replace(scene, model=auto, wear=shallow)).values
+
+
+def test_a_pressure_that_is_there_from_the_start_ends_hertzian_lives_too():
+    scene = scene_of(end_of_life=EndOfLife(maximum_pressure_GPa=0.97))
+    v = life(replace(scene, model=replace(scene.model, contact="hertz"))).values
+    assert v["history_maximum_pressure"][0] == pytest.approx(0.980e9, rel=1e-3)
+    assert CRITERIA[v["end_criterion"]] == "maximum_pressure_GPa"
+    assert v["life"][1] == 0.0
+
+
 def test_what_cannot_follow_grooves_says_so():
     scene = scene_of()
     for changed in (

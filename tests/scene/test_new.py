@@ -297,7 +297,7 @@ def test_completion(line, offered, tmp_path):
     assert {text.strip() for text in found} == offered
 
 
-@pytest.mark.parametrize("block", ["temperature", "thermal", "fits"])
+@pytest.mark.parametrize("block", ["temperature", "thermal", "fits", "arrangement"])
 def test_blocks_in_comments_can_be_used(block):
     text, _ = scene_text("mine", None, None, {}, designation="7008C")
     commented = f"\n# {block}: "

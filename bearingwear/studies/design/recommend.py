@@ -221,9 +221,11 @@ class PreloadLine:
         return bool(self.point(preload)["groove"] == WORN_GROOVE)
 
     def margin(self, preload: float, quick: bool = True) -> float:
-        """How far the nearest limit is; -1 where the life was not solved."""
+        """How far the nearest limit is; -1 where the life was not solved, infinite without any."""
         found = self.point(preload, quick)
-        return min(limit_margins(found, self.limits)) if found["status"] == OK else -1.0
+        if found["status"] != OK:
+            return -1.0
+        return min(limit_margins(found, self.limits), default=np.inf)
 
     def life_within(self, preload: float, quick: bool = True) -> float:
         """The life [s]; zero where it was not solved or passes a limit."""

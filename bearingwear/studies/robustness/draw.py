@@ -3,11 +3,13 @@
 import copy
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.model import parameters
 from bearingwear.model.mounted import mounted_geometry
+from bearingwear.model.worn_outputs import wear_over_gap
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict
@@ -56,7 +58,7 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
     two bearings, or none), with `external_ratio` (force on the rotor over the preload),
     `spring_ratio` (stiffness of the spring times the elastic approach, over the preload),
     `second_loss_ratio` (as `loss_ratio`, in the second one) and `in_tandem` (bearings on the first
-    side).
+    side); `worn_ratio` (loss that ends the life, over the gap at the edge of a contact).
 
     Raises
     ------
@@ -91,7 +93,22 @@ def drawn_scene(base: Mapping[str, Any], drawn: Mapping[str, Any]) -> Scene:
         data["operation"][key] = [0.0, load] if key == "radial_load_N" else load
     if drawn.get("pair", "none") != "none":
         data["arrangement"] = _pair(data, drawn, D)
+    if "worn_ratio" in drawn:
+        data["wear"]["end_of_life"] = _end_of_life(data, drawn["worn_ratio"], D)
     return scene_from_dict(data)
+
+
+def _end_of_life(data: dict[str, Any], worn_ratio: float, D: float) -> dict[str, float]:
+    """Limits of the loss, counted from the present one, and of the preload that is left."""
+    present = data["wear"]["ball_diameter_loss_um"]
+    data["wear"]["end_of_life"] = {"ball_diameter_loss_um": present + 1.0}
+    scene = scene_from_dict(data)
+    scene = replace(scene, operation=replace(scene.operation, preload_method="constant_force"))
+    by_um = wear_over_gap(scene)
+    return {
+        "ball_diameter_loss_um": min(present + worn_ratio / by_um, 0.099e3 * D),
+        "preload_fraction": 0.4,
+    }
 
 
 def _pair(data: dict[str, Any], drawn: Mapping[str, Any], D: float) -> dict[str, Any]:

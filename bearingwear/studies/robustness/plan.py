@@ -17,7 +17,7 @@ from bearingwear.scene.records import NAME, Key
 
 ROBUSTNESS_FILE = "config/robustness.yaml"
 
-RANDOM_FIDELITIES = ("race_control", "steady", "dynamic")
+RANDOM_FIDELITIES = ("race_control", "steady", "dynamic", "worn_life")
 LIMIT_NAMES = ("contact", "gyroscopic_slip", "skid")
 
 STAND_INS = (
@@ -42,6 +42,7 @@ STAND_INS = (
     "spring_ratio",
     "second_loss_ratio",
     "in_tandem",
+    "worn_ratio",
 )
 """Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
 

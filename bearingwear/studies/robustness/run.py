@@ -18,6 +18,7 @@ from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
 from bearingwear.studies.robustness.draw import drawn_scene
 from bearingwear.studies.robustness.ends import REFUSED, WITHOUT_REASON
+from bearingwear.studies.robustness.lives import WORN_LIFE, life_of, life_violations
 from bearingwear.studies.robustness.plan import RobustnessPlan, drawn, draws
 
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
@@ -100,10 +101,12 @@ def end_of(base: Mapping[str, Any], values: Mapping[str, Any], fidelity: str) ->
     except SceneError:
         return end
     try:
-        solution = solved_values(scene, fidelity)
+        solution = life_of(scene) if fidelity == WORN_LIFE else solved_values(scene, fidelity)
     except Exception as error:  # noqa: BLE001 - a crash is a finding, the others go on
         return end | {"violations": f"crashed: {type(error).__name__}: {error}"}
     end["status"] = solution["status"]
+    if fidelity == WORN_LIFE:
+        return end | {"violations": "; ".join(life_violations(scene, solution))}
     end["violations"] = "; ".join(violations(scene, fidelity, solution))
     if solution["status"] == code.OK and fidelity == "steady":
         # along the states found, of a pair those of both bearings

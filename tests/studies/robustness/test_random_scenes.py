@@ -1,6 +1,7 @@
 """Scenes far beyond the study: verified or refused with a physical reason, never wrong."""
 
 import json
+import math
 import random
 
 import numpy as np
@@ -19,9 +20,10 @@ from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.robustness.draw import drawn_scene, with_values
 from bearingwear.studies.robustness.ends import WITHOUT_REASON
+from bearingwear.studies.robustness.lives import life_of, life_violations
 from bearingwear.studies.robustness.maps import crossing
-from bearingwear.studies.robustness.plan import KeyAxis, RobustnessPlan, draws
-from bearingwear.studies.robustness.run import solved_values, violations
+from bearingwear.studies.robustness.plan import KeyAxis, RobustnessPlan, drawn, draws
+from bearingwear.studies.robustness.run import end_of, solved_values, violations
 
 FILE = ROOT / "config" / "robustness.yaml"
 PLAN = read_record(RobustnessPlan, FILE)
@@ -72,6 +74,30 @@ def test_random_scenes_are_never_wrong(name, unexplained):
     one()
     assert solved > 100
     assert without <= max(1.0, unexplained * solved)
+
+
+def test_random_lives_with_worn_grooves_are_never_wrong():
+    """Each ends at its criterion, with what it says balanced, or says why it does not."""
+    draw = draws(PLAN.draw("worn_life"))
+    ends = [end_of(BASE, values, "worn_life") for values in drawn(draw, 7, 25)]
+    assert [end["violations"] for end in ends] == [""] * 25
+    assert sum(end["status"] == code.OK for end in ends) >= 23
+
+
+def test_what_is_wrong_with_a_life_is_said():
+    draw = draws(PLAN.draw("worn_life"))
+    (values,) = drawn(draw, 1, 1)
+    scene = drawn_scene(BASE, values)
+    made = life_of(scene)
+    assert life_violations(scene, made) == []
+    for wrong in (
+        {"loss_at_end": 2.0 * made["loss_at_end"]},
+        {"history_qv": 1.2 * made["history_qv"]},
+        {"history_deepest_groove": made["history_deepest_groove"][::-1]},
+        {"history_maximum_pressure": math.nan * made["history_maximum_pressure"]},
+        {"status": code.UNVERIFIED},
+    ):
+        assert len(life_violations(scene, made | wrong)) > 0
 
 
 @settings(max_examples=6, deadline=None, derandomize=True, database=None)

@@ -1,0 +1,87 @@
+"""Random lives with worn grooves: what must hold of each."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.model import parameters
+from bearingwear.model.life import life
+from bearingwear.scene.scene import Scene
+
+WORN_LIFE = "worn_life"
+"""The `fidelity` of a class of random lives."""
+
+_VOLUME_ERROR = 0.05  # of the worn volume against the trapezoids of QV over the steps of a life
+_END_ERROR = 1e-3  # of the limit that ends a life
+_MAY_BE_MISSING = frozenset(
+    {"life_error_estimate", "life_error_bound", "history_ball_diameter_loss_rate"}
+)
+"""Estimates that were not found, and what is not known from a state alone."""
+
+
+def life_of(scene: Scene) -> dict[str, Any]:
+    """Values of a life, as `bearingwear.life` finds them."""
+    return life(scene).values
+
+
+def life_violations(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+    """What is wrong with a life: nothing, where it ended as it may.
+
+    A life that stops short says so by its status, and is a lower bound.
+    """
+    status = int(values["status"])
+    if status == code.UNVERIFIED:
+        return [STATUS_NAMES[status]]
+    if status != code.OK or not values["life"][1] > 0.0:
+        return []
+    return [*_not_finite(values), *_balances(scene, values), *_wear(scene, values)]
+
+
+def _not_finite(values: Mapping[str, Any]) -> list[str]:
+    """The index 1 counts balls and races; the balls alone may have no end."""
+    found = []
+    for name, value in values.items():
+        numbers = np.asarray(value, dtype=float)
+        if name in ("life", "normalised_life", "life_error_bound", "history_time"):
+            numbers = numbers[..., 1]
+        known = np.isfinite(numbers) | np.isposinf(numbers)
+        temperatures = name.endswith("part_temperature")
+        if not (name in _MAY_BE_MISSING or temperatures or known.all()):
+            found.append(f"{name} is not finite")
+    return found
+
+
+def _balances(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+    preload, found = scene.operation.preload_N, []
+    if scene.operation.preload_method == "constant_force":
+        held = values["history_residual_preload"]
+        if not np.abs(held / preload - 1.0).max() <= 1e-6:
+            found.append(f"a spring of {preload:g} N holds {held.min():g} to {held.max():g} N")
+    end = scene.wear.end_of_life
+    assert end is not None
+    limit = (end.ball_diameter_loss_um or np.inf) * parameters.UM
+    if not values["loss_at_end"] <= (1.0 + _END_ERROR) * limit:
+        found.append(f"a loss of {values['loss_at_end']:g} m is beyond its limit {limit:g} m")
+    return found
+
+
+def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
+    """Volumes by Archard's law, and depths that only grow."""
+    time, found = values["history_time"][:, 1], []
+    ball, race = parameters.wear_factors(scene)
+    worn = {
+        "history_race_worn_volume": scene.bearing.ball_count * race * values["history_qv"],
+        "history_one_ball_worn_volume": ball * values["history_qv"].sum(axis=1),
+    }
+    for name, rate in worn.items():
+        volume = np.trapezoid(rate, time, axis=0)
+        if not np.abs(values[name][-1] / volume - 1.0).max() <= _VOLUME_ERROR:
+            found.append(f"{name} {values[name][-1]} is not that of the slip, {volume}")
+    if not (np.diff(values["history_deepest_groove"], axis=0) >= 0.0).all():
+        found.append("a groove grows shallower")
+    if not (np.diff(time) > 0.0).all():
+        found.append("time goes backwards")
+    return found
