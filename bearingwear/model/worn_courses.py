@@ -1,4 +1,4 @@
-"""Lives with the grooves that `life` would follow, for who wants many."""
+"""Many lives with the grooves that `life` would follow."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What wears of a bearing, as a vector, and the scene that it leaves behind."""
+"""Wear of a bearing as a vector, and the worn scene."""
 
 import math
 from dataclasses import replace
@@ -24,7 +24,7 @@ class WornLayout:
 
 
 class WornParts:
-    """A scene whose balls, grooves and cage wear.
+    """Wear of the balls, grooves and cage of a scene.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a study answers, for the head of a page: sentences and tables as text, kept as JSON.
+"""The answer of a study, for the head of a page: sentences and tables as text, kept as JSON.
 
 A study writes one by a step of its own; the page shows what it finds and knows no study.
 """
@@ -44,7 +44,7 @@ class AnswerTable:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a study answers.
+    """The answer of a study.
 
     Attributes
     ----------

@@ -119,7 +119,7 @@ def _differences(a: Any, b: Any, tolerance: float) -> Differences:
 
 
 def _lines(found: Differences) -> list[str]:
-    """What a person asks first stands first: results, why they differ, and how they were made."""
+    """Lines in the order of interest: results, why they differ, and how they were made."""
     lines: list[str] = []
     results = [d for d in found.variables if d.name not in DIAGNOSTICS]
     shown = [d for d in results if d.name in _SHOWN]
@@ -145,7 +145,7 @@ def _variables(title: str, differences: Sequence[Difference]) -> list[str]:
 
 
 def _texts(a: dict[str, Any], b: dict[str, Any]) -> dict[str, tuple[str, str]]:
-    """What differs between two blocks, as short texts; a dash where one has nothing."""
+    """Differences of two blocks, as short texts; a dash where one has nothing."""
     keys = [*a, *(key for key in b if key not in a)]
     return {k: (_cut(a.get(k)), _cut(b.get(k))) for k in keys if a.get(k) != b.get(k)}
 
@@ -156,7 +156,7 @@ def _cut(value: Any) -> str:
 
 
 def _variable_difference(name: str, a: Any, b: Any, tolerance: float) -> Difference | None:
-    """How a variable differs; what cannot be put in numbers counts as infinitely far apart."""
+    """How a variable differs; differences without a number count as infinite."""
     if name not in a.variables or name not in b.variables:
         first, second = ("there" if name in file.variables else "-" for file in (a, b))
         return Difference(name, "", first, second, math.inf, "")

@@ -1,4 +1,4 @@
-"""What stands in a result file: its variables and attributes, from the values of a result."""
+"""Contents of a result file: its variables and attributes, from the values of a result."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def stored_data(variable: Variable, value: Any) -> np.ndarray:
 
 
 def _cell_methods(variable: Variable) -> str | None:
-    """How a variable of a dynamic case stands for the time it covers, in CF's words."""
+    """CF cell method of a variable of a dynamic case."""
     if variable.dims[: len(TIME)] == TIME:
         return "time: mean" if variable.name in INTERVAL_MEANS else "time: point"
     if variable.name in EXTREMES:
@@ -185,7 +185,7 @@ def _cell_methods(variable: Variable) -> str | None:
 
 
 def _attribute(value: Any) -> Any:
-    """A value as a netCDF attribute that every reader takes."""
+    """A value as a netCDF attribute that every reader understands."""
     if isinstance(value, bool | np.bool_ | int | np.integer):
         return np.int64(value)
     if isinstance(value, float | np.floating):

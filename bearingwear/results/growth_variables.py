@@ -1,4 +1,4 @@
-"""What heat, speed and fits made of a bearing: a part of the table in `results/variables.py`."""
+"""Variables of growth by heat, speed and fits: a part of the table in `results/variables.py`."""
 
 from __future__ import annotations
 

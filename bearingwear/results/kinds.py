@@ -1,4 +1,4 @@
-"""What kind of result a file holds, and which function serves a kind.
+"""The kind of result that a file holds, and the function for each kind.
 
 A registry maps kinds to functions by their dotted names, `module:function`, so that nothing is
 imported before it is needed. The studies, which stand above this part of the package, hand in a
@@ -19,7 +19,7 @@ Registry = Mapping[str, str]
 
 
 def kind_of(file: Any) -> str:
-    """What a result file holds: a case, a life, a study, a wear life, or a kind of some study.
+    """The kind of a result file: a case, a life, a study, a wear life, or a kind of some study.
 
     A case and a life are told by their variables. Every other file says it itself: by its attribute
     `kind`, or else by its title up to the first ` of ` or colon.

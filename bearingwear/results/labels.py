@@ -1,4 +1,4 @@
-"""Names for codes: what is race 0 in a file is race "inner" in memory.
+"""Names for codes: race 0 in a file is race "inner" in memory.
 
 Files keep whole numbers with `flag_meanings`, as CF asks; a person selects by name.
 """

@@ -136,7 +136,7 @@ def _indexed(variables: Mapping[str, xr.Variable]) -> xr.Coordinates:
 
 
 def _contents(variable: xr.Variable) -> tuple[Any, ...]:
-    """What sets a variable apart, to be looked up by."""
+    """Key of a variable, for look-up."""
     attrs = ((name, np.asarray(value).tobytes()) for name, value in variable.attrs.items())
     return variable.dims, variable.dtype.str, variable.values.tobytes(), *attrs
 
@@ -206,7 +206,7 @@ def header(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
-    """A result file, open for reading; whatever turns out to be wrong with it takes one line.
+    """A result file, open for reading; any fault in it is reported in one line.
 
     Yields
     ------
@@ -231,7 +231,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
 
 
 def readable(path: str | os.PathLike[str]) -> None:
-    """Refuse what is no netCDF file, with a better reason than the libraries give.
+    """Refuse a file that is not netCDF, with a better reason than the libraries give.
 
     Raises
     ------
@@ -260,7 +260,7 @@ def damaged(path: str | os.PathLike[str], error: BaseException) -> CaseFileError
 
 
 def foreign(path: str | os.PathLike[str]) -> CaseFileError:
-    """The error for a file that is none of ours."""
+    """The error for a file that bearingwear did not write."""
     return CaseFileError(
         f"{os.fspath(path)}: got a file that {SOURCE} has not written, expected a result file"
     )

@@ -1,4 +1,4 @@
-"""What two bearings on one rotor add to a file: a part of the table in `results/variables.py`."""
+"""Variables of two bearings on one rotor: a part of the table in `results/variables.py`."""
 
 from __future__ import annotations
 

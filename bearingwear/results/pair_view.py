@@ -1,4 +1,4 @@
-"""A file of two bearings as each of them has it, and what it says of both."""
+"""Views of a file of two bearings: each bearing, and the arrangement."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _each(file: Any, name: str) -> np.ndarray | None:
 
 
 def system_blocks(file: Any) -> list[Block]:
-    """What both bearings are together."""
+    """Block of the arrangement of both bearings."""
     rows: tuple[Row, ...] = mean_rows(file, SYSTEM_ROWS)
     if "natural_frequency" in file.variables:
         found = row_of("natural_frequency", values(file, "natural_frequency"))

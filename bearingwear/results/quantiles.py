@@ -1,4 +1,4 @@
-"""How sure a life is: what a study of uncertainty found for the bearing that the life is of."""
+"""The spread of a life, as the study of uncertainty found it for the same bearing."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def quantiles_of(
     friction: float,
     choice: int = GIVEN,
 ) -> Quantiles | None:
-    """The spread of the life of a scene, or None where none was computed for just that one.
+    """The spread of the life of a scene; None if it was not computed for exactly that scene.
 
     Parameters
     ----------

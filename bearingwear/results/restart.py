@@ -1,4 +1,4 @@
-"""The state at the end of a dynamic case, to go on from."""
+"""The state at the end of a dynamic case, from which another run continues."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MAY_DIFFER = ("description", "wear", "uncertainty", "model", REGULARISATION)
 
 
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
-    """What a run goes on from.
+    """State from which a run continues.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _numbers(variable: Any) -> np.ndarray:
 
 
 def _same_scene(name: str, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
-    """Refuse a case of a scene that differs in what decides the state."""
+    """Refuse a case whose scene differs in a key that decides the state."""
     one, other = (
         leaves({key: part for key, part in scene.items() if key not in MAY_DIFFER})
         for scene in (before, now)

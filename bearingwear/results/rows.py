@@ -46,7 +46,7 @@ def meaning(file: Any, name: str) -> str:
 
 
 def solved_rows(block: Block) -> Block:
-    """A block without the rows of which nothing is known."""
+    """A block without its empty rows."""
 
     def known(value: Any) -> bool:
         return not isinstance(value, float) or not np.isnan(value)
@@ -71,7 +71,7 @@ def mean_rows(
 
 
 def _pair_words(a: Mapping[str, Any]) -> list[str]:
-    """What holds the rotor of two bearings, and what is not alike."""
+    """Lines on the arrangement of two bearings, and on their differences."""
     if a.get("kind", "single") == "single":
         return []
     words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
@@ -87,7 +87,7 @@ def _pair_words(a: Mapping[str, Any]) -> list[str]:
 
 
 def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
-    """Two lines that say which bearing runs how."""
+    """Two lines on the bearing and its operating point."""
     bearing, operation = scene["bearing"], scene["operation"]
     loss = scene["wear"]["ball_diameter_loss_um"]
     worn = f"{loss:g}" if isinstance(loss, float) else "unequal"

@@ -1,4 +1,4 @@
-"""A result sheet: what a result says, for a person as text, for a program as JSON or CSV."""
+"""A result sheet: as text for people, as JSON or CSV for programs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Sheet:
-    """Lines that say what was solved, what a program wants to know of that, and blocks."""
+    """Heading lines, facts for programs, and blocks of rows."""
 
     heading: tuple[str, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""The result sheet of a file: what an engineer wants, on request how well it was solved."""
+"""The result sheet of a file: the numbers that matter, and on request how well it was solved."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _sheet(file: Any, more: Registry) -> Sheet:
 
 
 def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """Lines that stand first, and the same for a program."""
+    """Heading lines, and the same as facts for programs."""
     scene = json.loads(getattr(file, "scene", "{}"))
     status = STATUS_NAMES[int(values(file, "status"))]
     fidelity = getattr(file, "fidelity", "?")
@@ -209,7 +209,7 @@ def _stiffness_rows(file: Any) -> tuple[Row, ...]:
 
 
 def _friction_power(file: Any) -> float:
-    """What friction in the contacts, drag and cage take [W]."""
+    """Power of friction in the contacts, drag and cage [W]."""
     heat = values(file, "friction_heat")
     alike = getattr(file["ball"], "represents", 1) if "ball" in file.variables else 1
     cage = values(file, "cage_friction_heat")
@@ -218,7 +218,7 @@ def _friction_power(file: Any) -> float:
 
 
 def _limits(scene: Mapping[str, Any]) -> dict[str, float]:
-    """What of a case may end a life, and where [units of the file]."""
+    """Values of a case that may end a life, and their limits [units of the file]."""
     end = scene.get("wear", {}).get("end_of_life") or {}
     found = {name: end[name] for name in ("gyroscopic_slip_share", "skid_ratio") if end.get(name)}
     if fraction := end.get("preload_fraction"):
@@ -227,7 +227,7 @@ def _limits(scene: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _dynamics(file: Any) -> list[Block]:
-    """What a dynamic case says beyond a steady one."""
+    """Blocks that only a dynamic case has."""
     settled = (str(file.settled),) if hasattr(file, "settled") else ()
     blocks = [Block("in time", (), mean_rows(file, RUN), settled)]
     cage = mean_rows(file, CAGE_MEANS)
@@ -238,7 +238,7 @@ def _dynamics(file: Any) -> list[Block]:
 
 
 def _grown(file: Any) -> list[Block]:
-    """What heat, speed and fits have made of the bearing as mounted."""
+    """Block of growth by heat, speed and fits."""
     blocks = []
     for title, columns, names in (("parts", BEARING_PARTS, WARMTH), ("rings", RACES, RINGS)):
         found = [(name, values(file, name)) for name in names if name in file.variables]

@@ -1,4 +1,4 @@
-"""The result sheet of a life: how long, what ends it and where, and what has worn off."""
+"""The result sheet of a life: its length, its end, and the wear."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _steady_life(file: Any) -> list[Block]:
 
 
 def _worn(file: Any) -> list[Block]:
-    """What has worn off the parts of a bearing at the end of a dynamic life."""
+    """Wear of the parts of a bearing at the end of a dynamic life."""
     if "history_ball_worn_volume" not in file.variables:
         return []
     at_end = {
@@ -178,7 +178,7 @@ def _worn(file: Any) -> list[Block]:
     unit = display("m3", *(at_end[name] for name in cubic))
 
     def worn(name: str, *numbers: float) -> Row:
-        """Volumes stand in one unit, to be compared."""
+        """One unit for all volumes, for comparison."""
         return row_of(name, numbers, unit=unit if name in cubic else None)
 
     rows = [

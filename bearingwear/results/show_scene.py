@@ -1,4 +1,4 @@
-"""What `show` says of a scene: the main numbers, and what follows from them without a solve."""
+"""The sheet of a scene: its main numbers, and those that follow without a solve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sheet of a file of several cases or lives, and how sure the lives of a file are."""
+"""The sheet of a file of several cases or lives, and the spread of its lives."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _range_row(file: Any, name: str) -> Row:
 
 
 def quantile_blocks(file: Any, path: Path) -> list[Block]:
-    """How sure the lives of a file are, by itself or by files of uncertainty beside it."""
+    """The spread of the lives of a file, from itself or from files of uncertainty beside it."""
     lives = list(_lives_with_quantiles(file)) if hasattr(file, "scene") else []
     if not lives:
         unknown = f"{NO_QUANTILES}; {SEE}"

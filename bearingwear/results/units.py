@@ -1,4 +1,4 @@
-"""The one table of units in which a person reads a quantity, and with how many digits.
+"""The one table of display units and digits.
 
 Files have the units of `results/variables.py`. A number is shown in the largest unit of its row
 that leaves something before the point, with three significant digits.

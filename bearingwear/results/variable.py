@@ -1,4 +1,4 @@
-"""What a variable of a result file is, and the one that every kind of file has: its status."""
+"""The record of a variable of a result file, and the one variable of every file: its status."""
 
 from __future__ import annotations
 

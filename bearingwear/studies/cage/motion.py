@@ -1,4 +1,4 @@
-"""What a cage does over a stretch of time: the names of its motions, and how they are told."""
+"""Motions of a cage over a stretch of time: their names and their criteria."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class CagePath:
 
 
 def path_of(place: np.ndarray, turns: float, power: float, ball_ratio: float) -> CagePath:
-    """What a cage does over a stretch.
+    """Motion of a cage over a stretch.
 
     Parameters
     ----------

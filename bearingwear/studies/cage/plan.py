@@ -1,4 +1,4 @@
-"""Which cages the study looks through: config/cage.yaml, checked.
+"""The cages that the study solves: config/cage.yaml, checked.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """

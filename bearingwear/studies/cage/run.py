@@ -1,4 +1,4 @@
-"""Solves a cage from several starts, and tells its motions."""
+"""Solves a cage from several starts, and names its motions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is drawn and written for readers: figures and tables, in bundles that one process does.
+"""Figures and tables of the study, in bundles that one process does.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """

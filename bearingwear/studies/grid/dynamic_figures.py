@@ -197,7 +197,7 @@ def mean_so_far(rate: xr.DataArray) -> xr.DataArray:
 
 
 def _end_of(part: str, mean: xr.DataArray, turn: float) -> str:
-    """What the last shaft turn did to a mean."""
+    """Change of a mean by the last shaft turn."""
     last = float(mean[-1])
     before = float(np.interp(float(mean["time"][-1]) - turn, mean["time"], mean))
     change = f"{100.0 * (last / before - 1.0):+.2g} %" if before > 0.0 else "– %"

@@ -70,7 +70,7 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
 
 @dataclass
 class _Read:
-    """What the files read so far hold.
+    """Contents of the files read so far.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ _AT_ONCE = 500
 
 
 def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
-    """What is kept of cases and chunks, along the dimension `case`."""
+    """Values kept of cases and chunks, along the dimension `case`."""
     parts: list[xr.Dataset] = []
     left = iter(datasets)
     while some := list(itertools.islice(left, _AT_ONCE)):

@@ -1,4 +1,4 @@
-"""Which bearings the study looks through: config/identify.yaml, checked.
+"""The bearings that the study tries: config/identify.yaml, checked.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
