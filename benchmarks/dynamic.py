@@ -16,35 +16,32 @@ import dataclasses
 import platform
 import statistics
 import time as clock
-import types
 from pathlib import Path
 
 import numpy as np
 import plain_dynamic
 import plain_scipy
 
-from bearingwear.kernels import cage_contacts as contacts
-from bearingwear.kernels import quasistatic
-from bearingwear.kernels.bearing_model import race_contact_of
-from bearingwear.kernels.block_system import add_cage_powers, factorise, solve_factorised
+from bearingwear.kernels.ball_friction import BallForces, race_friction
+from bearingwear.kernels.block_solve import solve_factorised
+from bearingwear.kernels.block_system import factorise, linearise
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import slip_coefficients, strip_sums
-from bearingwear.kernels.dynamic_equilibrium import equilibrium, joint_equilibrium
+from bearingwear.kernels.dynamic_equilibrium import equilibrium
 from bearingwear.kernels.integrators import ROSENBROCK, take_step
-from bearingwear.kernels.jacobian import add_ball_powers, ball_blocks
-from bearingwear.kernels.quasistatic import assemble_condensed
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.jacobian import ball_blocks
+from bearingwear.kernels.quasistatic import find_contacts
+from bearingwear.kernels.rates import rates_here
 from bearingwear.kernels.record import add_instant
-from bearingwear.kernels.state import BALL
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.step_control import (
     first_closure,
     interferences,
+    make_ready,
     reset_rotation_vector,
     step_error,
 )
-from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
+from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.dynamic_outputs import window_values
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.start import start_of
@@ -213,23 +210,21 @@ def speed():
 
 
 @jit
-def loop_rates(count, times, states, bearing, buf, dy):
+def loop_rates(count, time, y, bearing, buf, stage):
     for _ in range(count):
-        for i in range(times.size):
-            state_rates(times[i], states[i], bearing, buf, dy)
+        rates_here(time, y, bearing, buf, stage.end_rates)
 
 
 @jit
-def loop_equilibrium(count, times, states, bearing, buf, dy):
+def loop_equilibrium(count, time, y, bearing, buf):
     for _ in range(count):
-        for i in range(times.size):
-            equilibrium(times[i], states[i], bearing, buf)
+        equilibrium(time, y, bearing, buf)
 
 
 @jit
-def loop_condensed(count, y, bearing, balls):
+def loop_contacts(count, y, bearing, balls):
     for _ in range(count):
-        assemble_condensed(y, bearing, bearing.axial_is_held, balls)
+        find_contacts(y, bearing, balls)
 
 
 @jit
@@ -239,24 +234,16 @@ def loop_cage(count, y, bearing, buf):
 
 
 @jit
-def loop_friction(count, y, bearing, balls, out):
-    m, rule = bearing.op, bearing.rule
+def loop_friction(count, y, bearing, buf, qv):
+    none = BallForces(M_x=0.0, M_y=0.0, M_z=0.0, F_y=0.0, heat=0.0, shaft=0.0)
     for _ in range(count):
         for j in range(bearing.D.size):
-            i = BALL * j
-            for k in range(2):
-                contact = race_contact_of(bearing, balls, j, k)
-                c = slip_coefficients(contact, y[i : i + 4], balls.r[j])
-                R = 0.5 * bearing.D[j]
-                sums = strip_sums(contact, R, c, m.mu, m.v_r, rule.t, rule.weight)
-                for q in range(5):
-                    out[j, k, q] = sums[q]
+            race_friction(y, bearing, buf, j, none, qv)
 
 
 @jit
 def loop_step(count, method, time, h, y, bearing, buf, stage):
     for _ in range(count):
-        state_rates(time, y, bearing, buf, stage.rates)
         take_step(method, time, h, y, bearing, buf, stage)
 
 
@@ -267,42 +254,36 @@ def loop_blocks(count, y, bearing, buf):
 
 
 @jit
+def loop_linearise(count, y, bearing, buf, stage):
+    for _ in range(count):
+        linearise(y, bearing, buf, stage.system)
+
+
+@jit
 def loop_factorise(count, shift, y, bearing, buf, stage):
     for _ in range(count):
         factorise(shift, y, bearing, buf, stage.system)
 
 
 @jit
-def loop_solve(count, bearing, stage):
+def loop_solve(count, shift, bearing, stage):
     for _ in range(count):
-        solve_factorised(stage.trial, stage.U[5], bearing, stage.system)
-
-
-@jit
-def loop_powers(count, y, bearing, buf, stage):
-    U = stage.U[0]
-    for _ in range(count):
-        add_ball_powers(U, stage.trial, bearing, buf)
-        add_cage_powers(U, stage.trial, y, bearing, buf, stage.system)
+        solve_factorised(shift, stage.side, stage.U[5], bearing, stage.system)
 
 
 @jit
 def loop_control(count, h, y, bearing, buf, stage, out):
     n = bearing.D.size
     for _ in range(count):
-        out[0, 0, 0] = step_error(h, y, bearing, buf.balls, stage, 1e-3)
+        out[0] = step_error(h, y, bearing, buf.balls, stage, 1e-3)
         interferences(buf, stage.after)
-        out[0, 0, 1], out[0, 0, 2] = first_closure(stage.before, stage.after, n, 1e-9)
-        reset_rotation_vector(y, bearing, buf.cage, stage.rates)
+        out[1], out[2] = first_closure(stage.before, stage.after, n, 1e-9)
+        reset_rotation_vector(y, bearing, buf.cage, stage.end_rates)
 
 
 @jit
-def loop_record(count, time, y, bearing, buf, stage, recorder):
+def loop_record(count, y, bearing, buf, recorder):
     for _ in range(count):
-        recorder.sums.before[:] = y[bearing.layout.qv :]
-        state_rates(time, y, bearing, buf, stage.rates)
-        interferences(buf, stage.before)
-        state_rates(time, y, bearing, buf, stage.rates)
         add_instant(y, bearing, buf, recorder, 0)
 
 
@@ -316,172 +297,97 @@ def time_of(count, loop, *args):
     return 1e6 * (marks[2] - 2.0 * marks[1] + marks[0]) / count
 
 
-class Counts:
-    """How often the equilibrium goes through balls and pockets, from its source run as Python."""
-
-    def __init__(self):
-        self.sweeps = self.passes = 0
-        self.equilibrium = self.with_changed(
-            joint_equilibrium,
-            assemble_condensed=self.assemble_condensed,
-            cage_contacts=self.cage_contacts,
-        )
-
-    @staticmethod
-    def with_changed(kernel, **names):
-        """A kernel's Python function that sees other functions under these names."""
-        function = kernel.py_func
-        return types.FunctionType(function.__code__, function.__globals__ | names)
-
-    def assemble_condensed(self, *args):
-        self.sweeps += 1
-        return quasistatic.assemble_condensed(*args)
-
-    def cage_contacts(self, *args):
-        self.passes += 1
-        return contacts.cage_contacts(*args)
-
-
-def attempts(system, duration, tolerance):
-    """Steps tried over a stretch: yields their lengths, `system` at their beginning."""
-    bearing, buf, stage = system.bearing, system.buffers, system.stages
-    end, longest = system.time + duration, system.turn / STEPS_PER_TURN
-    while end - system.time > 1e-9 * system.turn:
-        step = min(system.h, longest, end - system.time)
-        yield step
-        state_rates(system.time, system.y, bearing, buf, stage.rates)
-        status = take_step(ROSENBROCK, system.time, step, system.y, bearing, buf, stage)
-        error = 1e9
-        if status == OK:
-            error = step_error(step, system.y, bearing, buf.balls, stage, tolerance)
-        if error <= 1.0:
-            system.time += step
-            system.y[:] = stage.new
-            state_rates(system.time, system.y, bearing, buf, stage.rates)
-            reset_rotation_vector(system.y, bearing, buf.cage, stage.rates)
-        system.h = step * min(4.0, max(0.2, 0.9 * max(error, 1e-9) ** (-1.0 / ROSENBROCK.order)))
-
-
-def step_times(system, step):
-    """Times [us] of the parts of a step from here, and what was counted in it."""
-    bearing, buf, stage = system.bearing, system.buffers, system.stages
-    time, y, balls = system.time, system.y, system.buffers.balls
-    assert state_rates(time, y, bearing, buf, stage.rates) == OK
-    assert take_step(ROSENBROCK, time, step, y, bearing, buf, stage) == OK
-    states = [y.copy()]
-    states += [y + ROSENBROCK.A[i, :i] @ stage.U[:i] for i in (1, 2, 3)]
-    states = np.array([*states, stage.new])
-    times = time + step * np.append(ROSENBROCK.time, 1.0)
-    out, dy = np.zeros((bearing.D.size, 2, 5)), np.zeros(y.size)
-    # From the beginning through three stages to the end, less the way back to the beginning.
-    ends = np.ascontiguousarray(states[[0, 4]]), times[[0, 4]]
-    t = {}
-    for name, loop in (("rates", loop_rates), ("equilibrium", loop_equilibrium)):
-        t[name] = time_of(20, loop, times, states, bearing, buf, dy)
-        t[name] -= 0.5 * time_of(20, loop, ends[1], ends[0], bearing, buf, dy)
-    step_loop = time_of(20, loop_step, ROSENBROCK, time, step, y, bearing, buf, stage)
-    step_loop -= time_of(20, loop_rates, times[:4], states[:4], bearing, buf, dy)
-    state_rates(time, y, bearing, buf, stage.rates)
-    counts = Counts()
-    for i in range(1, 5):
-        assert counts.equilibrium(times[i], states[i], bearing, balls, buf.cage) == OK
-    state_rates(time, y, bearing, buf, stage.rates)
-    t["sweep"] = counts.sweeps * time_of(200, loop_condensed, y, bearing, balls)
-    t["cage"] = counts.passes * time_of(200, loop_cage, y, bearing, buf)
-    t["friction"] = 4 * time_of(100, loop_friction, y, bearing, balls, out)
-    t["blocks"] = time_of(50, loop_blocks, y, bearing, buf)
-    t["factorise"] = time_of(50, loop_factorise, 1.0 / (0.4 * step), y, bearing, buf, stage)
-    t["solve"] = 4 * time_of(200, loop_solve, bearing, stage)
-    t["powers"] = 4 * time_of(200, loop_powers, y, bearing, buf, stage)
-    t["stages"] = step_loop - t["blocks"] - t["factorise"] - t["solve"] - t["powers"]
-    t["control"] = time_of(200, loop_control, step, y, bearing, buf, stage, out)
-    touching = int(np.count_nonzero(buf.cage.normal[: bearing.D.size] > 0.0))
-    return t, (counts.passes, counts.sweeps, touching)
+def part_times(run, step):
+    """Times [us] of the parts of a step from here, and of what an instant kept takes."""
+    system = run.system
+    time, y, bearing, buf, stage = (
+        system.time, system.y, system.bearing, system.buffers, system.stages,
+    )  # fmt: skip
+    here, shift, out = system.packed(), 1.0 / (ROSENBROCK.gamma * step), np.zeros(3)
+    control = system.control(PROFILE_TOLERANCE)
+    assert make_ready(control, time, y, bearing, buf, stage, True) == OK
+    t = {
+        "rates": 4 * time_of(50, loop_rates, time, y, bearing, buf, stage),
+        "contacts": 4 * time_of(200, loop_contacts, y, bearing, buf.balls),
+        "cage": 4 * time_of(200, loop_cage, y, bearing, buf),
+        "friction": 4 * time_of(100, loop_friction, y, bearing, buf, np.empty(2)),
+        "blocks": time_of(50, loop_blocks, y, bearing, buf),
+        "linearise": time_of(50, loop_linearise, y, bearing, buf, stage),
+        "factorise": time_of(50, loop_factorise, shift, y, bearing, buf, stage),
+        "solve": 4 * time_of(200, loop_solve, shift, bearing, stage),
+        "control": time_of(200, loop_control, step, y, bearing, buf, stage, out),
+    }
+    assert make_ready(control, time, y, bearing, buf, stage, True) == OK
+    t["step"] = time_of(50, loop_step, ROSENBROCK, time, step, y, bearing, buf, stage)
+    system.unpack(here, time)
+    assert system.update() == OK
+    t["equilibrium"] = time_of(50, loop_equilibrium, time, y, bearing, buf)
+    t["instant"] = time_of(50, loop_record, y, bearing, buf, run.recorder)
+    system.unpack(here, time)
+    return t
 
 
 def profile():
-    """Print the share of every part of a step."""
+    """Print the share of every part of a turn."""
     scene = scene_of(PROFILE_AFTER + PROFILE_TURNS, PROFILE_TOLERANCE)
     system = DynamicSystem.of(scene, start_of(scene).u)
     assert system.update() == OK
     run = TimeRun(scene, system, None)
     points = run.grid.points
     assert run.advance(PROFILE_AFTER * points) == OK
-    begin, began = system.packed(), system.time
-    # The stretch as it is run, once to time it and once to stop at places spread over it.
+    kept, began = system.packed(), system.time
     before = run.tally.copy()
     measured = []
     for repeat in range(ROUNDS):
-        system.unpack(begin, began)
+        system.unpack(kept, began)
         run.done = PROFILE_AFTER * points
         cpu = clock.process_time()
         assert run.advance(PROFILE_TURNS * points) == OK
         measured.append(1e3 * (clock.process_time() - cpu) / PROFILE_TURNS)
         if repeat == 0:
             tally = (run.tally - before) / PROFILE_TURNS
-    system.unpack(begin, began)
+    accepted, rejected, _, events = tally
+    system.unpack(kept, began)
     run.done = PROFILE_AFTER * points
-    times, counted, records = [], [], []
-    every = PROFILE_TURNS * points // PROFILE_STRETCHES
+    times = []
     for _ in range(PROFILE_STRETCHES):
-        here = system.packed(), system.time
-        records.append(
-            time_of(
-                50,
-                loop_record,
-                system.time,
-                system.y,
-                system.bearing,
-                system.buffers,
-                system.stages,
-                run.recorder,
-            )
-        )
-        system.unpack(*here)
-        for step in attempts(system, system.turn / points, PROFILE_TOLERANCE):
-            there = system.packed(), system.time
-            part, count = step_times(system, step)
-            times.append(part)
-            counted.append(count)
-            system.unpack(*there)
-        system.unpack(*here)
-        assert run.advance(every) == OK
+        times.append(part_times(run, system.turn / accepted))
+        assert run.advance(PROFILE_TURNS * points // PROFILE_STRETCHES) == OK
     mean = {name: float(np.mean([t[name] for t in times])) for name in times[0]}
-    passes, sweeps, touching = np.array(counted).T
-    steps = tally[0] + tally[1]
+    tried = accepted + rejected
+    # A step takes three evaluations and, where its error allows, one at its end.
+    end = 0.25 * mean["rates"]
+    evaluations = 3 * tried + accepted + points
+    each = {name: 0.25 * evaluations * mean[name] for name in ("contacts", "cage", "friction")}
+    rest = 0.25 * evaluations * mean["rates"] - sum(each.values())
+    others = mean["step"] - 3.0 * end - mean["factorise"] - mean["solve"]
     rows = [
-        ("ball centres and race (Newton sweeps, Hertz)", steps * mean["sweep"]),
-        ("contacts of pockets and land", steps * mean["cage"]),
+        ("contacts of balls and races (Hertz)", each["contacts"]),
+        ("contacts of pockets and land", each["cage"]),
+        ("friction sums over the strips", each["friction"]),
+        ("rates, unbalanced forces, powers", rest),
+        ("derivatives of the balls' friction", accepted * mean["blocks"]),
         (
-            "their agreement with the ball centres",
-            steps * (mean["equilibrium"] - mean["sweep"] - mean["cage"]),
+            "what else is kept of where a step begins",
+            accepted * (mean["linearise"] - mean["blocks"]),
         ),
-        ("friction sums over the strips", steps * mean["friction"]),
-        (
-            "rates, powers and accounts",
-            steps * (mean["rates"] - mean["equilibrium"] - mean["friction"]),
-        ),
-        ("Jacobian blocks of the balls", steps * mean["blocks"]),
-        ("factorisation", steps * mean["factorise"]),
-        ("solves", steps * mean["solve"]),
-        ("powers in the linear system", steps * mean["powers"]),
-        ("stage sums", steps * mean["stages"]),
-        ("error, events, new base of the rotation", steps * mean["control"]),
-        ("averages and histories", points * float(np.mean(records))),
+        ("factorisation", tried * mean["factorise"]),
+        ("solves", tried * mean["solve"]),
+        ("stage sums, integrals", tried * others),
+        ("error, events, new base of the rotation", tried * mean["control"]),
+        ("equilibrium at the instants kept", points * mean["equilibrium"]),
+        ("averages and histories", points * mean["instant"]),
     ]
     total = sum(row[1] for row in rows)
     print(
         f"\nturns {PROFILE_AFTER} to {PROFILE_AFTER + PROFILE_TURNS}, tolerance "
-        f"{PROFILE_TOLERANCE:g}: {tally[0]:.0f} steps accepted, {tally[1]:.0f} rejected, "
-        f"{tally[2]:.0f} evaluations, {tally[3]:.0f} events a turn\n"
-        f"{len(times)} steps looked at: pockets touch in {np.mean(touching > 0):.0%}, "
-        f"{touching.mean():.1f} of them on average, {touching.max()} at most; an evaluation takes "
-        f"{passes.mean() / 4:.1f} passes over the pockets, {sweeps.mean() / 4:.1f} sweeps"
+        f"{PROFILE_TOLERANCE:g}: {accepted:.0f} steps accepted, {rejected:.0f} rejected, "
+        f"{events:.0f} events a turn; {len(times)} places looked at"
     )
     table(
         "part, us/turn, us/step tried, share",
-        [(name, f"{us:.0f}", f"{us / steps:.2f}", f"{us / total:.1%}") for name, us in rows]
-        + [("sum", f"{total:.0f}", f"{total / steps:.2f}", "")],
+        [(name, f"{us:.0f}", f"{us / tried:.2f}", f"{us / total:.1%}") for name, us in rows]
+        + [("sum", f"{total:.0f}", f"{total / tried:.2f}", "")],
     )
     middle = statistics.median(measured)
     print(

@@ -41,6 +41,7 @@ class BearingModel(NamedTuple):
     F_rot: float  # load that turns with the shaft, along +Z at t = 0 [N]
     tilt: float  # [rad]
     cage: CageModel
+    traction: bool  # bears on the balance of normal forces
     rule: Rule  # for the contact ellipses
     layout: StateLayout
 
@@ -57,17 +58,18 @@ class Buffers(NamedTuple):
     width: np.ndarray  # (points,)
     across: np.ndarray  # (points across,), likewise
     share: np.ndarray  # (points across,)
-    L: np.ndarray  # (4, 4) derivative of the slip coefficients by (w, Omega)
-    gradient: np.ndarray  # (4,) of the friction potential by the slip coefficients
-    hessian: np.ndarray  # (4, 4)
-    blocks: np.ndarray  # (n, 4, 4) Jacobian of a ball's (w, Omega) with the loads held [1/s]
-    slopes: np.ndarray  # (n, 3, 4) derivative of shaft power, heat and turning by (w, Omega)
+    L: np.ndarray  # (4, 6) derivative of the slip coefficients, see jacobian.slip_changes
+    gradient: np.ndarray  # (4,) of the friction potential, or (5,) with traction
+    hessian: np.ndarray  # of both sizes
+    change: np.ndarray  # (5, 7) derivative of the gradient
+    blocks: np.ndarray  # (n, 8, 8) see jacobian.ball_blocks
+    inner: np.ndarray  # (n, 2, 8) likewise
 
 
 @jit
-def buffers(n, rule):
-    """Work space for n balls and a rule."""
-    points = most_points(rule)
+def buffers(n, rule, traction):
+    """Work space for n balls and a rule, with or without traction in the balance."""
+    points, sums = most_points(rule), 5 if traction else 4
     return Buffers(
         balls=suspension(n),
         cage=cage_buffers(n),
@@ -78,11 +80,12 @@ def buffers(n, rule):
         width=np.zeros(points),
         across=np.zeros(rule.across.size),
         share=np.ones(rule.across.size),
-        L=np.empty((4, 4)),
-        gradient=np.empty(4),
-        hessian=np.empty((4, 4)),
-        blocks=np.empty((n, 4, 4)),
-        slopes=np.empty((n, 3, 4)),
+        L=np.zeros((4, 6)),
+        gradient=np.empty(sums),
+        hessian=np.empty((sums, sums)),
+        change=np.zeros((5, 7)),
+        blocks=np.empty((n, 8, 8)),
+        inner=np.empty((n, 2, 8)),
     )
 
 

@@ -1,365 +1,367 @@
-"""Linear systems of the implicit integrator: one block a ball, bordered by the cage.
+"""Linear systems of the implicit integrator: one block a ball, bordered by cage and race.
 
-The matrix stands for `shift - J`, with the loads held. The balls are eliminated one by one; the
-twelve states of the cage remain, with the Schur complement of the balls' blocks.
+The unknowns of a stage are the steps of all states and, beside them, of the ball centres and the
+inner race: the balance of normal forces is solved with the motion. Azimuths, and place and rotation
+of the cage, follow from speeds and go first. Then the balls go one by one, each with the two
+coordinates of its centre; velocity and momentum of the cage and the place of the race remain.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from bearingwear.kernels.cage import INNER_LAND, inverse_inertia
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.jacobian import ball_point, cage_point, condense_ball_centre
-from bearingwear.kernels.linear import copy
+from bearingwear.kernels.jacobian import INNER_1, INNER_2, MOTION, OUTER_1, OUTER_2, ball_blocks
+from bearingwear.kernels.linear import copy, factor_in_place
+from bearingwear.kernels.quasistatic import inner_force
 from bearingwear.kernels.state import (
     BALL,
-    CAGE,
-    CENTRE,
-    MOMENTUM,
     OMEGA,
-    PSI,
-    ROTATION,
-    VELOCITY,
-    W_X,
     W_Y,
     W_Z,
 )
-from bearingwear.kernels.vectors import cross, minus, plus, triple
+
+# Unknowns of a ball: the steps of its centre (axial, radial), then of w_x, w_y, w_z, Omega.
+ALGEBRAIC, LOCAL = 2, 6
+SPIN_Y, SPIN_Z, ORBIT_STEP = ALGEBRAIC + W_Y, ALGEBRAIC + W_Z, ALGEBRAIC + OMEGA
+# What it gives way to: the groove's shift (axial, radial), the force of its pocket.
+GROOVE_SHIFT, FORCE, BALL_INPUTS = 0, 2, 5
+# What comes of that: the inner race's force (axial, radial, along the orbit's y), the pocket's.
+RACE, POCKET, BALL_OUTPUTS = 0, 3, 6
+CAGE_BORDER = 6  # velocity and momentum of the cage
+BORDER = CAGE_BORDER + 3  # and the race
 
 
 class BlockSystem(NamedTuple):
-    """Factors of the matrix, the contacts of the cage when it was factored, and buffers."""
+    """Linearised contacts where a step begins, factors of the matrix, buffers."""
 
-    inverse: np.ndarray  # (n, 5, 5) inverses of the balls' blocks
-    inverse_ball_cage: np.ndarray  # (n, 5, 12) those times the coupling of a ball to the cage
-    cage_ball: np.ndarray  # (n, 12, 5) coupling of the cage to a ball
-    schur: np.ndarray  # (12, 12) inverse of the Schur complement
-    touching: np.ndarray  # (n + 2,) pockets and land edges, see cage_law.CageBuffers
+    touching: np.ndarray  # (n + 2,) pockets and land edges
     r: np.ndarray  # (n,) orbit radii [m]
-    arm: np.ndarray  # (n + 2, 3)
+    turn: np.ndarray  # (n, 2) sine and cosine of the azimuths
+    groove_turn: np.ndarray  # (n, 2) derivative of the groove distances by the azimuth [m]
+    radial: np.ndarray  # (n,) radial force of the inner race [N]
+    inertia: np.ndarray  # (3, 3) inverse, of the cage
+    arm: np.ndarray  # (n + 2, 3), as all to `loss` see cage_law.CageBuffers
+    hold: np.ndarray  # (n + 2, 3)
     reach: np.ndarray  # (n, 3)
-    K: np.ndarray  # (n + 2, 3, 3) ball centres condensed
+    K: np.ndarray  # (n + 2, 3, 3)
     C: np.ndarray  # (n + 2, 3, 3)
     heat: np.ndarray  # (n + 2, 6)
     loss: np.ndarray  # (n + 2, 6)
-    matrix: np.ndarray  # (12, 12) buffer, as are all that follow
-    side: np.ndarray  # (12,)
-    ball_cage: np.ndarray  # (5, 12)
-    B_v: np.ndarray  # (3, 5) see jacobian.ball_point
-    B_x: np.ndarray  # (3, 5)
-    ball_gain: np.ndarray  # (5, 3)
-    ball_force: np.ndarray  # (3, 5) derivative of the force on the ball by its state
-    Z_v: np.ndarray  # (3, 12) see jacobian.cage_point
-    Z_x: np.ndarray  # (3, 12)
-    cage_gain: np.ndarray  # (12, 3)
-    cage_force: np.ndarray  # (3, 12) derivative of the force on the cage by its state
+    inverse: np.ndarray  # (n, LOCAL, LOCAL) of the balls' blocks
+    gain: np.ndarray  # (n, LOCAL, BALL_INPUTS) what groove and pocket do to a ball's equations
+    response: np.ndarray  # (n, LOCAL, BALL_INPUTS) and to its unknowns
+    reading: np.ndarray  # (n, BALL_OUTPUTS, LOCAL) forces on race and cage by its unknowns
+    passing: np.ndarray  # (n, BALL_OUTPUTS, BALL_INPUTS) and groove and pocket, the ball eliminated
+    by_azimuth: np.ndarray  # (n, LOCAL) of a ball's equations
+    race_by_azimuth: np.ndarray  # (n, 3) of the inner race's force on it
+    cage_slope: np.ndarray  # (n + 2, 3, CAGE_BORDER) force on a partner by the cage's unknowns
+    border: np.ndarray  # (BORDER, BORDER) factored
+    pivots: np.ndarray  # (BORDER,)
+    matrix: np.ndarray  # (LOCAL, LOCAL) buffer, as are all that follow
+    rows: np.ndarray  # (3, BORDER)
+    side: np.ndarray  # (BORDER,)
+    alone: np.ndarray  # (n, LOCAL) unknowns of a ball whose race and cage stand still
+    known: np.ndarray  # (n + 2, 3) force of a contact that follows from places known beforehand
 
 
 @jit
 def block_system(n):
     """Buffers for n balls."""
     return BlockSystem(
-        inverse=np.zeros((n, 5, 5)),
-        inverse_ball_cage=np.zeros((n, 5, 12)),
-        cage_ball=np.zeros((n, 12, 5)),
-        schur=np.zeros((12, 12)),
         touching=np.zeros(n + 2, dtype=np.bool_),
         r=np.zeros(n),
+        turn=np.zeros((n, 2)),
+        groove_turn=np.zeros((n, 2)),
+        radial=np.zeros(n),
+        inertia=np.zeros((3, 3)),
         arm=np.zeros((n + 2, 3)),
+        hold=np.zeros((n + 2, 3)),
         reach=np.zeros((n, 3)),
         K=np.zeros((n + 2, 3, 3)),
         C=np.zeros((n + 2, 3, 3)),
         heat=np.zeros((n + 2, 6)),
         loss=np.zeros((n + 2, 6)),
-        matrix=np.zeros((12, 12)),
-        side=np.zeros(12),
-        ball_cage=np.zeros((5, 12)),
-        B_v=np.zeros((3, 5)),
-        B_x=np.zeros((3, 5)),
-        ball_gain=np.zeros((5, 3)),
-        ball_force=np.zeros((3, 5)),
-        Z_v=np.zeros((3, 12)),
-        Z_x=np.zeros((3, 12)),
-        cage_gain=np.zeros((12, 3)),
-        cage_force=np.zeros((3, 12)),
+        inverse=np.zeros((n, LOCAL, LOCAL)),
+        gain=np.zeros((n, LOCAL, BALL_INPUTS)),
+        response=np.zeros((n, LOCAL, BALL_INPUTS)),
+        reading=np.zeros((n, BALL_OUTPUTS, LOCAL)),
+        passing=np.zeros((n, BALL_OUTPUTS, BALL_INPUTS)),
+        by_azimuth=np.zeros((n, LOCAL)),
+        race_by_azimuth=np.zeros((n, 3)),
+        cage_slope=np.zeros((n + 2, 3, CAGE_BORDER)),
+        border=np.zeros((BORDER, BORDER)),
+        pivots=np.zeros(BORDER, np.int64),
+        matrix=np.zeros((LOCAL, LOCAL)),
+        rows=np.zeros((3, BORDER)),
+        side=np.zeros(BORDER),
+        alone=np.zeros((n, LOCAL)),
+        known=np.zeros((n + 2, 3)),
     )
 
 
 @jit
-def invert(A, n, out):
-    """Inverse of the leading n x n of A (destroyed) by Gauss-Jordan with partial pivoting.
+def linearise(y, bearing, buf, system):
+    """Keep all that `factorise` needs of the state and places of the last `rates_here`."""
+    n, balls, contacts = bearing.D.size, buf.balls, buf.cage
+    ball_blocks(y, bearing, buf)
+    lean = bearing.tilt * bearing.g.R_i
+    for j in range(n):
+        sp, cp = balls.turn[j, 0], balls.turn[j, 1]
+        system.turn[j, 0], system.turn[j, 1], system.r[j] = sp, cp, balls.r[j]
+        system.groove_turn[j, 0] = -lean * sp
+        system.groove_turn[j, 1] = -balls.delta[2] * sp - balls.delta[1] * cp
+        _, system.radial[j] = inner_force(balls, j)
+    if not bearing.cage.present:
+        return
+    for i in range(3):
+        for k in range(3):
+            system.inertia[i, k] = inverse_inertia(bearing.cage, contacts.R, i, k)
+    for j in range(n + 2):
+        touching = contacts.normal[j] > 0.0
+        system.touching[j] = touching
+        if touching:
+            copy(contacts.arm[j], system.arm[j])
+            copy(contacts.hold[j], system.hold[j])
+            copy(contacts.K[j], system.K[j])
+            copy(contacts.C[j], system.C[j])
+            copy(contacts.heat[j], system.heat[j])
+            copy(contacts.loss[j], system.loss[j])
+            if j < n:
+                copy(contacts.reach[j], system.reach[j])
 
-    For the small systems here. False where singular.
-    """
-    for i in range(n):
-        for j in range(n):
-            out[i, j] = 1.0 if i == j else 0.0
+
+@jit
+def invert_in_place(A, n):
+    """Inverse of the n x n matrix A by Gauss-Jordan on its diagonal; False where a pivot is 0."""
     for k in range(n):
-        best, row = abs(A[k, k]), k
-        for i in range(k + 1, n):
-            if abs(A[i, k]) > best:
-                best, row = abs(A[i, k]), i
-        if not best > 0.0:
+        if not abs(A[k, k]) > 0.0:
             return False
-        if row != k:
-            for j in range(n):
-                A[k, j], A[row, j] = A[row, j], A[k, j]
-                out[k, j], out[row, j] = out[row, j], out[k, j]
         pivot = 1.0 / A[k, k]
+        A[k, k] = 1.0
         for j in range(n):
             A[k, j] *= pivot
-            out[k, j] *= pivot
         for i in range(n):
-            factor = A[i, k]
-            if i != k and factor != 0.0:
+            if i != k:
+                factor = A[i, k]
+                A[i, k] = 0.0
                 for j in range(n):
                     A[i, j] -= factor * A[k, j]
-                    out[i, j] -= factor * out[k, j]
     return True
 
 
-@jit(forceinline=True)
-def add_product(A, B, rows, inner, columns, out):
-    """out += A B of these sizes."""
+@jit
+def multiply(A, B, rows, inner, columns, out):
+    """out = A B of these sizes."""
     for i in range(rows):
-        for k in range(columns):
-            for q in range(inner):
-                out[i, k] += A[i, q] * B[q, k]
-
-
-@jit(forceinline=True)
-def subtract_product(A, B, rows, inner, columns, out):
-    """out -= A B of these sizes."""
-    for i in range(rows):
-        for k in range(columns):
-            for q in range(inner):
-                out[i, k] -= A[i, q] * B[q, k]
-
-
-@jit(forceinline=True)
-def contact_slope(K, C, X, V, columns, out):
-    """Derivative K X + C V (3, columns) of a contact's force by the states behind it."""
-    for i in range(3):
         for k in range(columns):
             value = 0.0
-            for q in range(3):
-                value += K[i, q] * X[q, k] + C[i, q] * V[q, k]
+            for q in range(inner):
+                value += A[i, q] * B[q, k]
             out[i, k] = value
 
 
 @jit
-def keep_contacts(balls, contacts, system):
-    """Keep what `add_cage_powers` needs of the contacts while the stages move on."""
-    copy(balls.r, system.r)
-    copy(contacts.arm, system.arm)
-    copy(contacts.reach, system.reach)
-    copy(contacts.K, system.K)
-    copy(contacts.C, system.C)
-    copy(contacts.heat, system.heat)
-    copy(contacts.loss, system.loss)
+def race_block(shift, y, bearing, buf, j, system):
+    """Block of a ball between its races, into `system`."""
+    block, inner, A = buf.blocks[j], buf.inner[j], system.matrix
+    gain, reading, inverse = system.gain[j], system.reading[j], system.inverse[j]
+    a1, a2 = system.groove_turn[j, 0], system.groove_turn[j, 1]
+    spin, orbit = 1.0 / bearing.inertia[j], -1.0 / (bearing.mass[j] * system.r[j])
+    for p in range(LOCAL):
+        scale = 1.0 if p < ALGEBRAIC else (orbit if p == ORBIT_STEP else spin)
+        y1, y2 = scale * block[p, INNER_1], scale * block[p, INNER_2]
+        gain[p, GROOVE_SHIFT], gain[p, GROOVE_SHIFT + 1] = y1, y2
+        turned = y1 * a1 + y2 * a2
+        system.by_azimuth[j, p] = turned
+        A[p, 0], A[p, 1] = y1 - scale * block[p, OUTER_1], y2 - scale * block[p, OUTER_2]
+        for v in range(4):
+            A[p, ALGEBRAIC + v] = -scale * block[p, MOTION + v]
+        A[p, ORBIT_STEP] -= turned / shift
+        if p >= ALGEBRAIC:
+            A[p, p] += shift
+    i = BALL * j
+    Omega = y[i + OMEGA]
+    A[SPIN_Y, SPIN_Z] -= Omega
+    A[SPIN_Y, ORBIT_STEP] -= y[i + W_Z]
+    A[SPIN_Z, SPIN_Y] += Omega
+    A[SPIN_Z, ORBIT_STEP] += y[i + W_Y]
+    for p in range(2):
+        turned = inner[p, INNER_1] * a1 + inner[p, INNER_2] * a2
+        system.race_by_azimuth[j, p] = turned
+        reading[p, 0] = inner[p, OUTER_1] - inner[p, INNER_1]
+        reading[p, 1] = inner[p, OUTER_2] - inner[p, INNER_2]
+        for v in range(4):
+            reading[p, ALGEBRAIC + v] = inner[p, MOTION + v]
+        reading[p, ORBIT_STEP] += turned / shift
+    # The force turns with the ball.
+    system.race_by_azimuth[j, 2] = -system.radial[j]
+    for v in range(LOCAL):
+        reading[2, v] = 0.0
+    reading[2, ORBIT_STEP] = -system.radial[j] / shift
+    copy(A, inverse)
 
 
 @jit
-def free_cage_block(shift, cage, R, out):
-    """Block of a cage that nothing touches."""
-    out[:, :] = 0.0
-    for k in range(3):
-        for begin in (CENTRE, VELOCITY, ROTATION, MOMENTUM):
-            out[begin + k, begin + k] = shift
-        out[CENTRE + k, VELOCITY + k] = -1.0
-        for i in range(3):
-            out[ROTATION + k, MOMENTUM + i] = -inverse_inertia(cage, R, k, i)
-
-
-@jit
-def add_land_edge_block(cage, contacts, place, system):
-    """Add a closed edge of the land to the block of the cage."""
-    K, C, Z_x, Z_v = contacts.K[place], contacts.C[place], system.Z_x, system.Z_v
-    cage_point(cage, contacts.R, contacts.arm[place], Z_v, Z_x, system.cage_gain)
+def pocket_block(shift, y, bearing, j, system):
+    """Add the closed pocket of ball j to its block."""
+    sp, cp, r = system.turn[j, 0], system.turn[j, 1], system.r[j]
+    K, C, p = system.K[j], system.C[j], system.reach[j]
+    gain, slope, Omega = system.gain[j], system.reading[j], y[BALL * j + OMEGA]
+    spin, orbit = 1.0 / bearing.inertia[j], -1.0 / (bearing.mass[j] * r)
+    # Velocity of the contact point by the ball's w: axes x = (1,0,0), y = (0,c,s), z = (0,-s,c).
+    w_x = (0.0, -p[2], p[1])
+    w_y = (cp * p[2] - sp * p[1], sp * p[0], -cp * p[0])
+    w_z = (-sp * p[2] - cp * p[1], cp * p[0], sp * p[0])
+    axial, along, radial = (1.0, 0.0, 0.0), (0.0, cp, sp), (0.0, -sp, cp)
+    for q in range(3):
+        gain[0, FORCE + q] = axial[q]
+        gain[1, FORCE + q] = radial[q]
+        gain[2, FORCE + q] = spin * w_x[q]
+        gain[3, FORCE + q] = spin * w_y[q]
+        gain[4, FORCE + q] = spin * w_z[q]
+        gain[5, FORCE + q] = orbit * along[q]
     for i in range(3):
-        for k in range(CAGE):
+        k_axial = k_along = k_radial = c_along = c_x = c_y = c_z = 0.0
+        for q in range(3):
+            k_axial += K[i, q] * axial[q]
+            k_along += K[i, q] * along[q]
+            k_radial += K[i, q] * radial[q]
+            c_along += C[i, q] * along[q]
+            c_x += C[i, q] * w_x[q]
+            c_y += C[i, q] * w_y[q]
+            c_z += C[i, q] * w_z[q]
+        row = slope[POCKET + i]
+        row[0], row[1] = -k_axial, Omega * c_along - k_radial
+        row[2], row[3], row[4] = -c_x, -c_y, -c_z
+        row[5] = r * (c_along + k_along / shift)
+    A = system.inverse[j]
+    for u in range(LOCAL):
+        for v in range(LOCAL):
             value = 0.0
             for q in range(3):
-                value += K[i, q] * Z_x[q, k]
-                value += C[i, q] * Z_v[q, k]
-            system.cage_force[i, k] = value
-    add_product(system.cage_gain, system.cage_force, CAGE, 3, CAGE, system.schur)
+                value += gain[u, FORCE + q] * slope[POCKET + q, v]
+            A[u, v] -= value
 
 
 @jit
-def free_ball_block(shift, block, out):
-    """Block of a ball that does not touch its pocket."""
-    for u in range(4):
-        for v in range(4):
-            out[u, v] = -block[u, v]
-        out[u, u] += shift
-        out[u, PSI] = 0.0
-        out[PSI, u] = 0.0
-    out[PSI, OMEGA] = -1.0
-    out[PSI, PSI] = shift
+def slope_by_cage(shift, j, system):
+    """Fill the derivative of the force of contact j on its partner by the cage's unknowns."""
+    out = system.cage_slope[j]
+    for i in range(3):
+        c, k = system.C[j, i], system.K[j, i]
+        arm, hold, inertia = system.arm[j], system.hold[j], system.inertia
+        out[i, 0], out[i, 1], out[i, 2] = (
+            k[0] / shift + c[0],
+            k[1] / shift + c[1],
+            k[2] / shift + c[2],
+        )
+        # By the cage's angular velocity, which moves points by omega x arm.
+        w0 = c[2] * arm[1] - c[1] * arm[2] + (k[2] * hold[1] - k[1] * hold[2]) / shift
+        w1 = c[0] * arm[2] - c[2] * arm[0] + (k[0] * hold[2] - k[2] * hold[0]) / shift
+        w2 = c[1] * arm[0] - c[0] * arm[1] + (k[1] * hold[0] - k[0] * hold[1]) / shift
+        for q in range(3):
+            out[i, 3 + q] = w0 * inertia[0, q] + w1 * inertia[1, q] + w2 * inertia[2, q]
 
 
 @jit
-def add_pocket_blocks(y, bearing, balls, contacts, j, system):
-    """Add a closed pocket to the blocks of its ball and the cage, and couple the two."""
-    psi = y[BALL * j + PSI]
-    sp, cp = math.sin(psi), math.cos(psi)
-    B_v, B_x, Z_v, Z_x = system.B_v, system.B_x, system.Z_v, system.Z_x
-    ball_gain, cage_gain = system.ball_gain, system.cage_gain
-    K, C = system.K[j], contacts.C[j]
-    ball_point(bearing, j, balls.r[j], contacts.reach[j], sp, cp, B_v, B_x, ball_gain)
-    cage_point(bearing.cage, contacts.R, contacts.arm[j], Z_v, Z_x, cage_gain)
-    condense_ball_centre(balls.condensed[j], contacts, j, sp, cp, K, system.heat[j], system.loss[j])
-    contact_slope(K, C, B_x, B_v, BALL, system.ball_force)
-    contact_slope(K, C, Z_x, Z_v, CAGE, system.cage_force)
-    add_product(ball_gain, system.ball_force, BALL, 3, BALL, system.matrix)
-    add_product(cage_gain, system.cage_force, CAGE, 3, CAGE, system.schur)
-    # The force on the cage is opposite to that on the ball.
-    system.cage_ball[j, :, :] = 0.0
-    subtract_product(cage_gain, system.ball_force, CAGE, 3, BALL, system.cage_ball[j])
-    system.ball_cage[:, :] = 0.0
-    subtract_product(ball_gain, system.cage_force, BALL, 3, CAGE, system.ball_cage)
+def add_cage_rows(bearing, arm, rows, border):
+    """Let the force `rows` (3, BORDER) on a partner act on the cage, which feels its opposite."""
+    for v in range(BORDER):
+        h0, h1, h2 = rows[0, v], rows[1, v], rows[2, v]
+        border[0, v] += h0 / bearing.cage.mass
+        border[1, v] += h1 / bearing.cage.mass
+        border[2, v] += h2 / bearing.cage.mass
+        border[3, v] += arm[1] * h2 - arm[2] * h1
+        border[4, v] += arm[2] * h0 - arm[0] * h2
+        border[5, v] += arm[0] * h1 - arm[1] * h0
 
 
 @jit
-def eliminate_ball(j, system):
-    """Take a ball whose block is inverted out of the block of the cage."""
-    product = system.inverse_ball_cage[j]
-    product[:, :] = 0.0
-    add_product(system.inverse[j], system.ball_cage, BALL, BALL, CAGE, product)
-    subtract_product(system.cage_ball[j], product, CAGE, BALL, CAGE, system.schur)
+def add_ball_to_border(bearing, j, system):
+    """Add what is left of an eliminated ball to the equations of race and cage."""
+    sp, cp = system.turn[j, 0], system.turn[j, 1]
+    S, rows, border, first = system.passing[j], system.rows, system.border, CAGE_BORDER
+    touching = system.touching[j]
+    for begin in (RACE, POCKET):
+        if begin == POCKET and not touching:
+            continue
+        for i in range(3):
+            p = begin + i
+            rows[i, first] = S[p, 0]
+            rows[i, first + 1], rows[i, first + 2] = -sp * S[p, 1], cp * S[p, 1]
+            for v in range(CAGE_BORDER):
+                value = 0.0
+                if touching:
+                    for q in range(3):
+                        value += S[p, FORCE + q] * system.cage_slope[j, q, v]
+                rows[i, v] = value
+        if begin == RACE:
+            for v in range(BORDER):
+                border[first, v] += rows[0, v]
+                border[first + 1, v] += cp * rows[2, v] - sp * rows[1, v]
+                border[first + 2, v] += cp * rows[1, v] + sp * rows[2, v]
+        else:
+            add_cage_rows(bearing, system.arm[j], rows, border)
+
+
+@jit
+def add_land_edge_rows(bearing, j, system):
+    """Add a closed edge of the land to the equations of race and cage."""
+    rows, border, first = system.rows, system.border, CAGE_BORDER
+    inner = bearing.cage.land == INNER_LAND
+    for i in range(3):
+        for v in range(CAGE_BORDER):
+            rows[i, v] = system.cage_slope[j, i, v]
+        rows[i, first] = 0.0
+        for q in range(1, 3):
+            rows[i, first + q] = -system.K[j, i, q] if inner else 0.0
+    add_cage_rows(bearing, system.arm[j], rows, border)
+    if inner:
+        for v in range(BORDER):
+            border[first + 1, v] -= rows[1, v]
+            border[first + 2, v] -= rows[2, v]
 
 
 @jit
 def factorise(shift, y, bearing, buf, system):
-    """Factor `shift - J` for the state of the last call of state_rates and ball_blocks.
+    """Factor the matrix of a stage, 1/(gamma h) = `shift`, for what `linearise` kept.
 
     Returns
     -------
     bool
         False where the matrix is singular.
     """
-    n, cage, contacts = bearing.D.size, bearing.cage, buf.cage
-    if cage.present:
-        keep_contacts(buf.balls, contacts, system)
-        free_cage_block(shift, cage, contacts.R, system.schur)
-        for place in range(n, n + 2):
-            system.touching[place] = contacts.normal[place] > 0.0
-            if system.touching[place]:
-                add_land_edge_block(cage, contacts, place, system)
-    for j in range(n):
-        free_ball_block(shift, buf.blocks[j], system.matrix)
-        touching = cage.present and contacts.normal[j] > 0.0
-        system.touching[j] = touching
-        if touching:
-            add_pocket_blocks(y, bearing, buf.balls, contacts, j, system)
-        if not invert(system.matrix, BALL, system.inverse[j]):
-            return False
-        if touching:
-            eliminate_ball(j, system)
-    if cage.present:
-        copy(system.schur, system.matrix)
-        return invert(system.matrix, CAGE, system.schur)
-    return True
-
-
-@jit
-def solve_factorised(side, U, bearing, system):
-    """Solve with the factors: U of balls and cage from the right-hand side `side`."""
-    n = bearing.D.size
-    z = bearing.layout.cage
-    if bearing.cage.present:
-        for i in range(CAGE):
-            system.side[i] = side[z + i]
-        for j in range(n):
-            if system.touching[j]:
-                for u in range(BALL):
-                    value = 0.0
-                    for k in range(BALL):
-                        value += system.inverse[j, u, k] * side[BALL * j + k]
-                    for i in range(CAGE):
-                        system.side[i] -= system.cage_ball[j, i, u] * value
-        for i in range(CAGE):
-            value = 0.0
-            for k in range(CAGE):
-                value += system.schur[i, k] * system.side[k]
-            U[z + i] = value
-    for j in range(n):
-        touching = system.touching[j]
-        for u in range(BALL):
-            value = 0.0
-            for k in range(BALL):
-                value += system.inverse[j, u, k] * side[BALL * j + k]
-            if touching:
-                for k in range(CAGE):
-                    value -= system.inverse_ball_cage[j, u, k] * U[z + k]
-            U[BALL * j + u] = value
-
-
-@jit(forceinline=True)
-def cage_point_step(U, bearing, R, j, system):
-    """Change of velocity and place, in a step U, of the cage's point at contact j."""
-    z, cage = bearing.layout.cage, bearing.cage
-    arm = triple(system.arm[j], 0)
-    w0 = w1 = w2 = 0.0
-    for k in range(3):
-        w0 += inverse_inertia(cage, R, 0, k) * U[z + MOMENTUM + k]
-        w1 += inverse_inertia(cage, R, 1, k) * U[z + MOMENTUM + k]
-        w2 += inverse_inertia(cage, R, 2, k) * U[z + MOMENTUM + k]
-    place = plus(cross(triple(U, z + ROTATION), arm), triple(U, z + CENTRE))
-    return plus(cross((w0, w1, w2), arm), triple(U, z + VELOCITY)), place
-
-
-@jit(forceinline=True)
-def over_ball_step(U, j, sin_psi, cos_psi, velocity, place, system):
-    """Those changes less the ball's at its contact point."""
-    i, r, sp, cp = BALL * j, system.r[j], sin_psi, cos_psi
-    w_y, w_z, Omega, psi = U[i + W_Y], U[i + W_Z], U[i + OMEGA], U[i + PSI]
-    w = (U[i + W_X], w_y * cp - w_z * sp, w_y * sp + w_z * cp)
-    u = minus(velocity, cross(w, triple(system.reach[j], 0)))
-    velocity = (u[0], u[1] + r * cp * Omega, u[2] + r * sp * Omega)
-    return velocity, (place[0], place[1] + r * cp * psi, place[2] + r * sp * psi)
-
-
-@jit
-def add_cage_powers(U, side, y, bearing, buf, system):
-    """Add to `side` what a step U of balls and cage makes of the cage's heats, torques and work.
-
-    For the contacts of the last call of `factorise`: the integrals' rows of the same matrix.
-    """
-    if not bearing.cage.present:
-        return
-    n, layout, m = bearing.D.size, bearing.layout, bearing.op
-    y_cage, z_cage = y[layout.cage + CENTRE + 1], y[layout.cage + CENTRE + 2]
-    land_speed = m.omega_i if bearing.cage.land == INNER_LAND else m.omega_o
+    n, border = bearing.D.size, system.border
+    border[:, :] = 0.0
+    for k in range(CAGE_BORDER):
+        border[k, k] = shift
     for j in range(n + 2):
-        if not system.touching[j]:
-            continue
-        u, d = cage_point_step(U, bearing, buf.cage.R, j, system)
-        in_pocket = j < n
-        sp = cp = 0.0
-        if in_pocket:
-            psi = y[BALL * j + PSI]
-            sp, cp = math.sin(psi), math.cos(psi)
-            u, d = over_ball_step(U, j, sp, cp, u, d, system)
-            sign = -1.0
-        else:
-            # A land does not move with the state: the motion is that of the land against the cage.
-            u, d = (-u[0], -u[1], -u[2]), (-d[0], -d[1], -d[2])
-            sign = 1.0
-        h1 = h2 = 0.0
-        for k in range(3):
-            h1 += system.C[j, 1, k] * u[k] + system.K[j, 1, k] * d[k]
-            h2 += system.C[j, 2, k] * u[k] + system.K[j, 2, k] * d[k]
-            side[layout.cage_heat] += system.heat[j, k] * u[k] + system.heat[j, 3 + k] * d[k]
-            side[layout.damping] += system.loss[j, k] * u[k] + system.loss[j, 3 + k] * d[k]
-        arm = system.arm[j]
-        torque = sign * ((y_cage + arm[1]) * h2 - (z_cage + arm[2]) * h1)
-        if in_pocket:
-            side[layout.pocket_torque] += torque
-            side[layout.turning] -= 2.0 * system.r[j] * y[BALL * j + OMEGA] * (h1 * cp + h2 * sp)
-        else:
-            side[layout.land_torque] += torque
-            side[layout.shaft] += land_speed * torque
+        if system.touching[j]:
+            slope_by_cage(shift, j, system)
+            if j >= n:
+                add_land_edge_rows(bearing, j, system)
+    for j in range(n):
+        race_block(shift, y, bearing, buf, j, system)
+        inputs, outputs = FORCE, POCKET
+        if system.touching[j]:
+            pocket_block(shift, y, bearing, j, system)
+            inputs, outputs = BALL_INPUTS, BALL_OUTPUTS
+        if not invert_in_place(system.inverse[j], LOCAL):
+            return False
+        passing, inner = system.passing[j], buf.inner[j]
+        multiply(system.inverse[j], system.gain[j], LOCAL, LOCAL, inputs, system.response[j])
+        multiply(system.reading[j], system.response[j], outputs, LOCAL, inputs, passing)
+        for p in range(2):
+            passing[p, 0] += inner[p, INNER_1]
+            passing[p, 1] += inner[p, INNER_2]
+        if system.touching[j]:
+            for q in range(3):
+                passing[POCKET + q, FORCE + q] += 1.0
+        add_ball_to_border(bearing, j, system)
+    if bearing.axial_is_held:
+        for v in range(BORDER):
+            border[CAGE_BORDER, v] = border[v, CAGE_BORDER] = 0.0
+        border[CAGE_BORDER, CAGE_BORDER] = 1.0
+    return factor_in_place(border, system.pivots, BORDER)

@@ -58,6 +58,59 @@ def set_race_velocity(time, bearing, contacts):
 
 
 @jit(forceinline=True)
+def land_contact(cage, approach, n, slip, closing):
+    """Elastic force of a closed land edge [N], and the contact."""
+    spring, F, stiffness, damping, change = land_force(cage, approach, closing)
+    return spring, CageContact(
+        n=n,
+        slip=slip,
+        closing=closing,
+        F=F,
+        stiffness=stiffness,
+        damping=damping,
+        change=change,
+    )
+
+
+@jit(forceinline=True)
+def add_land_motion(speed, slower, n, offset, h, place, contacts):
+    """Add to the slopes of a land what an edge of the cage meets elsewhere.
+
+    Farther out the land is faster; farther along it, normal and force have turned, while the
+    cage's own velocity has not.
+
+    Parameters
+    ----------
+    speed : float
+        Angular velocity of the land [rad/s].
+    slower : tuple of 3 floats
+        Velocity of the land's axis less that of the edge's centre [m/s].
+    h : tuple of 3 floats
+        Force on the cage [N].
+    """
+    K, C, heat, loss = (
+        contacts.K[place],
+        contacts.C[place],
+        contacts.heat[place],
+        contacts.loss[place],
+    )
+    along = (0.0, -n[2], n[1])
+    out = times(speed, along)  # change of the land's velocity against the cage's, outward
+    turned = (0.0, slower[2] / offset, -slower[1] / offset)  # and along
+    force = (0.0, -h[2] / offset, h[1] / offset)
+    for i in range(3):
+        by_out = C[i, 1] * out[1] + C[i, 2] * out[2]
+        by_turn = C[i, 1] * turned[1] + C[i, 2] * turned[2] + force[i]
+        for k in range(1, 3):
+            K[i, k] -= by_out * n[k] + by_turn * along[k]
+    for slope in (heat, loss):
+        by_out = slope[1] * out[1] + slope[2] * out[2]
+        by_turn = slope[1] * turned[1] + slope[2] * turned[2]
+        for k in range(1, 3):
+            slope[3 + k] -= by_out * n[k] + by_turn * along[k]
+
+
+@jit(forceinline=True)
 def add_land_edge(bearing, z, w, shift, edge, delta, contacts, load):
     """Force of one edge of the land, stored and added to the sums; returns the load on the cage.
 
@@ -94,22 +147,18 @@ def add_land_edge(bearing, z, w, shift, edge, delta, contacts, load):
     s0, s1, s2 = -v_cage[0], speed1 - omega * l2 - v_cage[1], speed2 + omega * l1 - v_cage[2]
     closing = -(s1 * n1 + s2 * n2)
     slip = (s0, s1 + closing * n1, s2 + closing * n2)
-    spring, F, stiffness, damping, change = land_force(cage, approach, closing)
-    contact = CageContact(
-        n=(0.0, n1, n2),
-        slip=slip,
-        closing=closing,
-        F=F,
-        stiffness=stiffness,
-        damping=damping,
-        change=change,
-    )
+    spring, contact = land_contact(cage, approach, (0.0, n1, n2), slip, closing)
+    F = contact.F
     friction, speed = contact_law(contact, cage.mu, cage.v_r, contacts.K[place], contacts.C[place])
     power_slopes(contact, cage.mu, cage.v_r, contacts.heat[place], contacts.loss[place])
     h = (friction[0], friction[1] - F * n1, friction[2] - F * n2)
+    v_edge = plus(triple(z, VELOCITY), cross(w, o))
+    slower = minus((0.0, speed1, speed2), v_edge)
+    add_land_motion(omega, slower, contact.n, offset, h, place, contacts)
     contacts.normal[place] = F
     contacts.power[place] = F * speed
     store(q, contacts.arm[place])
+    store(o, contacts.hold[place])
     sums = contacts.sums
     sums[LAND_HEAT] += dot(friction, slip)
     sums[LAND_DAMPING] += (F - spring) * closing

@@ -45,7 +45,8 @@ class CageBuffers(NamedTuple):
     C: np.ndarray  # (n + 2, 3, 3) and by velocity [N s/m]
     heat: np.ndarray  # (n + 2, 6) derivative of friction heat by velocity and displacement
     loss: np.ndarray  # (n + 2, 6) and of the power lost to damping
-    arm: np.ndarray  # (n + 2, 3) contact point from the cage's centre [m]
+    arm: np.ndarray  # (n + 2, 3) contact point from the cage's centre of mass [m]
+    hold: np.ndarray  # (n + 2, 3) and the point whose displacement K is by: ball centre, edge [m]
     reach: np.ndarray  # (n, 3) contact point from the ball's centre, inertial [m]
 
 
@@ -69,6 +70,7 @@ def cage_buffers(n):
         heat=np.zeros((n + 2, 6)),
         loss=np.zeros((n + 2, 6)),
         arm=np.zeros((n + 2, 3)),
+        hold=np.zeros((n + 2, 3)),
         reach=np.zeros((n, 3)),
     )
 

@@ -20,7 +20,10 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import IRLegalization
 
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-VIEWS = {"getattr", "getitem", "static_getitem", "typed_getitem", "build_tuple", "cast", "phi"}
+VIEWS = {
+    "getattr", "getitem", "static_getitem", "typed_getitem", "build_tuple", "exhaust_iter", "cast",
+    "phi",
+}  # fmt: skip
 """Expressions whose arrays are parts of others, and live as long as those do."""
 
 

@@ -445,3 +445,7 @@ def dissipation(contact, c, mu, v_r, r, t, weight, h, width, across, share):
             torque -= F * v2 * (r + contact.sigma * h[k] * contact.cos_a - x * contact.sin_a)
             torque -= F * v1 * y * contact.sin_a
     return qv, heat, (gyro / qv if qv > 0.0 else 0.0), torque
+
+
+quick_dissipation = jit(fastmath=REORDER_SUMS)(getattr(dissipation, "py_func", dissipation))
+"""`dissipation` with its sums in any order."""

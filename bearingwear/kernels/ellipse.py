@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact import half_width, surface_height
 from bearingwear.kernels.profile import PEAK, base, pressure, profile
 
@@ -94,23 +94,12 @@ def cluster_points(rule, start, end, n, t, weight):
 
 
 @jit
-def quadrature_points(rule, contact, R, c, v_r, t, weight):
-    """Points x/a and load shares for a contact with the slip c.
-
-    Parameters
-    ----------
-    rule : Rule
-    c : tuple of 4 floats
-        `contact.slip_coefficients`.
-    t, weight : ndarray (most_points(rule),)
-        Buffers; what is returned may lie in them.
-
-    Returns
-    -------
-    t, weight : ndarray (n,)
-    """
+def fill_points(rule, contact, R, c, v_r, t, weight):
+    """Fill the buffers of `quadrature_points`; returns how many points they have got."""
     if not rule.split:
-        return rule.t, rule.weight
+        for k in range(rule.t.size):
+            t[k], weight[k] = rule.t[k], rule.weight[k]
+        return rule.t.size
     low, high = rolling_points(contact, R, c, v_r)
     if low > high:
         low, high = high, low
@@ -130,6 +119,30 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
         n = cluster_points(rule, high, middle, n, t, weight)
     if high < 1.0:
         n = cluster_points(rule, high, 1.0, n, t, weight)
+    return n
+
+
+@inlined
+def quadrature_points(rule, contact, R, c, v_r, t, weight):
+    """Points x/a and load shares for a contact with the slip c.
+
+    Written into its callers: references to arrays that a kernel returns would be counted, which
+    takes four times as long as the friction of a contact.
+
+    Parameters
+    ----------
+    rule : Rule
+    c : tuple of 4 floats
+        `contact.slip_coefficients`.
+    t, weight : ndarray (most_points(rule),)
+        Buffers, filled.
+
+    Returns
+    -------
+    t, weight : ndarray (n,)
+        Parts of the buffers.
+    """
+    n = fill_points(rule, contact, R, c, v_r, t, weight)
     return t[:n], weight[:n]
 
 
@@ -164,6 +177,17 @@ def place_across(rule, contact, R, c, across, share):
 
 
 @jit
+def fill_contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
+    """Fill the buffers of `contact_points`; returns how many points there are."""
+    n = fill_points(rule, contact, R, c, v_r, t, weight)
+    surface_height(contact, R, t[:n], h)
+    if across.size > 1:
+        place_across(rule, contact, R, c, across, share)
+        half_width(contact, t[:n], width)
+    return n
+
+
+@inlined
 def contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
     """All points of a contact: `quadrature_points`, their heights, and where they lie across.
 
@@ -177,9 +201,5 @@ def contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share)
     -------
     t, weight : ndarray (n,)
     """
-    t, weight = quadrature_points(rule, contact, R, c, v_r, t, weight)
-    surface_height(contact, R, t, h)
-    if across.size > 1:
-        place_across(rule, contact, R, c, across, share)
-        half_width(contact, t, width)
-    return t, weight
+    n = fill_contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share)
+    return t[:n], weight[:n]

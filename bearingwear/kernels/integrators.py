@@ -2,28 +2,25 @@
 
 `ROSENBROCK`: ROS34PW2 of Rang and Angermann, BIT 45 (2005) 761: four stages, order 3 with *any*
 matrix in place of the Jacobian (a W-method), L-stable and stiffly accurate with the exact one,
-embedded order 2. The matrix here is one 4 x 4 block a ball with the loads held.
+embedded order 2. It is so, too, for the index-1 system M y' = f(y, z), 0 = g(y, z) with the ball
+centres and the race as z, which are steps of the same stages: no equilibrium is solved in a step.
+What is left of the derivatives of g has to be exact for that, those of f need not be.
 
 `RUNGE_KUTTA`: Fehlberg's 4(5) pair, NASA TR R-315 (1969); the fourth-order result is carried on, as
 in the paper that the model follows.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.block_system import (
-    BlockSystem,
-    add_cage_powers,
-    block_system,
-    factorise,
-    solve_factorised,
-)
+from bearingwear.kernels.block_solve import add_ball_powers, add_cage_powers, solve_factorised
+from bearingwear.kernels.block_system import BlockSystem, block_system, factorise, linearise
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.dynamic_equilibrium import places_size
-from bearingwear.kernels.jacobian import add_ball_powers, ball_blocks
+from bearingwear.kernels.dynamic_equilibrium import keep_places, places_size
 from bearingwear.kernels.linear import copy
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.rates import rates_here, state_rates
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 
 
@@ -39,6 +36,9 @@ class Tableau(NamedTuple):
     weights: np.ndarray  # (s,) of the stages in the result
     error: np.ndarray  # (s,) and in its difference from the embedded one
     time: np.ndarray  # (s,) of the stages, over the step
+    slope_time: np.ndarray  # (s,) weights of the derivatives by time, over the step; implicit only
+    powers: np.ndarray  # (s,) of the stages' powers in the integrals
+    power_error: np.ndarray  # (s,) and in their difference from the embedded ones
 
 
 def rosenbrock_tableau(A, gamma, weights, embedded):
@@ -57,6 +57,9 @@ def rosenbrock_tableau(A, gamma, weights, embedded):
         weights=weights @ inverse,
         error=(weights - embedded) @ inverse,
         time=A.sum(axis=1),
+        slope_time=gamma.sum(axis=1),
+        powers=weights,
+        power_error=weights - embedded,
     )
 
 
@@ -72,6 +75,9 @@ def runge_kutta_tableau(A, weights, embedded, time):
         weights=weights,
         error=weights - embedded,
         time=time,
+        slope_time=np.zeros_like(time),
+        powers=weights,
+        power_error=weights - embedded,
     )
 
 
@@ -115,108 +121,188 @@ RUNGE_KUTTA = runge_kutta_tableau(
 
 
 class Stages(NamedTuple):
-    """Buffers of a step."""
+    """Buffers of a step. States are followed by places: ball centres (n, 2), race (3,)."""
 
-    U: np.ndarray  # (6, size)
-    rates: np.ndarray  # (size,) where the step begins, then of the stage at hand
+    U: np.ndarray  # (6, m) steps of states and places
+    rates: np.ndarray  # (6, size) of the stages, where the step begins first
+    end_rates: np.ndarray  # (size,) where it ends
+    left: np.ndarray  # (2 n + 3,) forces that nothing balances where it begins [N]
     trial: np.ndarray  # (size,)
+    side: np.ndarray  # (m,)
     new: np.ndarray  # (size,) result of the step
-    error: np.ndarray  # (size,) and its estimated error
+    error: np.ndarray  # (m,) and its estimated error
+    qv_error: np.ndarray  # (2 n,) and that of the integrals of QV
     before: np.ndarray  # (3 n + 2,) see step_control.interferences, at both ends of a step
     after: np.ndarray  # (3 n + 2,)
+    closing: np.ndarray  # (n + 2,) rates of the first of these over the last step [m/s]
     kept: np.ndarray  # (places_size(n),) see dynamic_equilibrium.keep_places
-    hertz: np.ndarray  # (n, 2, 2) see step_control.hertz_factor_work
+    work: np.ndarray  # (n, 2, 4) see step_control.work_of_places
     system: BlockSystem
 
 
 @jit
-def stages(n, size):
-    """Buffers for n balls and states of `size` numbers in all."""
+def stages(n, layout):
+    """Buffers for n balls and a layout of the state."""
+    size, m = layout.size, layout.qv + places_size(n)
     return Stages(
-        U=np.zeros((6, size)),
-        rates=np.zeros(size),
+        U=np.zeros((6, m)),
+        rates=np.zeros((6, size)),
+        end_rates=np.zeros(size),
+        left=np.zeros(places_size(n)),
         trial=np.zeros(size),
+        side=np.zeros(m),
         new=np.zeros(size),
-        error=np.zeros(size),
+        error=np.zeros(m),
+        qv_error=np.zeros(2 * n),
         before=np.zeros(3 * n + 2),
         after=np.zeros(3 * n + 2),
+        closing=np.zeros(n + 2),
         kept=np.zeros(places_size(n)),
-        hertz=np.zeros((n, 2, 2)),
+        work=np.zeros((n, 2, 4)),
         system=block_system(n),
     )
 
 
 @jit
+def keep_left(balls, left):
+    """Copy the forces that nothing balances into `left` (2 n + 3,)."""
+    n = balls.r.size
+    for j in range(n):
+        left[2 * j], left[2 * j + 1] = balls.left[j, 0], balls.left[j, 1]
+    for k in range(3):
+        left[2 * n + k] = balls.race_left[k]
+
+
+@jit
+def set_places(qv, kept, weights, count, U, balls):
+    """Put balls and race where a step from `kept` with these weights of its stages leads."""
+    n = balls.r.size
+    for k in range(2 * n + 3):
+        value = kept[k]
+        for j in range(count):
+            value += weights[j] * U[j, qv + k]
+        if k < 2 * n:
+            balls.X[k // 2, k % 2] = value
+        else:
+            balls.delta[k - 2 * n] = value
+
+
+@jit
+def add_load_rate(time, weight, bearing, side):
+    """Add the derivative of the load that turns, times a weight, to the race's side (3,)."""
+    theta = bearing.op.omega_i * time
+    rate = weight * bearing.F_rot * bearing.op.omega_i
+    side[1] -= rate * math.cos(theta)
+    side[2] -= rate * math.sin(theta)
+
+
+@jit
+def sum_powers(method, h, y, bearing, stage):
+    """Integrals at the end of a step from the powers of its stages, and the errors of QV."""
+    layout = bearing.layout
+    for k in range(layout.qv, y.size):
+        value = 0.0
+        for j in range(method.stages):
+            value += method.powers[j] * stage.rates[j, k]
+        stage.new[k] = y[k] + h * value
+    for k in range(stage.qv_error.size):
+        value = 0.0
+        for j in range(method.stages):
+            value += method.power_error[j] * stage.rates[j, layout.qv + k]
+        stage.qv_error[k] = h * value
+
+
+@jit
 def rosenbrock_step(method, time, h, y, bearing, buf, stage):
     """One step of a W-method, see `take_step`."""
-    size, qv = y.size, bearing.layout.qv
-    ball_blocks(y, bearing, buf)
-    shift = 1.0 / (h * method.gamma)
-    if not factorise(shift, y, bearing, buf, stage.system):
+    qv, system, balls = bearing.layout.qv, stage.system, buf.balls
+    shift, places = 1.0 / (h * method.gamma), stage.left.size
+    if not factorise(shift, y, bearing, buf, system):
         return NOT_CONVERGED
     for i in range(method.stages):
-        U = stage.U[i]
-        if i > 0:
-            for k in range(size):
+        U, side, rates = stage.U[i], stage.side, stage.rates[i]
+        if i == 0:
+            copy(stage.left, side[qv:])
+        else:
+            for k in range(qv):
                 value = y[k]
                 for j in range(i):
                     value += method.A[i, j] * stage.U[j, k]
                 stage.trial[k] = value
-            now = time + method.time[i] * h
-            status = state_rates(now, stage.trial, bearing, buf, stage.rates)
+            set_places(qv, stage.kept, method.A[i], i, stage.U, balls)
+            status = rates_here(time + method.time[i] * h, stage.trial, bearing, buf, rates)
             if status != OK:
                 return status
-        for k in range(size):
-            value = stage.rates[k]
+            keep_left(balls, side[qv:])
+        add_load_rate(time, method.slope_time[i] * h, bearing, side[qv + places - 3 :])
+        for k in range(qv):
+            value = rates[k]
             for j in range(i):
                 value += method.C[i, j] / h * stage.U[j, k]
-            stage.trial[k] = value
-        solve_factorised(stage.trial, U, bearing, stage.system)
-        add_ball_powers(U, stage.trial, bearing, buf)
-        add_cage_powers(U, stage.trial, y, bearing, buf, stage.system)
-        for k in range(qv, size):
-            U[k] = stage.trial[k] / shift
-    for k in range(size):
+            side[k] = value
+        solve_factorised(shift, side, U, bearing, system)
+    for k in range(qv + places):
         value = error = 0.0
         for j in range(method.stages):
             value += method.weights[j] * stage.U[j, k]
             error += method.error[j] * stage.U[j, k]
-        stage.new[k] = y[k] + value
+        if k < qv:
+            stage.new[k] = y[k] + value
         stage.error[k] = error
+    set_places(qv, stage.kept, method.weights, method.stages, stage.U, balls)
+    sum_powers(method, h, y, bearing, stage)
+    side = stage.side
+    for k in range(qv + places):
+        value = 0.0
+        for j in range(method.stages):
+            value += method.powers[j] * stage.U[j, k]
+        side[k] = h * value
+    add_ball_powers(side, y, stage.rates[0], bearing, buf, system, stage.new)
+    if bearing.cage.present:
+        add_cage_powers(side, y, bearing, system, stage.new)
     return OK
 
 
 @jit
 def runge_kutta_step(method, time, h, y, bearing, buf, stage):
     """One step of an explicit method, see `take_step`."""
-    size = y.size
-    copy(stage.rates, stage.U[0])
+    qv = bearing.layout.qv
     for i in range(1, method.stages):
-        for k in range(size):
+        for k in range(qv):
             value = y[k]
             for j in range(i):
-                value += h * method.A[i, j] * stage.U[j, k]
+                value += h * method.A[i, j] * stage.rates[j, k]
             stage.trial[k] = value
         now = time + method.time[i] * h
-        status = state_rates(now, stage.trial, bearing, buf, stage.U[i])
+        status = state_rates(now, stage.trial, bearing, buf, stage.rates[i])
         if status != OK:
             return status
-    for k in range(size):
+    for k in range(qv):
         value = error = 0.0
         for j in range(method.stages):
-            value += method.weights[j] * stage.U[j, k]
-            error += method.error[j] * stage.U[j, k]
+            value += method.weights[j] * stage.rates[j, k]
+            error += method.error[j] * stage.rates[j, k]
         stage.new[k] = y[k] + h * value
         stage.error[k] = h * error
+    sum_powers(method, h, y, bearing, stage)
     return OK
 
 
 @jit
 def take_step(method, time, h, y, bearing, buf, stage):
-    """One step of length h from y; fills `stage.new` and `stage.error`. Returns a status.
+    """One step of length h from y, where `begin_step` was called; returns a status.
 
-    `stage.rates` and `buf` come from `state_rates` at (time, y).
+    Fills `stage.new` and `stage.error`, and puts the places of `buf` where the step ends.
     """
     if method.implicit:
         return rosenbrock_step(method, time, h, y, bearing, buf, stage)
     return runge_kutta_step(method, time, h, y, bearing, buf, stage)
+
+
+@jit
+def begin_step(method, y, bearing, buf, stage):
+    """Keep what steps from here need: `stage.rates[0]` and `buf` come from `rates_here`."""
+    keep_places(buf.balls, stage.kept)
+    if method.implicit:
+        keep_left(buf.balls, stage.left)
+        linearise(y, bearing, buf, stage.system)

@@ -58,3 +58,47 @@ def solve_in_place(A, b, n):
             b[k] -= A[k, j] * b[j]
         b[k] /= A[k, k]
     return True
+
+
+@jit
+def factor_in_place(A, pivots, n):
+    """LU factors of the leading n x n of A with row pivoting, in its place; False where singular.
+
+    Parameters
+    ----------
+    pivots : ndarray of int (>= n,)
+        Filled: the row that each one was swapped with.
+    """
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(A[i, k]) > abs(A[pivot, k]):
+                pivot = i
+        pivots[k] = pivot
+        if not abs(A[pivot, k]) > 0.0:
+            return False
+        if pivot != k:
+            for j in range(n):
+                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+        for i in range(k + 1, n):
+            factor = A[i, k] / A[k, k]
+            A[i, k] = factor
+            if factor != 0.0:
+                for j in range(k + 1, n):
+                    A[i, j] -= factor * A[k, j]
+    return True
+
+
+@jit
+def solve_factored(A, pivots, b, n):
+    """Solve with the factors of `factor_in_place`; x replaces b (>= n,)."""
+    for k in range(n):
+        pivot = pivots[k]
+        b[k], b[pivot] = b[pivot], b[k]
+    for k in range(n):
+        for j in range(k):
+            b[k] -= A[k, j] * b[j]
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            b[k] -= A[k, j] * b[j]
+        b[k] /= A[k, k]

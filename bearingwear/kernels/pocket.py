@@ -233,6 +233,7 @@ def add_pocket(bearing, y, z, w, j, r, place, approach, contacts, load):
     contacts.normal[j] = whole.normal
     contacts.power[j] = whole.normal * speed
     store(motion.arm, contacts.arm[j])
+    store(d, contacts.hold[j])
     store(motion.reach, contacts.reach[j])
     sums = contacts.sums
     sums[POCKET_HEAT] += dot(friction, motion.slip)

@@ -1,11 +1,12 @@
 """Right-hand side of the motion of balls, inner race and cage (theory.md section 8)."""
 
 import math
-from typing import NamedTuple
 
 from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.bearing_model import race_contact_of
+from bearingwear.kernels.ball_friction import BallForces, race_friction
+from bearingwear.kernels.bearing_model import load_at
 from bearingwear.kernels.cage import cage_rates
+from bearingwear.kernels.cage_contacts import cage_contacts, set_race_velocity
 from bearingwear.kernels.cage_law import (
     LAND_DAMPING,
     LAND_HEAT,
@@ -16,77 +17,26 @@ from bearingwear.kernels.cage_law import (
     POCKET_TORQUE,
 )
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import (
-    LARGEST_AXIS,
-    ellipse_sums,
-    slip_coefficients,
-    strip_sums,
+from bearingwear.kernels.dynamic_equilibrium import equilibrium, size_of_unbalanced
+from bearingwear.kernels.quasistatic import (
+    FORCE_1,
+    FORCE_2,
+    find_contacts,
+    inner_force,
+    start_is_known,
+    unbalanced_forces,
 )
-from bearingwear.kernels.dynamic_equilibrium import equilibrium
-from bearingwear.kernels.ellipse import contact_points, quadrature_points
-from bearingwear.kernels.quasistatic import COS_I, SIN_I
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, W_Z
-from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.status import NOT_CONVERGED, OK
 
-
-class BallForces(NamedTuple):
-    """Moment and force on a ball that its rates follow from, and powers summed over all balls."""
-
-    M_x: float  # [N m] in the ball's azimuth frame
-    M_y: float
-    M_z: float
-    F_y: float  # against the orbit for the races' part of it [N]
-    heat: float  # of friction [W]
-    shaft: float  # put in by the races [W]
-
-
-@jit(forceinline=True)
-def contact_status(contact, R):
-    """Whether a closed contact of a ball of radius R is one that the model describes."""
-    if contact.a >= LARGEST_AXIS * R:
-        return OUTSIDE_HERTZ_RANGE
-    if contact.cos_a < 0.0:
-        return BEYOND_GROOVE
-    return OK
-
-
-@jit(forceinline=True)
-def with_friction(bearing, buf, contact, c, R, r, f):
-    """Forces f and the friction of a contact, and its QV [W].
-
-    Parameters
-    ----------
-    c : tuple of 4 floats
-        Slip coefficients.
-    """
-    m, rule = bearing.op, bearing.rule
-    if rule.across.size == 1:
-        t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
-        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, contact.mu, m.v_r, t, weight)
-    else:
-        t, weight = contact_points(
-            rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, buf.across, buf.share
-        )
-        g_1, g_0, g_h, g_x, _, qv = ellipse_sums(
-            contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
-        )
-    sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
-    forces = BallForces(
-        M_x=f.M_x - (sigma * cosine * g_h - sine * g_x),
-        M_y=f.M_y + sigma * g_1,
-        M_z=f.M_z + (sigma * sine * g_h + cosine * g_x),
-        F_y=f.F_y + g_0,
-        heat=f.heat + (c[0] * g_1 + c[1] * g_0 + c[2] * g_h + c[3] * g_x),
-        shaft=f.shaft - contact.omega * (r * g_0 + sigma * cosine * g_h - sine * g_x),
-    )
-    return forces, qv
+AGREED = 1e-8  # share of the largest load that a balance of normal forces may leave
 
 
 @jit(forceinline=True)
 def add_ball_rates(y, bearing, balls, j, r, f, dy):
     """Rates of ball j under the forces f, and its part in the integrals that are sums."""
     g, layout, i = bearing.g, bearing.layout, BALL * j
-    Omega, psi = y[i + OMEGA], y[i + PSI]
+    Omega = y[i + OMEGA]
     drag, _ = drag_force(g, bearing.D[j], bearing.op.drag, Omega)
     inertia = bearing.inertia[j]
     dy[i + W_X] = f.M_x / inertia
@@ -97,11 +47,11 @@ def add_ball_rates(y, bearing, balls, j, r, f, dy):
     dy[layout.drag] += drag * r * Omega
     dy[layout.turning] += 2.0 * bearing.mass[j] * r * r * Omega * dy[i + OMEGA]
     # dU/dpsi at a fixed race: the inner force times the shift of the groove centres.
-    sp, cp = math.sin(psi), math.cos(psi)
-    Q, d = balls.Q[j, 0], balls.direction[j]
+    sp, cp = balls.turn[j, 0], balls.turn[j, 1]
+    axial, radial = inner_force(balls, j)
     dA1 = -bearing.tilt * g.R_i * sp
     dA2 = -balls.delta[2] * sp - balls.delta[1] * cp
-    dy[layout.azimuth] += Omega * (Q * d[SIN_I] * dA1 + Q * d[COS_I] * dA2)
+    dy[layout.azimuth] += Omega * (axial * dA1 + radial * dA2)
 
 
 @jit
@@ -124,8 +74,20 @@ def store_cage_rates(y, bearing, contacts, dy):
 
 
 @jit
-def state_rates(time, y, bearing, buf, dy):
-    """Time derivative of the states of balls and cage and of the integrals.
+def hand_over_cage_forces(bearing, balls, contacts):
+    """Forces of the cage to the balance of normal forces."""
+    for j in range(bearing.D.size):
+        x = balls.cage_linear[j]
+        x[FORCE_1], x[FORCE_2] = contacts.ball_force[j, 0], contacts.ball_force[j, 2]
+    balls.land_linear[FORCE_1] = contacts.race_force[0]
+    balls.land_linear[FORCE_2] = contacts.race_force[1]
+
+
+@jit
+def rates_here(time, y, bearing, buf, dy):
+    """Time derivative of the states of balls and cage and of the integrals, at the places of `buf`.
+
+    And what these leave unbalanced (`balls.left`, `balls.race_left`): the algebraic equations.
 
     Parameters
     ----------
@@ -141,17 +103,18 @@ def state_rates(time, y, bearing, buf, dy):
     Returns
     -------
     int
-        Status of the equilibrium.
+        Whether the model describes all contacts.
     """
     m, balls, contacts, layout = bearing.op, buf.balls, buf.cage, bearing.layout
-    status = equilibrium(time, y, bearing, buf)
-    if status != OK:
-        return status
+    load_at(bearing, time, balls.F)
+    find_contacts(y, bearing, balls)
+    if bearing.cage.present:
+        set_race_velocity(time, bearing, contacts)
+        cage_contacts(y, bearing, balls, contacts)
+        hand_over_cage_forces(bearing, balls, contacts)
     heat = shaft = 0.0
     dy[layout.drag] = dy[layout.turning] = dy[layout.azimuth] = 0.0
     for j in range(bearing.D.size):
-        i, R, r = BALL * j, 0.5 * bearing.D[j], balls.r[j]
-        u = (y[i + W_X], y[i + W_Y], y[i + W_Z], y[i + OMEGA])
         moment = contacts.ball_moment[j]
         forces = BallForces(
             M_x=moment[0],
@@ -161,21 +124,40 @@ def state_rates(time, y, bearing, buf, dy):
             heat=heat,
             shaft=shaft,
         )
-        for k in range(2):
-            contact, qv = race_contact_of(bearing, balls, j, k), 0.0
-            if contact.Q > 0.0:
-                status = contact_status(contact, R)
-                if status != OK:
-                    return status
-                c = slip_coefficients(contact, u, r)
-                forces, qv = with_friction(bearing, buf, contact, c, R, r, forces)
-            dy[layout.qv + 2 * j + k] = qv
+        place = layout.qv + 2 * j
+        status, forces = race_friction(y, bearing, buf, j, forces, dy[place : place + 2])
+        if status != OK:
+            return status
         heat, shaft = forces.heat, forces.shaft
-        add_ball_rates(y, bearing, balls, j, r, forces, dy)
+        add_ball_rates(y, bearing, balls, j, balls.r[j], forces, dy)
+    unbalanced_forces(y, bearing, balls)
     store_cage_rates(y, bearing, contacts, dy)
     dy[layout.shaft] = shaft + contacts.sums[LAND_WORK]
     dy[layout.heat] = heat
-    dy[layout.hertz] = 0.0  # see integrators.hertz_factor_work
+    dy[layout.hertz] = dy[layout.traction] = 0.0  # see step_control.work_of_places
     theta, rate = m.omega_i * time, m.omega_i * bearing.F_rot
     dy[layout.load] = -rate * (balls.delta[1] * math.cos(theta) + balls.delta[2] * math.sin(theta))
     return OK
+
+
+@jit
+def state_rates(time, y, bearing, buf, dy):
+    """`rates_here` where balls and race are in equilibrium, found from the places of `buf` on."""
+    status = equilibrium(time, y, bearing, buf)
+    if status != OK:
+        return status
+    return rates_here(time, y, bearing, buf, dy)
+
+
+@jit
+def agreed_rates(time, y, bearing, buf, dy):
+    """`rates_here` where the places of `buf` agree with the state, else `state_rates`.
+
+    What was found stays as it is to the last bit, however often it is asked for.
+    """
+    status = NOT_CONVERGED
+    if start_is_known(buf.balls):
+        status = rates_here(time, y, bearing, buf, dy)
+    if status != OK or size_of_unbalanced(buf.balls) > AGREED * buf.balls.Q.max():
+        status = state_rates(time, y, bearing, buf, dy)
+    return status

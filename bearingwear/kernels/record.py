@@ -9,15 +9,24 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.cage import axial_momentum, imbalance_vector
 from bearingwear.kernels.cage_law import INNER_TORQUE
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.linear import copy
-from bearingwear.kernels.params import BallState
-from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O, assemble_condensed
+from bearingwear.kernels.params import BallState, Hertz
+from bearingwear.kernels.quasistatic import (
+    COS_I,
+    COS_O,
+    HERTZ_A,
+    HERTZ_B,
+    HERTZ_K,
+    LOG_KAPPA,
+    SIN_I,
+    SIN_O,
+    assemble_condensed,
+    inner_force,
+)
 from bearingwear.kernels.race import axial_stiffness
-from bearingwear.kernels.rates import state_rates
 from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.step_control import Tally, advance
+from bearingwear.kernels.step_control import Tally, make_ready, march
 from bearingwear.kernels.summary import (
     COLUMNS,
     LOAD,
@@ -135,11 +144,24 @@ def clear(sums):
 
 
 @jit
+def hertz_of(factors):
+    """Record of Hertz factors (4,); its E is not known."""
+    return Hertz(
+        K=factors[HERTZ_K],
+        c_a=factors[HERTZ_A],
+        c_b=factors[HERTZ_B],
+        log_kappa=factors[LOG_KAPPA],
+        E=math.nan,
+    )
+
+
+@jit
 def ball_state(bearing, buf, j, Omega):
     """The equilibrium of ball j as the thrust solvers describe it."""
-    g, balls, force = bearing.g, buf.balls, buf.cage.ball_force[j]
-    d, D = balls.direction[j], bearing.D[j]
+    balls, force, d = buf.balls, buf.cage.ball_force[j], buf.balls.direction[j]
     Q_i, Q_o = balls.Q[j, 0], balls.Q[j, 1]
+    T_i, T_o = balls.T[j, 0], balls.T[j, 1]
+    F_ix, F_ir = inner_force(balls, j)
     return BallState(
         status=OK,
         X1=balls.X[j, 0],
@@ -148,15 +170,15 @@ def ball_state(bearing, buf, j, Omega):
         alpha_o=math.atan2(d[SIN_O], d[COS_O]),
         Q_i=Q_i,
         Q_o=Q_o,
-        hertz_i=race_contact(g, INNER, D, d[COS_I], math.nan),
-        hertz_o=race_contact(g, OUTER, D, d[COS_O], math.nan),
-        F_ix=Q_i * d[SIN_I],
-        F_ir=Q_i * d[COS_I],
+        hertz_i=hertz_of(balls.factors[j, 0]),
+        hertz_o=hertz_of(balls.factors[j, 1]),
+        F_ix=F_ix,
+        F_ir=F_ir,
         S_xx=0.0,
         S_xr=0.0,
         S_rr=0.0,
-        P_x=force[0],
-        P_r=force[2] + bearing.mass[j] * balls.r[j] * Omega**2,
+        P_x=force[0] + T_i * d[COS_I] + T_o * d[COS_O],
+        P_r=(force[2] + bearing.mass[j] * balls.r[j] * Omega**2 - T_i * d[SIN_I] - T_o * d[SIN_O]),
         residual=0.0,
     )
 
@@ -179,7 +201,7 @@ def add_contacts(bearing, state, u, r, j, recorder, place):
     """Add both race contacts of ball j; leaves their summaries in `recorder.sums.row`."""
     sums, history = recorder.sums, recorder.history
     contact_summary(
-        bearing.g, bearing.D[j], bearing.op, state, u, r, bearing.rule, sums.work, sums.row
+        bearing.g, bearing.D[j], bearing.op, state, u, r, bearing.rule, sums.work, sums.row, True
     )
     for k in range(2):
         row = sums.row[k]
@@ -238,7 +260,7 @@ def add_instant(y, bearing, buf, recorder, place):
         mean_lead += (psi - 2.0 * math.pi * j / n) / n
     left = race_residual(bearing, buf, (race_x, race_y, race_z), largest)
     sums.residual[0] = max(sums.residual[0], left)
-    assemble_condensed(y, bearing, False, balls)
+    assemble_condensed(bearing, False, balls)
     for i in range(3):
         sums.bearing[SHIFT + i] += balls.delta[i]
     sums.bearing[PRELOAD] += race_x
@@ -317,14 +339,16 @@ def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, r
         Of all intervals; its `time` is the end of the last one that was finished.
     """
     accepted = rejected = evaluations = events = 0
-    status = OK
     time = grid.origin + (grid.first + begin) * grid.dt
+    status = OK if count == 0 else make_ready(control, time, y, bearing, buf, stage, True)
     before, history = recorder.sums.before, recorder.history
     for place in range(begin, begin + count):
+        if status != OK:
+            break
         copy(y[bearing.layout.qv :], before)
         start = grid.origin + (grid.first + place) * grid.dt
         end = grid.origin + (grid.first + place + 1) * grid.dt
-        tally = advance(control, start, end, h, y, bearing, buf, stage)
+        tally = march(control, start, end, h, y, bearing, buf, stage)
         accepted += tally.accepted
         rejected += tally.rejected
         evaluations += tally.evaluations
@@ -334,7 +358,7 @@ def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, r
         status = tally.status
         if status != OK:
             break
-        status = state_rates(end, y, bearing, buf, stage.rates)
+        status = make_ready(control, end, y, bearing, buf, stage, False)
         if status != OK:
             break
         add_instant(y, bearing, buf, recorder, place)

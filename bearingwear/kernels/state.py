@@ -26,6 +26,7 @@ class StateLayout(NamedTuple):
     azimuth: int  # sum of Omega dU/dpsi: the circumferential force left out [J]
     load: int  # delta . dF/dt of the loads that change [J]
     hertz: int  # elastic energy from Hertz factors that change with the contact angle [J]
+    traction: int  # work of tractions on ball centres and race [J]
     cage_heat: int  # friction heat of pockets and land [J]
     damping: int  # of pockets and land [J]
     pocket_torque: int  # angular impulse of the pockets on the cage [N m s]
@@ -53,10 +54,11 @@ def state_layout(n, with_cage):
         azimuth=land + 5,
         load=land + 6,
         hertz=land + 7,
-        cage_heat=land + 8,
-        damping=land + 9,
-        pocket_torque=land + 10,
-        land_torque=land + 11,
-        gravity_torque=land + 12,
-        size=land + 13,
+        traction=land + 8,
+        cage_heat=land + 9,
+        damping=land + 10,
+        pocket_torque=land + 11,
+        land_torque=land + 12,
+        gravity_torque=land + 13,
+        size=land + 14,
     )

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 from bearingwear.kernels.cage import angular_velocity, turn
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.dynamic_equilibrium import keep_places, restore_places
-from bearingwear.kernels.integrators import Tableau, take_step
+from bearingwear.kernels.dynamic_equilibrium import restore_places, size_of_unbalanced
+from bearingwear.kernels.integrators import Tableau, begin_step, take_step
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.profile import STORED
 from bearingwear.kernels.quasistatic import HERTZ_K
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.rates import agreed_rates, rates_here, state_rates
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -35,7 +35,15 @@ from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 # taken anew up to where it closes.
 EVENT_DEPTH = 4.0
 _MOST_STEPS = 3000  # tried in the longest step's time, a hundred times what a run usually takes
+IMPACT = 2.94 * 1.25**0.4  # duration of an impact on a Hertz spring over (m/K)^0.4 v^-0.2
+FIRST_OF_IMPACT = 0.3  # of its duration: the step that begins an impact, at the tolerance 1
+PATIENCE = 12  # steps refused before places are found anew
+SAFETY = 0.8  # of the step that the error allows
+LONGEST_GROWTH, LEAST_SHARE = 4.0, 0.2  # than the last step, at the most
+UNUSABLE = 0.25  # of a step that could not be taken
+SHORTEST_LOCATED = 0.05  # of a step taken anew up to where a contact closes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
+LEFT = 0.1  # of the tolerance: share of the largest load that a step may leave unbalanced
 _FAILED = 1e9  # error of a step that could not be taken
 
 
@@ -100,7 +108,7 @@ def step_error(h, y, bearing, balls, stage, tolerance):
             place = bearing.layout.qv + 2 * j + k
             load += balls.Q[j, k]
             qv += (stage.new[place] - y[place]) / h
-            qv_error += abs(error[place]) / h
+            qv_error += abs(stage.qv_error[2 * j + k]) / h
     # At rest there is no slip to compare with; v_r is the smallest that matters.
     slip = max(qv / load, v_r) if load > 0.0 else v_r
     largest = qv_error / (slip * load) if load > 0.0 else 0.0
@@ -144,25 +152,39 @@ def interferences(buf, out):
 
 
 @jit
-def hertz_factor_work(balls, last):
-    """Elastic energy that came with Hertz factors alone since the last call [J].
+def work_of_places(balls, last):
+    """Two terms of the energy account that come with the places of the balls, since the last call.
 
-    The contact force is that of a factor which stands still: as the contact angle changes, the
-    energy 2/5 K d^(5/2) changes by more than the work of the force.
+    The contact force is that of a Hertz factor which stands still: as the contact angle changes,
+    the energy 2/5 K d^(5/2) changes by more than the work of the force. And tractions that bear on
+    the balance of normal forces work as their contacts turn.
 
     Parameters
     ----------
-    last : ndarray (n, 2, 2)
-        K and 2/5 d^(5/2) of the last call [N/m^1.5, m^2.5]; replaced.
+    last : ndarray (n, 2, 4)
+        K, 2/5 d^(5/2), contact angle, traction times the distance of ball and groove centres at
+        the last call [N/m^1.5, m^2.5, rad, N m]; replaced.
+
+    Returns
+    -------
+    hertz, traction : float
+        [J]
     """
-    total = 0.0
+    hertz = traction = 0.0
     for j in range(balls.r.size):
+        X, A = balls.X[j], balls.A[j]
         for k in range(2):
-            K = balls.factors[j, k, HERTZ_K]
-            depth = STORED * (balls.Q[j, k] / K) ** (5.0 / 3.0)
-            total += 0.5 * (depth + last[j, k, 1]) * (K - last[j, k, 0])
-            last[j, k, 0], last[j, k, 1] = K, depth
-    return total
+            K, Q, row = balls.factors[j, k, HERTZ_K], balls.Q[j, k], last[j, k]
+            depth = STORED * (Q / K) ** (5.0 / 3.0) if Q > 0.0 else 0.0
+            hertz += 0.5 * (depth + row[1]) * (K - row[0])
+            row[0], row[1] = K, depth
+            if balls.T[j, k] != 0.0 or row[3] != 0.0:
+                d1, d2 = (A[0] - X[0], A[1] - X[1]) if k == 0 else (X[0], X[1])
+                angle, moment = math.atan2(d1, d2), balls.T[j, k] * math.sqrt(d1 * d1 + d2 * d2)
+                side = 1.0 if k == 0 else -1.0
+                traction += side * 0.5 * (moment + row[3]) * (angle - row[2])
+                row[2], row[3] = angle, moment
+    return hertz, traction
 
 
 @jit
@@ -187,6 +209,46 @@ def first_closure(before, after, n, depth):
 
 
 @jit
+def predicted_closure(before, rate, n, depth, step):
+    """Step [s], no longer than `step`, at the end of which no contact is deeper than it may be.
+
+    Parameters
+    ----------
+    before, rate : ndarray
+        Interferences where it begins, and their rates over the last step.
+    """
+    for i in range(n + 2):
+        if before[i] < 0.0 and before[i] + rate[i] * step > depth:
+            step = min(step, (0.5 * depth - before[i]) / rate[i])
+    return step
+
+
+@jit
+def impact_time(cage, mass, i, n, speed):
+    """Duration of an impact of this speed at contact i of a cage, undamped [s].
+
+    Hertz' impact of a free ball on a free cage at a pocket; half a period at a land.
+    """
+    if i >= n:
+        return math.pi * math.sqrt(cage.mass / cage.k_land)
+    m_eff = mass * cage.mass / (mass + cage.mass)
+    return IMPACT * (m_eff / cage.K_pocket) ** 0.4 * speed**-0.2
+
+
+@jit
+def first_step_of_impact(control, bearing, stage, step, h):
+    """Step [s], at most h, after one that made contacts."""
+    n = bearing.D.size
+    for i in range(n + 2):
+        if stage.before[i] <= 0.0 and stage.after[i] > 0.0:
+            speed = (stage.after[i] - stage.before[i]) / step
+            mass = bearing.mass[min(i, n - 1)]
+            time = impact_time(bearing.cage, mass, i, n, speed)
+            h = min(h, FIRST_OF_IMPACT * control.tolerance ** (1.0 / control.method.order) * time)
+    return h
+
+
+@jit
 def step_length(whole, left):
     """Step [s] of at most `whole` where `left` is left: two equal rather than a full and a tiny."""
     if whole >= left * (1.0 - 1e-9):
@@ -195,35 +257,85 @@ def step_length(whole, left):
 
 
 @jit
-def try_step(control, time, now, step, y, bearing, buf, stage):
+def try_step(control, time, now, step, depth, y, bearing, buf, stage):
     """Take a step and look at its end; `stage` and `buf` are left there."""
     status = take_step(control.method, time, step, y, bearing, buf, stage)
+    if status == OK:
+        error = step_error(step, y, bearing, buf.balls, stage, control.tolerance)
+        if math.isnan(error):
+            status = NOT_CONVERGED
     if status != OK:
         return Trial(status=status, error=_FAILED, events=0, fraction=1.0)
-    error = step_error(step, y, bearing, buf.balls, stage, control.tolerance)
     events, fraction = 0, 1.0
     if error <= 1.0:
-        status = state_rates(now, stage.new, bearing, buf, stage.rates)
+        status = NOT_CONVERGED
+        if control.method.implicit:
+            status = rates_here(now, stage.new, bearing, buf, stage.end_rates)
+        left = LEFT * control.tolerance * buf.balls.Q.max()
+        if status != OK or size_of_unbalanced(buf.balls) > left:
+            status = state_rates(now, stage.new, bearing, buf, stage.end_rates)
         if status == OK:
             interferences(buf, stage.after)
-            depth = EVENT_DEPTH * min(bearing.cage.ramp_pocket, bearing.cage.ramp_land)
             events, fraction = first_closure(stage.before, stage.after, bearing.D.size, depth)
     return Trial(status=status, error=error, events=events, fraction=fraction)
 
 
 @jit
-def accept_step(y, bearing, buf, stage):
-    """Go on from the end of the step tried last."""
+def accept_step(control, step, y, bearing, buf, stage, last):
+    """Go on from the end of the step tried last; after the `last` one, `make_ready` follows."""
+    for i in range(stage.closing.size):
+        stage.closing[i] = (stage.after[i] - stage.before[i]) / step
     copy(stage.new, y)
-    y[bearing.layout.hertz] += hertz_factor_work(buf.balls, stage.hertz)
-    reset_rotation_vector(y, bearing, buf.cage, stage.rates)
+    copy(stage.end_rates, stage.rates[0])
+    hertz, traction = work_of_places(buf.balls, stage.work)
+    y[bearing.layout.hertz] += hertz
+    y[bearing.layout.traction] += traction
+    reset_rotation_vector(y, bearing, buf.cage, stage.rates[0])
     copy(stage.after, stage.before)
-    keep_places(buf.balls, stage.kept)
+    if not last:
+        begin_step(control.method, y, bearing, buf, stage)
 
 
 @jit
-def advance(control, time, end, h, y, bearing, buf, stage):
-    """Integrate from `time` to `end`; y is replaced.
+def make_ready(control, time, y, bearing, buf, stage, settled):
+    """Bring `buf` and `stage` to a state; returns a status.
+
+    Parameters
+    ----------
+    settled : bool
+        Whether places that agree with the state stay as they are, to the last bit, as where a run
+        goes on; else they are found anew, from there on.
+    """
+    if settled:
+        status = agreed_rates(time, y, bearing, buf, stage.rates[0])
+    else:
+        status = state_rates(time, y, bearing, buf, stage.rates[0])
+    if status == OK:
+        interferences(buf, stage.before)
+        work_of_places(buf.balls, stage.work)
+        begin_step(control.method, y, bearing, buf, stage)
+    return status
+
+
+@jit
+def shortened(trial, power):
+    """Share of a step that was refused to try next: up to where a contact closes, or for its error.
+
+    Parameters
+    ----------
+    power : float
+        Of the error that the step goes by.
+    """
+    if trial.status != OK:
+        return UNUSABLE
+    if trial.error <= 1.0:
+        return max(trial.fraction, SHORTEST_LOCATED)
+    return max(LEAST_SHARE, SAFETY * trial.error**power)
+
+
+@jit
+def march(control, time, end, h, y, bearing, buf, stage):
+    """Integrate from `time`, where `make_ready` was called, to `end`; y is replaced.
 
     Parameters
     ----------
@@ -235,14 +347,14 @@ def advance(control, time, end, h, y, bearing, buf, stage):
     -------
     Tally
     """
-    power = -1.0 / control.method.order
+    power, n = -1.0 / control.method.order, bearing.D.size
     accepted = rejected = events = 0
-    status = state_rates(time, y, bearing, buf, stage.rates)
-    interferences(buf, stage.before)
+    status = OK
+    stage.closing[:] = 0.0
     located = False  # the step ends where a contact closes
+    failed = 0  # steps refused one after the other
     most = _MOST_STEPS * max(1.0, (end - time) / control.longest)
-    keep_places(buf.balls, stage.kept)
-    hertz_factor_work(buf.balls, stage.hertz)
+    depth = EVENT_DEPTH * min(bearing.cage.ramp_pocket, bearing.cage.ramp_land)
     while status == OK and time < end:
         if accepted + rejected > most:
             status = TOO_STIFF
@@ -250,32 +362,34 @@ def advance(control, time, end, h, y, bearing, buf, stage):
         left = end - time
         whole = min(h, control.longest)
         step = step_length(whole, left)
+        if not located:
+            step = predicted_closure(stage.before, stage.closing, n, depth, step)
         now = end if step == left else time + step
-        trial = try_step(control, time, now, step, y, bearing, buf, stage)
+        trial = try_step(control, time, now, step, depth, y, bearing, buf, stage)
         usable = trial.status == OK and trial.error <= 1.0
         if usable and (located or trial.fraction == 1.0):
             time = now
-            accept_step(y, bearing, buf, stage)
+            grown = step * min(LONGEST_GROWTH, SAFETY * max(trial.error, 1e-9) ** power)
+            # A step that was cut short says nothing of longer ones.
+            h = grown if step == whole else max(h, grown)
+            if trial.events > 0:
+                h = first_step_of_impact(control, bearing, stage, step, h)
+            accept_step(control, step, y, bearing, buf, stage, time >= end)
             accepted += 1
             events += trial.events
-            located = False
-            grown = step * min(4.0, 0.9 * max(trial.error, 1e-9) ** power)
-            h = grown if step == whole else max(h, grown)
+            located, failed = False, 0
             continue
-        rejected += 1
+        rejected, failed = rejected + 1, failed + 1
         located = usable
-        if usable:
-            h = max(trial.fraction, 0.05) * step
-        else:
-            h = step * (0.25 if trial.status != OK else max(0.2, 0.9 * trial.error**power))
-        if not h > 1e-15 * max(end, 1e-9) or math.isnan(trial.error):
-            status = trial.status
-            if status == OK:
-                status = NOT_CONVERGED if math.isnan(trial.error) else TOO_STIFF
+        h = step * shortened(trial, power)
+        if not h > 1e-15 * max(end, 1e-9):
+            status = TOO_STIFF if trial.status == OK else trial.status
             break
         # A step that failed leaves places that mislead.
         restore_places(buf.balls, stage.kept)
-        status = state_rates(time, y, bearing, buf, stage.rates)
+        if failed == PATIENCE and control.method.implicit:
+            # Balls and race may have to jump to where they are in balance.
+            status = make_ready(control, time, y, bearing, buf, stage, False)
     return Tally(
         status=status,
         time=time,
@@ -285,3 +399,12 @@ def advance(control, time, end, h, y, bearing, buf, stage):
         evaluations=control.method.stages * (accepted + rejected),
         events=events,
     )
+
+
+@jit
+def advance(control, time, end, h, y, bearing, buf, stage):
+    """`make_ready` and `march`."""
+    status = make_ready(control, time, y, bearing, buf, stage, True)
+    if status != OK:
+        return Tally(status=status, time=time, h=h, accepted=0, rejected=0, evaluations=0, events=0)
+    return march(control, time, end, h, y, bearing, buf, stage)

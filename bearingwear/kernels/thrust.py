@@ -245,7 +245,7 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     state = s.seat.state
     r = g.R_o + state.X2
     full_jacobian(p, op.v_r, s.seat, u)
-    contact_summary(g, D, op, state, u, r, rule, p, contacts)
+    contact_summary(g, D, op, state, u, r, rule, p, contacts, False)
     skid = skid_ratio(op, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
     residuals = checked(p, s.seat, u, fine_rule)
     return ThrustCase(

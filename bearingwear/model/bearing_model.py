@@ -144,6 +144,7 @@ def bearing_model(scene: Scene) -> BearingModel:
         F_rot=float(operation.rotating_load_N),
         tilt=operation.tilt_mrad * 1e-3,
         cage=cage,
+        traction=scene.model.traction_bears,
         rule=parameters.quadrature(scene),
         layout=state_layout(len(D), cage.present),
     )

@@ -24,7 +24,7 @@ from bearingwear.kernels.race import (
     race_equilibrium,
     unpack_ball_state,
 )
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.rates import agreed_rates
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -70,8 +70,8 @@ class DynamicSystem:
 
     def __post_init__(self) -> None:
         n = len(self.bearing.D)
-        self.buffers = buffers(n, self.bearing.rule)
-        self.stages = stages(n, self.y.size)
+        self.buffers = buffers(n, self.bearing.rule, self.bearing.traction)
+        self.stages = stages(n, self.layout)
         self.dy = np.zeros(self.y.size)
         self.h = _FIRST_STEP * self.turn
 
@@ -96,7 +96,7 @@ class DynamicSystem:
         """Displacement (Y, Z) of the race by the rotating load alone, now [m]; zero if it fails."""
         balls, found = self.buffers.balls, []
         for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
-            if free_equilibrium(self.time, self.y, bearing, balls) != code.OK:
+            if free_equilibrium(self.time, self.y, bearing, self.buffers) != code.OK:
                 return 0.0, 0.0
             found.append(balls.delta[1:].copy())
         y, z = (found[1] - found[0]).tolist()
@@ -118,7 +118,7 @@ class DynamicSystem:
         """
         balls, contacts, z = self.buffers.balls, self.buffers.cage, self.cage_state
         cage = self.bearing.cage
-        free_equilibrium(self.time, self.y, self.bearing, balls)
+        free_equilibrium(self.time, self.y, self.bearing, self.buffers)
         z[:] = 0.0
         room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
         z[CENTRE] = balls.X[:, 0].mean()
@@ -170,7 +170,7 @@ class DynamicSystem:
 
     def update(self) -> int:
         """Bring buffers and rates to this instant; returns the status of the equilibrium."""
-        return state_rates(self.time, self.y, self.bearing, self.buffers, self.dy)
+        return agreed_rates(self.time, self.y, self.bearing, self.buffers, self.dy)
 
     def diagnose(self, status: int) -> int:
         """The status; where it gives no reason, one that does, if there is one.
@@ -244,8 +244,7 @@ class DynamicSystem:
     def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
         """All arrays that a run goes on from, the next step h (1,) among them."""
         balls = self.buffers.balls
-        places = balls.X, balls.delta, balls.cage_linear, balls.land_linear
-        return (self.y, h, self.buffers.cage.R0, *places)
+        return self.y, h, self.buffers.cage.R0, balls.X, balls.delta
 
     def packed(self) -> np.ndarray:
         """State from which a run continues as if it had not stopped; see `unpack`."""
@@ -309,6 +308,7 @@ class DynamicSystem:
             "coriolis": -(orbit.sum() - y[layout.turning]),
             "azimuth": -y[layout.azimuth],
             "hertz": -y[layout.hertz],
+            "traction": y[layout.traction],
         }
 
     @property

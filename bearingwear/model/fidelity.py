@@ -91,11 +91,6 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
             f"{scene.name}: {asked} with a {scene.pair.kind}, expected, in time, one bearing "
             "(arrangement.kind single)"
         )
-    if wanted == "dynamic" and scene.model.normal_balance == "with_traction":
-        raise NotAvailable(
-            f"{scene.name}: model.normal_balance: got with_traction, which dynamic runs do "
-            "not have, expected frictionless, or none"
-        )
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
         raise _refusal(scene, wanted, problem, "dynamic, race_control")
@@ -300,10 +295,9 @@ def _traction(scene: Scene, tier: str) -> str:
     size = f"up to about {share} of a ball's axial load carry the gyroscopic moment"
     if tier == "race_control":
         return f"traction: in the balance of normal forces at the controlling race; {size}"
-    if tier == "steady" and scene.model.traction_bears:
+    if scene.model.traction_bears:
         return f"traction: in the balance of normal forces; {size}"
     why = "model.normal_balance" if scene.model.normal_balance else "model.contact: paper"
-    why = why if not scene.model.traction_bears else "in time"
     return f"traction: left out of the balance of normal forces ({why}); {size}"
 
 

@@ -266,7 +266,7 @@ def contact_solution(
             int(models[j]), op.omega_i, op.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
         )
         u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
-        contact_summary(g, D[j], op, state, u[j], 0.5 * g.dm, rule, work, rows[j])
+        contact_summary(g, D[j], op, state, u[j], 0.5 * g.dm, rule, work, rows[j], False)
     return u, rows
 
 

@@ -146,7 +146,7 @@ class Model:
         Key(
             "The model of the contacts: that of the paper takes slip on the centre line of the "
             "ellipse and leaves traction out of the balance of normal forces, hertz takes slip "
-            "over all of it and, but for runs in time and lives with worn grooves, traction into "
+            "over all of it and, but for lives with worn grooves, traction into "
             "the balance, worn also follows the grooves along a life, as auto does where the wear "
             "asks for it",
             choices=CONTACTS,

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from bearingwear.kernels.cage_contacts import cage_contacts
-from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, PSI, ROTATION, VELOCITY
+from bearingwear.kernels.quasistatic import find_contacts
+from bearingwear.kernels.state import CENTRE, MOMENTUM, PSI, ROTATION, VELOCITY
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.start import start_of
 
@@ -51,6 +52,7 @@ def touching_system(scene, guiding="outer", changes=None):
 def contacts(system):
     """Find the cage's contacts anew; returns their buffers."""
     buf = system.buffers
+    find_contacts(system.y, system.bearing, buf.balls)
     cage_contacts(system.y, system.bearing, buf.balls, buf.cage)
     return buf.cage
 
@@ -69,28 +71,3 @@ def axes(psi):
 def force_on_ball(system, j):
     """Force of its pocket on ball j in inertial axes [N]."""
     return axes(system.balls[j, PSI]) @ contacts(system).ball_force[j]
-
-
-def ball_point(system, j):
-    """Velocity and displacement (3, 5) of ball j at its contact point, by its states."""
-    T, reach = axes(system.balls[j, PSI]), system.buffers.cage.reach[j]
-    r = system.buffers.balls.r[j]
-    velocity, place = np.zeros((3, 5)), np.zeros((3, 5))
-    for i in range(3):
-        velocity[:, i] = np.cross(T[:, i], reach)
-    velocity[:, OMEGA] = -r * T[:, 1]
-    place[:, PSI] = -r * T[:, 1]
-    return velocity, place
-
-
-def cage_point(system, k):
-    """Velocity and displacement (3, 12) of the cage at contact k, by its states."""
-    cage, R, arm = system.bearing.cage, system.buffers.cage.R, system.buffers.cage.arm[k]
-    inverse = np.linalg.inv(R @ np.diag([cage.I_x, cage.I_t, cage.I_t]) @ R.T)
-    velocity, place = np.zeros((3, 12)), np.zeros((3, 12))
-    for i, e in enumerate(np.eye(3)):
-        velocity[:, VELOCITY + i] = e
-        velocity[:, MOMENTUM + i] = np.cross(inverse @ e, arm)
-        place[:, CENTRE + i] = e
-        place[:, ROTATION + i] = np.cross(e, arm)
-    return velocity, place

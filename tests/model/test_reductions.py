@@ -19,10 +19,10 @@ PRECISE = FEW | {"model.dynamic_tolerance": 1e-3}
 
 @pytest.mark.parametrize("name", ["gyro_s1", "gyro_s1_drag", "turbopump"])
 @pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
-def test_one_ball_steady_against_all_in_time(scene, name, method):
-    # Thrust alone: claimed to be the same, to the tolerance of a step. Runs in time leave traction
-    # out of the normal balance.
-    alike = {"operation.preload_method": method, "model.normal_balance": "frictionless"}
+@pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
+def test_one_ball_steady_against_all_in_time(scene, name, method, balance):
+    # Thrust alone: claimed to be the same, to the tolerance of a step.
+    alike = {"operation.preload_method": method, "model.normal_balance": balance}
     s = replace(scene(name, PRECISE | alike), cage=None)
     assert choice(s).tier == "steady"
     reduced, full = solve(s).values, solve(s, "dynamic").values

@@ -20,7 +20,7 @@ from bearingwear.kernels.steady_balance import (
 from bearingwear.kernels.summary import QV
 from bearingwear.kernels.verification import friction_check
 from bearingwear.model import parameters
-from bearingwear.model.fidelity import NotAvailable, choice, gyroscopic_share
+from bearingwear.model.fidelity import choice, gyroscopic_share
 from bearingwear.model.life import life
 from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
@@ -68,13 +68,13 @@ def test_as_plain_vectors(scene, name, changes):
         v = np.column_stack([0 * x, -speed * (r + p[:, 2]), 0 * x]) - ball
         v -= (v @ normal)[:, None] * normal  # slip lies in the contact's plane
         dQ = 0.75 * load[k] * (1 - x01**2) * weight
-        pull = (m.mu * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
+        pull = ((m.mu_i, m.mu_o)[k] * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
         on_ball = pull.sum(axis=0) - load[k] * normal
         force, moment = force + on_ball, moment + np.cross(p, pull).sum(axis=0)
         race = on_ball[0] if side < 0 else race
     spin = 0.1 * mass * g.D0**2 * Omega * np.array([0.0, w[2], -w[1]])
     assert np.abs(force).max() < 1e-7 * load.max()
-    assert np.abs(moment + spin).max() < 1e-6 * m.mu * load.max() * R
+    assert np.abs(moment + spin).max() < 1e-6 * m.mu_o * load.max() * R
     assert_allclose(g.n_balls * race, values["residual_preload"], rtol=1e-6)
     if s.operation.preload_method == "constant_force":
         assert_allclose(values["residual_preload"], s.operation.preload_N, rtol=1e-8)
@@ -206,9 +206,8 @@ def test_estimate_before_the_solve(scene, name, most):
     assert "traction: in the balance of normal forces" in "\n".join(choice(s).reasons)
 
 
-def test_runs_in_time_are_without_and_say_so(scene):
-    s = scene("gyro_s1", HERTZ)
-    assert "(in time)" in "\n".join(choice(s, "dynamic").reasons)
-    asked = s.with_({"model.normal_balance": "with_traction"})
-    with pytest.raises(NotAvailable, match="model.normal_balance: got with_traction"):
-        choice(asked, "dynamic")
+def test_runs_in_time_have_it_and_say_so(scene):
+    said = "traction: in the balance of normal forces"
+    for contact, has in (("hertz", True), ("paper", False)):
+        s = scene("gyro_s1", {"model.contact": contact})
+        assert (said in "\n".join(choice(s, "dynamic").reasons)) == has

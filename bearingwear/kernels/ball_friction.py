@@ -1,0 +1,116 @@
+"""Friction of the races on one ball of a moving bearing (theory.md sections 3 and 8)."""
+
+from typing import NamedTuple
+
+from bearingwear.kernels.bearing_model import race_contact_of
+from bearingwear.kernels.compile import jit
+from bearingwear.kernels.contact import (
+    LARGEST_AXIS,
+    ellipse_sums,
+    slip_coefficients,
+    strip_sums,
+)
+from bearingwear.kernels.ellipse import contact_points, quadrature_points
+from bearingwear.kernels.state import BALL, OMEGA, W_X, W_Y, W_Z
+from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
+
+
+class BallForces(NamedTuple):
+    """Moment and force on a ball that its rates follow from, and powers summed over all balls."""
+
+    M_x: float  # [N m] in the ball's azimuth frame
+    M_y: float
+    M_z: float
+    F_y: float  # against the orbit for the races' part of it [N]
+    heat: float  # of friction [W]
+    shaft: float  # put in by the races [W]
+
+
+@jit(forceinline=True)
+def contact_status(contact, R):
+    """Whether a closed contact of a ball of radius R is one that the model describes."""
+    if contact.a >= LARGEST_AXIS * R:
+        return OUTSIDE_HERTZ_RANGE
+    if contact.cos_a < 0.0:
+        return BEYOND_GROOVE
+    return OK
+
+
+@jit(forceinline=True)
+def friction_sums(bearing, buf, contact, c, R):
+    """Gradient of Phi by the slip coefficients c, force along the major axis, and QV.
+
+    The force is found where traction bears on the balance of normal forces, else it is zero.
+
+    Returns
+    -------
+    g_1, g_0, g_h, g_x, g_t, qv
+        As `contact.ellipse_sums`.
+    """
+    m, rule = bearing.op, bearing.rule
+    if rule.across.size == 1 and not bearing.traction:
+        t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
+        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, contact.mu, m.v_r, t, weight)
+        return g_1, g_0, g_h, g_x, 0.0, qv
+    t, weight = contact_points(
+        rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, buf.across, buf.share
+    )
+    g_1, g_0, g_h, g_x, g_t, qv = ellipse_sums(
+        contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
+    )
+    return g_1, g_0, g_h, g_x, (g_t if bearing.traction else 0.0), qv
+
+
+@jit
+def race_friction(y, bearing, buf, j, f, qv):
+    """Forces f and the friction of both races on ball j.
+
+    Parameters
+    ----------
+    f : BallForces
+    qv : ndarray (2,)
+        QV of both contacts [W]; filled, as are the tractions of the ball in `buf.balls.T`.
+
+    Returns
+    -------
+    status : int
+    forces : BallForces
+    """
+    i, R, r = BALL * j, 0.5 * bearing.D[j], buf.balls.r[j]
+    u = (y[i + W_X], y[i + W_Y], y[i + W_Z], y[i + OMEGA])
+    for k in range(2):
+        contact = race_contact_of(bearing, buf.balls, j, k)
+        buf.balls.T[j, k] = qv[k] = 0.0
+        if not contact.Q > 0.0:
+            continue
+        status = contact_status(contact, R)
+        if status != OK:
+            return status, f
+        c = slip_coefficients(contact, u, r)
+        g_1, g_0, g_h, g_x, buf.balls.T[j, k], qv[k] = friction_sums(bearing, buf, contact, c, R)
+        sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
+        turning = sigma * cosine * g_h - sine * g_x
+        f = BallForces(
+            M_x=f.M_x - turning,
+            M_y=f.M_y + sigma * g_1,
+            M_z=f.M_z + (sigma * sine * g_h + cosine * g_x),
+            F_y=f.F_y + g_0,
+            heat=f.heat + (c[0] * g_1 + c[1] * g_0 + c[2] * g_h + c[3] * g_x),
+            shaft=f.shaft - contact.omega * (r * g_0 + turning),
+        )
+    return OK, f
+
+
+@jit
+def find_tractions(y, bearing, buf):
+    """Tractions of all contacts that bear on the balance of normal forces, into `buf.balls.T`."""
+    for j in range(bearing.D.size):
+        i, R, r = BALL * j, 0.5 * bearing.D[j], buf.balls.r[j]
+        u = (y[i + W_X], y[i + W_Y], y[i + W_Z], y[i + OMEGA])
+        for k in range(2):
+            contact = race_contact_of(bearing, buf.balls, j, k)
+            T = 0.0
+            if contact.Q > 0.0 and contact_status(contact, R) == OK:
+                c = slip_coefficients(contact, u, r)
+                _, _, _, _, T, _ = friction_sums(bearing, buf, contact, c, R)
+            buf.balls.T[j, k] = T
