@@ -25,6 +25,8 @@ class AnswerTable:
     rows : sequence of sequence of str
     note : str
         A sentence below it.
+    shown : bool
+        Whether it is open where it is not the first.
     slider : bool
         Whether a reader picks one of the values in the first column to see its rows alone.
     start : str
@@ -35,6 +37,7 @@ class AnswerTable:
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
     note: str = ""
+    shown: bool = False
     slider: bool = False
     start: str = ""
 

@@ -12,7 +12,12 @@ import xarray as xr
 from bearingwear.plotting.drawing import in_words, methods, percent_in_text, scene_of
 from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
-from bearingwear.results.quantiles import QUANTILES_TEXT, RECOMMENDED, Quantile, quantiles_of
+from bearingwear.results.quantiles import (
+    RECOMMENDED,
+    Quantile,
+    load_quantiles,
+    quantiles_of,
+)
 from bearingwear.results.units import digits, display, in_print
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.scene import COUNTS
@@ -72,6 +77,14 @@ _SHOWN = {
 }
 """What stands beside a life: of each the worst from new to the end of life."""
 
+_COUNTED_WORDS = ("the balls alone", "balls and races")
+"""What wear counts, in the order of `COUNTS`."""
+
+SPREAD_TOLD = (
+    " One bearing in ten does not reach L10, half of them do not reach L50, with all that the "
+    "scene calls uncertain."
+)
+
 Spread = dict[str, Sequence[Quantile]]
 """L10 and L50 of each method."""
 
@@ -84,6 +97,7 @@ def design_answer(
     recommendation: Path,
     uncertainty: Path | None = None,
     beside: Path | None = None,
+    spread: Path | None = None,
 ) -> str:
     """Step: which preload to take, as JSON.
 
@@ -93,10 +107,13 @@ def design_answer(
         As of `design_files`.
     beside : path, optional
         Lives at the recommended preloads with other assumptions (`lives_beside`).
+    spread : path, optional
+        Quantiles of lives at the recommended preloads, in place of `uncertainty`.
     """
     files = design_files(design, recommendation, uncertainty)
     others = None if beside is None else load_beside(beside, files.recommendation)
-    return preload_answer(files.design, files.recommendation, files.uncertainty, others).as_json()
+    sampled = files.uncertainty if spread is None else load_quantiles(spread)
+    return preload_answer(files.design, files.recommendation, sampled, others).as_json()
 
 
 def preload_answer(
@@ -121,7 +138,10 @@ def preload_answer(
     none = none_because(recommendation)
     points += [("What is not possible", none)] if none else []
     notes = [("Limits, from new to the end of life", [_limits(design)])]
-    warned = [f"{one['sentence']}; {one['advice']}." for one in warnings_in(recommendation.attrs)]
+    warned = [
+        f"{one['sentence'][0].upper()}{one['sentence'][1:]}; {one['advice']}."
+        for one in warnings_in(recommendation.attrs)
+    ]
     notes += [("Warnings, at their worst", warned)] if warned else []
     return Answer(
         scene=scene["name"],
@@ -164,8 +184,7 @@ def _headline(recommendation: xr.Dataset) -> str:
 def _gives(recommendation: xr.Dataset) -> str:
     lives = _lives(recommendation)
     life = lives[0][2]
-    way = in_words(COUNTS[counted(recommendation)]).replace("ball", "balls")
-    said = f"{digits(life)} h of life, counting the wear of {way}"
+    said = f"{digits(life)} h of life, counting {_COUNTED_WORDS[counted(recommendation)]}"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
@@ -255,7 +274,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
     for name in ("L10", "L50") if any(spread.values()) else ():
         known = [{q.name: q.hours for q in found}.get(name, math.nan) for found in spread.values()]
         rows.append([f"{name} (h)", *map(digits, known)])
-    rows.append([f"life, counting {in_words(COUNTS[1 - basis])} (h)", *hours("life", 1 - basis)])
+    rows.append([f"life, counting {_COUNTED_WORDS[1 - basis]} (h)", *hours("life", 1 - basis)])
     for name, (label, shown) in _SHOWN.items():
         values = recommendation[name]
         unit = display(values.attrs["units"], values, shown=shown)
@@ -266,7 +285,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
         columns=["", *(in_words(method) for method, _ in methods(recommendation))],
         rows=rows,
         note="Stiffness, power, pressure and slip are the worst from new to the end of life."
-        + (f" {QUANTILES_TEXT}" if any(spread.values()) else ""),
+        + (SPREAD_TOLD if any(spread.values()) else ""),
     )
 
 

@@ -126,6 +126,7 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
             "limits passed",
         ],
         rows=rows,
+        shown=True,
     )
 
 
@@ -148,10 +149,12 @@ def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> 
     said = (
         ("The other method lives longer with {}.", turned),
         ("It passes a limit with {}.", beyond),
-        ("Method and limits hold with {}.", same),
         ("No life was found with {}.", unknown),
     )
-    return [text.format("; ".join(found)) for text, found in said if found]
+    exceptions = [text.format("; ".join(found)) for text, found in said if found]
+    rest = "each other" if exceptions else "each"
+    hold = [f"Method and limits hold with {rest} assumption tried below."] if same else []
+    return [*exceptions, *hold]
 
 
 def assumptions_of(beside: xr.Dataset) -> list[tuple[str, xr.Dataset]]:

@@ -41,7 +41,8 @@ def study(config: Mapping[str, Any]) -> DesignStudy:
     """The study of config/design.yaml."""
     sampled = read_record(UncertaintyPlan, _SAMPLED).scenes if Path(_SAMPLED).is_file() else ()
     studied = [scene for block in config.get("studies", ()) for scene in block["scenes"]]
-    return DesignStudy(read_record(DesignPlan, _PLAN), tuple(sampled), studied)
+    plan = read_record(DesignPlan, _PLAN)
+    return DesignStudy(plan, tuple(sampled), studied, config.get("uncertain_lives", {}))
 
 
 class DesignStudy(Study):
@@ -54,24 +55,39 @@ class DesignStudy(Study):
         Scenes whose lives the study of uncertainty samples.
     studied : sequence of str
         Scenes of the main study; their small maps are a part of it.
+    spread : mapping, optional
+        Of which of these `scenes` lives are sampled, from how many `samples`, by which `seed`.
     """
 
     name = "design"
 
     def __init__(
-        self, plan: DesignPlan, sampled: Sequence[str] = (), studied: Sequence[str] = ()
+        self,
+        plan: DesignPlan,
+        sampled: Sequence[str] = (),
+        studied: Sequence[str] = (),
+        spread: Mapping[str, Any] | None = None,
     ) -> None:
         self.plan = plan
+        self.spread = dict(spread or {})
+        spread_of = self.spread.pop("scenes", ())
         # of a pair there are no states of wear to study, and its map is the whole study
         small = plan.small_maps.items()
         self.small_maps = {name: of for name, of in small if name in studied or not studied}
+        self.spread_of = [scene for scene in self.small_maps if scene in spread_of]
         self.drawn = {
             scene: _drawn(scene, _FOLDER, several=True, sampled=scene in sampled)
             for scene in plan.maps
         }
         self.small = {
             scene: _drawn(
-                scene, _SMALL, several=len(axes.friction) > 1, beside=bool(plan.beside(scene))
+                scene,
+                _SMALL,
+                several=len(axes.friction) > 1,
+                answered={
+                    **({"beside": f"{_SMALL}/beside.nc"} if plan.beside(scene) else {}),
+                    **({"spread": f"{_SMALL}/spread.nc"} if scene in self.spread_of else {}),
+                },
             )
             for scene, axes in self.small_maps.items()
         }
@@ -184,6 +200,21 @@ class DesignStudy(Study):
                 for scene in maps
                 if self.plan.beside(scene)
             ),
+            *(
+                Step(
+                    name=f"spread_{scene}",
+                    run="studies.uncertainty.quantiles.recommended_life_quantiles",
+                    inputs={
+                        "scene": _SCENE.format(scene=scene),
+                        "recommendation": f"{_SMALL}/recommendation.nc".format(scene=scene),
+                    },
+                    outputs=(f"{_SMALL}/spread.nc".format(scene=scene),),
+                    settings=self.spread,
+                    label=f"{scene}: how lives at the recommended preload spread",
+                    seconds=9.0,
+                )
+                for scene in self.spread_of
+            ),
         ]
 
     def _checked(self) -> list[Step]:
@@ -229,7 +260,11 @@ class DesignStudy(Study):
 
 
 def _drawn(
-    scene: str, folder: str, several: bool, sampled: bool = False, beside: bool = False
+    scene: str,
+    folder: str,
+    several: bool,
+    sampled: bool = False,
+    answered: Mapping[str, str] | None = None,
 ) -> Bundle:
     """Figures and tables of a map.
 
@@ -240,8 +275,8 @@ def _drawn(
         Whether it is of several friction coefficients.
     sampled : bool
         Whether the study of uncertainty samples lives of the scene.
-    beside : bool
-        Whether lives with other assumptions stand beside it.
+    answered : mapping, optional
+        What else the answer is made from, by the names of its arguments.
     """
     at = folder.format(scene=scene)
     names = ("design", "recommendation", *(("uncertainty",) if sampled else ()))
@@ -275,7 +310,7 @@ def _drawn(
         Step(
             name="answer",
             run=f"{_RUN}.answer.design_answer",
-            inputs=files | ({"beside": f"{at}/beside.nc"} if beside else {}),
+            inputs=files | {k: v.format(scene=scene) for k, v in (answered or {}).items()},
             outputs=(f"{at}/answer.json",),
             label=f"{scene}: which preload to take",
         ),

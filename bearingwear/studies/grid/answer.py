@@ -131,7 +131,7 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
         scene=name,
         bearing=bearing_line(scene),
         rank=RANK,
-        title=f"At {preload:g} N",
+        title=f"Lives at {preload:g} N",
         headline=_headline(f"{name} at {preload:g} N", here, contests),
         points=points,
         tables=[table],

@@ -24,6 +24,7 @@ from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,
@@ -31,7 +32,12 @@ from bearingwear.studies.uncertainty.batches import (
     batch_quantiles,
 )
 from bearingwear.studies.uncertainty.indices import class_indices, indices
-from bearingwear.studies.uncertainty.plan import PRELOAD_CHOICES, uncertain_scene
+from bearingwear.studies.uncertainty.plan import (
+    AS_RECOMMENDED,
+    OWN,
+    PRELOAD_CHOICES,
+    uncertain_scene,
+)
 from bearingwear.studies.uncertainty.sample import (
     PART_KIND,
     lives,
@@ -218,16 +224,45 @@ def own_quantiles(
     scene: Scene, methods: Sequence[str], plan: Sampling, workers: int = 1
 ) -> xr.Dataset:
     """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
-    first_and_last = sample(scene, plan)[:, [0, -1]]  # A and B; the others repeat them
-    rows = first_and_last.reshape(-1, len(scene.uncertainty or {}))
+    at = dict.fromkeys(methods, scene.operation.preload_N)
+    return _quantiles_at(scene, at, plan, OWN, workers)
+
+
+def recommended_life_quantiles(
+    scene: Path, recommendation: Path, samples: int = SAMPLES, seed: int = 1
+) -> xr.Dataset:
+    """Step: quantiles of the life at the recommended preload of each method that has one.
+
+    Parameters
+    ----------
+    scene, recommendation : path
+    samples, seed : int
+        As of `life_quantiles`.
+    """
+    base, found = uncertain_scene(scene), load(recommendation)
+    at = {
+        PRELOAD_METHODS[int(flag)]: float(preload)
+        for flag, preload in zip(found["preload_method"], found["preload"], strict=True)
+        if np.isfinite(preload)
+    }
+    recommended_for(base, found)
+    return _quantiles_at(base, at, Sampling(samples=samples, seed=seed), AS_RECOMMENDED)
+
+
+def _quantiles_at(
+    scene: Scene, preloads: Mapping[str, float], plan: Sampling, choice: str, workers: int = 1
+) -> xr.Dataset:
+    """Quantiles of the life at a preload [N] of each method."""
     table = []
-    for method in methods:
-        of = with_preload(scene, method, scene.operation.preload_N)
+    for method, preload in preloads.items():
+        of = with_preload(scene, method, preload)
+        first_and_last = sample(of, plan)[:, [0, -1]]  # A and B; the others repeat them
+        rows = first_and_last.reshape(-1, len(scene.uncertainty or {}))
         found = lives(of, np.vstack([_middle(of), rows]), workers)
         nominal, *hours = found.life * HOURS_PER_SECOND
         solved = found.status[1:] == OK
         analysed = {
-            "preload": scene.operation.preload_N,
+            "preload": preload,
             "evaluations": solved.size,
             "solved_share": solved.mean(),
             "nominal_life": nominal,
@@ -236,7 +271,7 @@ def own_quantiles(
             "batch_life_quantile": batch_quantiles(of, plan, workers),
         }
         table.append([analysed | _quantiles_of(np.array(hours), found.wear_factor[1:])])
-    return _dataset(scene, plan, methods, PRELOAD_CHOICES[:1], table)
+    return _dataset(scene, plan, list(preloads), [choice], table)
 
 
 def _dataset(
@@ -251,7 +286,7 @@ def _dataset(
         **coordinate(
             UNCERTAINTY_AXES[METHOD], [PRELOAD_METHODS.index(method) for method in methods]
         ),
-        **coordinate(UNCERTAINTY_AXES[CHOICE], np.arange(len(choices))),
+        **coordinate(UNCERTAINTY_AXES[CHOICE], [PRELOAD_CHOICES.index(one) for one in choices]),
         **coordinate(UNCERTAINTY_AXES[BASIS]),
         **coordinate(UNCERTAINTY_AXES[INPUTS]),
         **coordinate(UNCERTAINTY_AXES[PROBABILITY], PROBABILITIES),

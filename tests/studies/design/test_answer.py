@@ -9,6 +9,7 @@ from support import step
 
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
+from bearingwear.results.quantiles import RECOMMENDED, quantiles_of
 from bearingwear.results.units import digits
 from bearingwear.studies.design.answer import preload_answer
 from bearingwear.studies.design.beside import beside_told
@@ -53,14 +54,12 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     preload = float(found["preload"][0])
     assert answer.headline == f"mine: take a spring of {preload:g} N (constant force)"
     said = told(answer)
-    assert said["What it gives"].startswith(
-        f"{digits(spring)} h of life, counting the wear of balls"
-    )
+    assert said["What it gives"].startswith(f"{digits(spring)} h of life, counting balls")
     assert f"the {digits(fixed)} h of fixed position" in said["What it gives"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
     assert "Fixed position is the better method with stiffness" in said["What would change it"]
     assert "order of magnitude" in said["How sure that is"]
-    assert "temperature is left out" in said["Warnings, at their worst"]
+    assert "Temperature is left out" in said["Warnings, at their worst"]
     first, other, slider, room = answer.tables
     assert dict((row[0], row[1]) for row in first.rows)["life (h)"] == digits(spring)
     # with nothing assumed otherwise the lives are those above
@@ -107,7 +106,7 @@ def test_what_other_assumptions_change_is_told(files):
     found, beside = load(files["recommendation"]), load(files["beside"])
     assert beside_told(beside, found, 0) == [
         "It passes a limit with a warm inner ring (stiffness of the arrangement).",
-        "Method and limits hold with nothing.",
+        "Method and limits hold with each other assumption tried below.",
     ]
     beside["life"][1, 1] = 2.0 * beside["life"][1, 0]
     beside["system_axial_stiffness"][0, 0] = 2.9e6
@@ -153,3 +152,32 @@ def test_an_assumption_that_is_no_scene_is_refused(monkeypatch):
     del plan["scenes"]["gyro_s1"]["small_map"]
     with pytest.raises(ValueError, match="beside"):
         record(DesignPlan, plan, "plan")
+
+
+def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp_path):
+    """Lives are sampled about the preload to take, not about the scene's own."""
+    path, own = tmp_path / "spread.nc", tmp_path / "own.nc"
+    scene, settings = small_project / "mine.yaml", {"samples": 16, "seed": 1}
+    run = "studies.uncertainty.quantiles"
+    given = {"scene": scene, "recommendation": files["recommendation"]}
+    assert step(f"{run}.recommended_life_quantiles", path, settings=settings, **given) == 0
+    assert step(f"{run}.life_quantiles", own, settings=settings, scene=scene) == 0
+    spread, found = load(path), load(files["recommendation"])
+    preloads = spread["preload"].values.ravel().tolist()
+    assert preloads == found["preload"].values.tolist()
+    nominal = spread["nominal_life"].isel(loss_basis=1).values.ravel()
+    assert nominal == pytest.approx(found["life"].isel(loss_basis=1).values, rel=0.02)
+    median = spread["life_quantile"].isel(uncertain_inputs=0, loss_basis=1, preload_method=0)
+    median = median.squeeze("preload_choice")
+    at_own = load(own)["life_quantile"].isel(uncertain_inputs=0, loss_basis=1)
+    # 4.1 N in place of 7 N: half as long again
+    assert float(median.sel(probability=0.5)) > 1.3 * float(at_own.sel(probability=0.5).squeeze())
+    answer = tmp_path / "answer.json"
+    run = "studies.design.answer.design_answer"
+    assert step(run, answer, **files, spread=path) == 0
+    rows = {row[0]: row[1:] for row in load_answer(answer).tables[0].rows}
+    mine = json.loads(spread.attrs["scene"])
+    known = quantiles_of([spread], mine, "constant_force", 0.08, RECOMMENDED)["ball_and_races"]
+    assert {f"{q.name} (h)": digits(q.hours) for q in known} == {
+        name: row[0] for name, row in rows.items() if name in ("L10 (h)", "L50 (h)")
+    }
