@@ -28,11 +28,6 @@ def test_estimates_of_random_steady_scenes():
     assert np.median(ratio) < 10.0
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="a step tolerance of 1e-2 does not resolve what a cage wears off the balls, and no "
-    "estimate knows: 1.0 % stated, 2.7 % found in one of the three scenes",
-)
 def test_estimates_in_time():
     rows = benchmark("estimates").rows_in_time(3, seed=11, turns=25)
     for name in NUMBERS:
