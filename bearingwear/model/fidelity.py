@@ -96,7 +96,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
         raise _refusal(scene, wanted, problem, "dynamic, race_control")
     if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
-            f"{scene.name}: operation.shaft_speed_rpm: got 0 with an outer race at rest; "
+            f"{scene.name}: operation.shaft_speed_rpm: got 0 with an outer race at rest, "
             "expected, for a dynamic model, a race that turns"
         )
     if wanted != "auto":

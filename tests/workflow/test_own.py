@@ -134,7 +134,7 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     assert status == 0, told
     folder = tmp_path / "folder"
     page = (folder / "index.html").read_text(encoding="utf-8")
-    assert re.search("<h1>gyro_s1: (spring|rigid) pair at ", page)
+    assert re.search("<h1>gyro_s1: take a (spring|rigid) pair ", page)
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")
     assert "| recommended | spring pair | rigid pair |" in text
     found = load(folder / "results/mine/preload/recommendation.nc")

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.plotting.drawing import in_words, methods, percent_in_text, scene_of
+from bearingwear.plotting.drawing import methods, percent_in_text, scene_of
 from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
+from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import (
     RECOMMENDED,
     Quantile,
@@ -51,8 +52,10 @@ from bearingwear.studies.design.words import (
 TAKE = {
     "constant_force": "a spring of {} N (constant force)",
     "fixed_position": "a fixed position preloaded with {} N",
+    "spring pair": "a spring pair at {} N",
+    "rigid pair": "a rigid pair preloaded with {} N",
 }
-"""How a preload is applied, in the words of the headline."""
+"""How a preload is applied, in the words of the headline, by method or pair."""
 
 _HELD = {
     "none": "No limit holds it: the life is longest there.",
@@ -171,9 +174,18 @@ def _lives(recommendation: xr.Dataset) -> list[tuple[str, xr.Dataset, float]]:
     return sorted((each for each in found if math.isfinite(each[2])), key=lambda each: -each[2])
 
 
+def _words(found: xr.Dataset, method: str) -> str:
+    """A method in words, of a pair which pair it is."""
+    return method_words(scene_of(found), method)
+
+
 def _headline(recommendation: xr.Dataset) -> str:
     name = scene_of(recommendation)["name"]
-    taken = [TAKE[method].format(preload_text(one)) for method, one, _ in _lives(recommendation)]
+    scene = scene_of(recommendation)
+    taken = [
+        TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
+        for method, one, _ in _lives(recommendation)
+    ]
     if not taken:
         return f"{name}: no preload keeps to all limits"
     if int(recommendation["verdict"]) == NEITHER_LONGER:
@@ -190,7 +202,8 @@ def _gives(recommendation: xr.Dataset) -> str:
         ratio = life / less if less else math.inf
         more = f"{percent_in_text(ratio - 1.0)} more than"
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
-        said += f": {times} the {digits(less)} h of {in_words(other)} at {preload_text(twin)} N"
+        words = _words(recommendation, other)
+        said += f": {times} the {digits(less)} h of {words} at {preload_text(twin)} N"
     return f"{said}."
 
 
@@ -227,7 +240,8 @@ def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
             said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
     if not said:
         return "No limit, end of life or friction turns it round, as far as was looked."
-    return f"{in_words(lives[1][0]).capitalize()} is the better method with {'; '.join(said)}."
+    other = _words(recommendation, lives[1][0]).capitalize()
+    return f"{other} is the better method with {'; '.join(said)}."
 
 
 def _spread(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> Spread:
@@ -282,7 +296,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
     rows.append(["held by", *(LIMIT_WORDS[ACTIVE[int(one["active_limit"])]] for one in columns)])
     return AnswerTable(
         title="At the preload to take",
-        columns=["", *(in_words(method) for method, _ in methods(recommendation))],
+        columns=["", *(_words(recommendation, name) for name, _ in methods(recommendation))],
         rows=rows,
         note="Stiffness, power, pressure and slip are the worst from new to the end of life."
         + (SPREAD_TOLD if any(spread.values()) else ""),
@@ -301,7 +315,7 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
     rows = [
         [
             f"{preload:g}",
-            in_words(method),
+            _words(design, method),
             digits(float(one["life"].isel(loss_basis=basis))),
             *(unit.text(one[name]) for name, (_, unit) in shown.items()),
             passed(one),
