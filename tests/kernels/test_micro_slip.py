@@ -15,7 +15,7 @@ from bearingwear.model.quadrature import chebyshev, gauss_halves
 
 A, B, R, Q, V = 1.0e-4, 3.0e-5, 1.0e-3, 2.3, 5.5
 CONTACT = Contact(
-    sigma=1.0, Q=Q, a=A, b=B, sin_a=0.34, cos_a=0.94, r_g=1.17e-3, omega=0.0
+    sigma=1.0, Q=Q, a=A, b=B, sin_a=0.34, cos_a=0.94, r_g=1.17e-3, omega=0.0, mu=0.08
 )  # fmt: skip
 G, C11, C22, C23 = 8.0e10, 3.44, 2.75, 0.715
 BED = Flexibility(

@@ -17,7 +17,7 @@ from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.steady import ThrustProblem
 
 R = 1e-3
-CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0)
+CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, 0.1)
 
 
 def slip_with_roots(first, second, c_1):

@@ -90,7 +90,7 @@ def test_full_jacobian(solved):
 def test_jacobian_of_inertia_and_drag(solved):
     """Without friction, a million times as stiff: quadratic in u, so that differences are exact."""
     p, seat, u = solved
-    bearing = p.bearing._replace(op=p.bearing.op._replace(mu=0.0))
+    bearing = p.bearing._replace(op=p.bearing.op._replace(mu_i=0.0, mu_o=0.0))
     p = p._replace(bearing=bearing)
     friction_balance(p, bearing.op.v_r, seat.state, u, np.empty(4), True)
     step = 1e-2 * np.abs(u).max()

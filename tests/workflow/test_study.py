@@ -319,7 +319,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
 @pytest.mark.parametrize(
     ("keys", "value", "said"),
     [
-        (["studies"], [], "config: studies: got a list of 0"),
+        (["studies"], [], "got scene gyro_s1_drag, expected none, since studies is empty"),
         (
             ["studies", 0, "friction"],
             ["1e-2"],

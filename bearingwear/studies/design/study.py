@@ -111,7 +111,13 @@ class DesignStudy(Study):
             for scene in self.small
             for name in ("design", "recommendation")
         ]
-        return [*solved, *drawn]
+        beside = [
+            f"{_SMALL}/beside.nc".format(scene=scene)
+            for scene in self.small
+            if self.plan.beside(scene)
+        ]
+        spread = [f"{_SMALL}/spread.nc".format(scene=scene) for scene in self.spread_of]
+        return [*solved, *beside, *spread, *drawn]
 
     def inputs(self) -> list[str]:
         return [_SCENE.format(scene=scene) for scene in self.plan.scenes]

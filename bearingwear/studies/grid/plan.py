@@ -70,7 +70,7 @@ class Plan:
                 self._check_studied(f"spreads.{name}", scene, overlay.friction)
         for scene in self.uncertain_lives.scenes:
             if scene not in self.grids:
-                allowed = ", ".join(self.grids)
+                allowed = ", ".join(self.grids) or "none, since studies is empty"
                 raise ValueError(f"config: uncertain_lives.scenes: got {scene}, expected {allowed}")
         for scene in self.config.figures.running_averages:
             if scene not in self.dynamic:
@@ -89,7 +89,7 @@ class Plan:
 
     def _check_studied(self, key: str, scene: str, mu: float) -> None:
         if scene not in self.grids:
-            allowed = ", ".join(self.grids)
+            allowed = ", ".join(self.grids) or "none, since studies is empty"
             raise ValueError(f"config: figures.{key}: got scene {scene}, expected {allowed}")
         if mu not in self.grids[scene].friction:
             allowed = ", ".join(f"{value:g}" for value in self.grids[scene].friction)

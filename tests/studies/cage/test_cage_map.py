@@ -1,6 +1,7 @@
 """The study of a cage: its plan, how motions are told, and a small map from end to end."""
 
 import json
+import re
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -122,8 +123,8 @@ def small(tmp_path_factory):
         cage_friction=(0.03, 0.1),
         guide_clearance_mm=(0.2,),
         starts=("below", "whirling"),
-        turns=20,
-        stretch_turns=5,
+        turns=60,
+        stretch_turns=10,
         evaluated_stretches=2,
     )
     study, paths = CageStudy(plan), []
@@ -138,15 +139,15 @@ def small(tmp_path_factory):
 
 
 def test_motions_of_gyro_s1(small):
-    """A whirl at 0.704 of the shaft's rate at a friction of 0.1, with and without weight; a cage
-    with a weight hangs on its balls, at a tenth of the wear."""
+    """A whirl at 0.698 of the shaft's rate at a friction of 0.1, with and without weight, by both
+    integrators; a cage with a weight hangs on its balls, at a tenth of the wear."""
     _, motions = small
     cages = motions.isel(pocket_clearance=0, guide_clearance=0)
     whirling = cages.sel(start=CAGE_STARTS.index("whirling"))
     below = cages.sel(start=CAGE_STARTS.index("below"))
     whirl = whirling.sel(cage_friction=0.1)
     assert (whirl["motion"] == WHIRLS).all()
-    assert whirl["whirl_ratio"].values == pytest.approx(0.704, rel=0.01)
+    assert whirl["whirl_ratio"].values == pytest.approx(0.698, rel=5e-3)
     hung = below.sel(cage_friction=0.03, gravity=9.81)
     # a cage that hangs leaves its place now and then: most of the stretches
     assert int((hung["motions"] == HANGS).sum()) >= 2
@@ -169,7 +170,10 @@ def test_the_branching_is_that_of_the_data(small):
     """With every whirl taken away, or put everywhere, the sentence says so."""
     _, motions = small
     said = cage_message(motions)
-    assert "weightless, a whirl of 0.4" in said and "under 9.81 m/s², a whirl of 0.4" in said
+    for weight in ("weightless", "under 9.81 m/s²"):
+        assert re.search(
+            rf"{weight}, a whirl of 0\.(69\d|7) times the shaft's rate branches off", said
+        )
     still = motions.assign(motion=motions["motion"] * 0 + WITH_BALLS)
     assert cage_message(still).startswith("weightless, no cage whirls faster than the balls;")
     everywhere = motions.assign(
