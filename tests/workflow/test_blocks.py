@@ -153,13 +153,23 @@ def named(page):
     return page.relative_to(ROOT).as_posix()
 
 
+SLOW = ("docs/dynamic.md", "docs/gallery/mos2-film.md")
+"""Pages whose quick blocks take a minute, too: `make test-long` runs them."""
+
+
+def marked(pages):
+    """Slow pages are no part of `make test`."""
+    long = pytest.mark.long
+    return [pytest.param(page, marks=long if named(page) in SLOW else ()) for page in pages]
+
+
 def holding(*languages):
     """Pages that are run, with a block in one of these languages."""
     found = (page for page in PAGES if named(page) not in SAID_BEFORE)
     return [page for page in found if any(name in languages for name, _ in blocks(page))]
 
 
-@pytest.mark.parametrize("page", holding("sh", "python"), ids=named)
+@pytest.mark.parametrize("page", marked(holding("sh", "python")), ids=named)
 def test_page(run, page):
     compared = typed(run, page, ("sh", "python"))
     made = {path.name for path in run.folder.iterdir()}
