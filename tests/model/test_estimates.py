@@ -19,6 +19,7 @@ def covered(rows, name) -> float:
     return float(np.mean(pairs[:, 0] >= pairs[:, 1]))
 
 
+@pytest.mark.long
 def test_estimates_of_random_steady_scenes():
     rows = benchmark("estimates").steady_rows(100, seed=7)
     for name in (*NUMBERS, "life"):

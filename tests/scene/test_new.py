@@ -231,6 +231,7 @@ def test_preload_classes_meet_a_catalogue_within_30_percent(
     assert preload == pytest.approx(published, rel=0.3)
 
 
+@pytest.mark.long  # sampled lives and a recommendation with grooves as they wear
 def test_what_was_written_is_solved_and_the_next_commands_can_be_typed(tmp_path, capsys):
     path = tmp_path / "my-spindle.yaml"
     assert new(path, "7008C") == 0
