@@ -14,19 +14,18 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.integrate import RK45
-from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.model.films import Bare, Cover, Films
 from bearingwear.model.life_integrator import (
     FIRST_STEP,
     REASONLESS,
-    ROOT,
     SHORTEST_STEP,
     LifeHistory,
     Unsolved,
     WearState,
 )
+from bearingwear.model.met_within import at_end, first_crossing
 from bearingwear.model.mounted import MM, UM
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, Scene
@@ -185,7 +184,7 @@ class FilmLife:
         for _ in range(_MOST_STEPS):
             try:
                 solver.step()
-                crossing = self._crossing(solver)
+                crossing = first_crossing(solver, self.margin)
                 end = solver.t if crossing is None else crossing[0]
                 dense = solver.dense_output()
                 between = [dense(x) for x in s + (end - s) * np.array([0.25, 0.5, 0.75])]
@@ -212,35 +211,11 @@ class FilmLife:
                 break
         return s, y, -1
 
-    def _crossing(self, solver: RK45) -> tuple[float, int] | None:
-        """Where the first of `margin` is met in the last step, and which; looks half-way too."""
-        dense, a = solver.dense_output(), solver.t_old
-        for b in (0.5 * (solver.t_old + solver.t), solver.t):
-            before, after = self.margin(dense(a)), self.margin(dense(b))
-            roots = []
-            for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
-
-                def value(s: float, k: int = int(k)) -> float:
-                    try:
-                        return float(self.margin(dense(s))[k])
-                    except Unsolved:
-                        return -1.0
-
-                root = brentq(value, a, b, xtol=ROOT * (b - a), rtol=1e-15)
-                roots.append((float(root), int(k)))
-            if roots:
-                return min(roots)
-            a = b
-        return None
-
     def _exactly(self, s: float, y: np.ndarray, end: float, step: float) -> np.ndarray:
         """What is worn at the end of a shortened step."""
         if not end > s:
             return y
-        solver = self._solver(s, y, end, step)
-        while solver.status == "running":
-            solver.step()
-        return solver.y.copy()
+        return at_end(self._solver(s, y, end, step))
 
 
 def film_history(scene: Scene, states: States, margins: Margins) -> LifeHistory:

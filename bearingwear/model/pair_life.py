@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import RK45
-from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
@@ -30,11 +29,11 @@ from bearingwear.model.life import (
 from bearingwear.model.life_integrator import (
     FIRST_STEP,
     REASONLESS,
-    ROOT,
     SHORTEST_STEP,
     Unsolved,
     WearState,
 )
+from bearingwear.model.met_within import at_end, first_crossing, within
 from bearingwear.model.pair import Pair, SteadySide
 from bearingwear.model.pair_case import stacked_sides
 from bearingwear.scene.blocks import CRITERIA
@@ -182,9 +181,9 @@ class PairLife:
         for _ in range(_MOST_STEPS):
             try:
                 solver.step()
-                crossing = self._crossing(solver)
+                crossing = first_crossing(solver, self.margin)
                 end = solver.t if crossing is None else crossing[0]
-                between = [_within(solver, s + share * (end - s)) for share in self.between]
+                between = [within(solver, s + share * (end - s)) for share in self.between]
                 for one in between:
                     self.at(one)
             except Unsolved as failure:
@@ -210,40 +209,11 @@ class PairLife:
             history.states.append(self.at(y))
             history.times.append(float(y[2]))
 
-    def _crossing(self, solver: RK45) -> tuple[float, int] | None:
-        """Where the first criterion is met in the last step, and which; looks at its middle too."""
-        a, middle = solver.t_old, solver.t_old + 0.5 * (solver.t - solver.t_old)
-        for b in (middle, solver.t):
-            before, after = (self.margin(_within(solver, s)) for s in (a, b))
-            roots = []
-            for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
-
-                def value(s: float, k: int = int(k)) -> float:
-                    try:
-                        return float(self.margin(_within(solver, s))[k])
-                    except Unsolved:
-                        return -1.0
-
-                root = brentq(value, a, b, xtol=ROOT * (b - a), rtol=1e-15)
-                roots.append((float(root), int(k)))
-            if roots:
-                return min(roots)
-            a = b
-        return None
-
     def _exactly(self, s: float, y: np.ndarray, end: float) -> np.ndarray:
         """(L_1, L_2, t) at the end of a shortened step: within it they are known less well."""
         if not end > s:
             return y
-        solver = self._solver(s, y, end, end - s)
-        while solver.status == "running":
-            solver.step()
-        return solver.y.copy()
-
-
-def _within(solver: RK45, s: float) -> np.ndarray:
-    """(L_1, L_2, t) within the last step, at its ends as they were solved."""
-    return solver.y if s == solver.t else solver.dense_output()(s)
+        return at_end(self._solver(s, y, end, end - s))
 
 
 def _ended(criterion: int) -> tuple[int, int]:

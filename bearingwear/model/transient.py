@@ -15,10 +15,7 @@ from bearingwear.model.dynamic_outputs import histories, window_values
 from bearingwear.model.estimate import DOUBLED, MEASURED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.periodic import (
-    PeriodicMotion,
-    periodic_motion,
-)
+from bearingwear.model.periodic import PeriodicMotion, periodic_motion
 from bearingwear.model.solution import is_found_periodic
 from bearingwear.model.start import Start, start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem, steady_answer

@@ -28,9 +28,6 @@ BATCH_PROBABILITIES = (0.05, 0.5, 0.95)
 WEAR_DRAWS = 256
 """Values of wear coefficient and hardness that each batch is taken with."""
 
-CLASSES = ("bearing", "batch")
-"""What an uncertain value differs between."""
-
 
 def names_of(scene: Scene, of_batch: bool) -> list[str]:
     """Uncertain values that are the same for all bearings of a batch, or those that are not."""
