@@ -13,7 +13,7 @@ from bearingwear.kernels.hertz import INNER, OUTER, point_contact, race_contact
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.state import state_layout
 from bearingwear.model import parameters
-from bearingwear.model.impact import land_damping, pocket_damping
+from bearingwear.model.restitution import land_damping, pocket_damping
 from bearingwear.scene.scene import Scene
 
 HERTZ_INTERVALS = 64

@@ -9,12 +9,12 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
+from bearingwear.model.dynamic_wear import OF_CAGE, DynamicCourse, DynamicWear
 from bearingwear.model.estimate import ROUNDING
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.life import history_values, life_history, steady_states
 from bearingwear.model.life_integrator import CRITERIA, LifeHistory
 from bearingwear.model.start import thrust_alone
-from bearingwear.model.wear_in_time import OF_CAGE, CourseInTime, WearInTime
 from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
 
 SCATTER = 2.0  # standard errors
@@ -44,7 +44,7 @@ def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
     return steps + SCATTER * deviation * float(np.linalg.norm(shares))
 
 
-def solve_life_in_time(
+def solve_dynamic_life(
     scene: Scene, progress: Callable[[str], None] | None = None
 ) -> tuple[dict, dict]:
     """Wear life of a scene with a run in time at every step, and the steady life beside it.
@@ -62,7 +62,7 @@ def solve_life_in_time(
         Of a life file. Only one way of counting wear is followed, that of `wear.counts`, since it
         decides which wear the runs see; what belongs to the other is NaN.
     """
-    integrator = WearInTime(scene, progress)
+    integrator = DynamicWear(scene, progress)
     values = steady_life(scene)
     course = integrator.march(float(values.get("steady_life", math.nan)))
     values |= {"status": course.status, "end_criterion": course.criterion}
@@ -77,7 +77,7 @@ def solve_life_in_time(
     return values, attrs
 
 
-def ends(integrator: WearInTime, course: CourseInTime) -> dict:
+def ends(integrator: DynamicWear, course: DynamicCourse) -> dict:
     """Life and its errors; the life is a lower bound where no criterion was met."""
     solved = course.solved
     last = solved[-1]
@@ -102,7 +102,7 @@ def ends(integrator: WearInTime, course: CourseInTime) -> dict:
     return values | ({"life_error_estimate": estimate} if np.isfinite(estimate).any() else {})
 
 
-def life_histories(integrator: WearInTime, course: CourseInTime) -> dict:
+def life_histories(integrator: DynamicWear, course: DynamicCourse) -> dict:
     """What has worn, and what was found, at each node; NaN where a node was not solved."""
     p, nodes = integrator.parts.layout, course.nodes
     worn = np.array([node.worn for node in nodes])

@@ -26,8 +26,8 @@ from bearingwear.kernels.summary import ANGLE, PRESSURE, QV
 from bearingwear.kernels.thrust import skid_ratio
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.outputs import contact_values
 from bearingwear.model.time_run import TimeRun, wear_per_joule
-from bearingwear.model.values import contact_values
 from bearingwear.scene.scene import Scene
 
 

@@ -30,12 +30,12 @@ from bearingwear.model.life_integrator import (
     LifeIntegrator,
     WearState,
 )
+from bearingwear.model.outputs import friction_used, loss_per_wear, wear_values
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.solve import provenance
 from bearingwear.model.steady import ThrustProblem, axial_force
 from bearingwear.model.thermal import HeatFlow, Warmed, warmed
-from bearingwear.model.values import friction_used, loss_per_wear, wear_values
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
@@ -257,10 +257,10 @@ def life(
     started = time.perf_counter()
     if chosen.tier == "dynamic":
         # its kernels take long to load, and the others do without
-        from bearingwear.model.dynamic_life import solve_life_in_time
+        from bearingwear.model.dynamic_life import solve_dynamic_life
 
         _check_depth(scene, end)
-        values, attrs = solve_life_in_time(chosen.reduced(scene), progress)
+        values, attrs = solve_dynamic_life(chosen.reduced(scene), progress)
     else:
         # needs what this module has
         from bearingwear.model.worn_outputs import grooves_followed, solve_worn_life

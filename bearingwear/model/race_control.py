@@ -38,7 +38,7 @@ from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.films import Bare, friction_law
-from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
+from bearingwear.model.outputs import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
 LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced

@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.mounted import MM, mounted_geometry
-from bearingwear.model.values import stiffness_of_loads
+from bearingwear.model.outputs import stiffness_of_loads
 from bearingwear.scene.scene import Arrangement, Scene
 
 MIRROR = np.diag([-1.0, 1.0, 1.0, -1.0, -1.0])

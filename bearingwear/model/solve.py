@@ -87,7 +87,7 @@ def solved_as_given(
     """The same, no temperatures left to find."""
     if tier == "dynamic":
         # its kernels take long to load, and the others do without
-        from bearingwear.model.transient import solve_dynamic
+        from bearingwear.model.dynamic_run import solve_dynamic
 
         return solve_dynamic(scene, restart=restart, progress=progress)
     return solve_steady(scene) if tier == "steady" else solve_race_control(scene)

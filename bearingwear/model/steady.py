@@ -23,7 +23,7 @@ from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
 from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.micro_slip import micro_slip_values
-from bearingwear.model.values import contact_values, stiffness_matrix, wear_values
+from bearingwear.model.outputs import contact_values, stiffness_matrix, wear_values
 from bearingwear.scene.scene import Scene
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there

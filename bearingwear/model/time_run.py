@@ -26,8 +26,8 @@ from bearingwear.model import parameters
 from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
 from bearingwear.model.films import Archard
 from bearingwear.model.interrupt import Interrupt
+from bearingwear.model.outputs import strip_centres
 from bearingwear.model.periodic import PeriodicMotion
-from bearingwear.model.values import strip_centres
 from bearingwear.scene.scene import Scene
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}

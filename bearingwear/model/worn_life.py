@@ -11,11 +11,11 @@ from bearingwear.model import parameters
 from bearingwear.model.heat import SteadyHeat
 from bearingwear.model.life import in_half_of_pair, margins
 from bearingwear.model.life_integrator import LifeHistory, WearState
+from bearingwear.model.outputs import wear_values
 from bearingwear.model.pair import Pair
 from bearingwear.model.pair_balance import SideState
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import warmed
-from bearingwear.model.values import wear_values
 from bearingwear.model.worn_depths import WornDepths, WornPoint
 from bearingwear.model.worn_side import WornSide
 from bearingwear.model.worn_states import WornBearing

@@ -14,11 +14,11 @@ from bearingwear.kernels.thrust import ThrustCase, skid_ratio
 from bearingwear.model import parameters
 from bearingwear.model.heat import NOTHING
 from bearingwear.model.life_integrator import WearState
+from bearingwear.model.outputs import friction_used
 from bearingwear.model.pair import SteadySide, warmth_of_side
 from bearingwear.model.pair_balance import SideState
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import HeatFlow, warmed
-from bearingwear.model.values import friction_used
 from bearingwear.model.worn_depths import WornDepths, WornPoint
 from bearingwear.model.worn_films import WornFilms
 from bearingwear.model.worn_states import WornBearing

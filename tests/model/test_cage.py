@@ -14,9 +14,9 @@ from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
 from bearingwear.kernels.quasistatic import K_11
 from bearingwear.kernels.status import OK
 from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.impact import land_damping, pocket_damping
+from bearingwear.model.dynamic_run import solve_dynamic
+from bearingwear.model.restitution import land_damping, pocket_damping
 from bearingwear.model.start import start_of
-from bearingwear.model.transient import solve_dynamic
 
 ROTATING = {"operation.rotating_load_N": 1.0}
 HEAVY = {"operation.gravity_m_s2": [20.0, 30.0, -300.0], "cage.imbalance_um": 5.0}

@@ -13,9 +13,9 @@ from bearingwear.kernels.pocket import pocket_force
 from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK
 from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.start import start_of
 from bearingwear.model.time_run import Trend
-from bearingwear.model.transient import solve_dynamic
 
 WIDE = {"cage.pocket_clearance_mm": 0.5, "cage.guide_clearance_mm": 1.0}
 INNER = {

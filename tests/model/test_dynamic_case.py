@@ -20,7 +20,7 @@ from support import ROOT, scene_file
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.model import time_run, transient
+from bearingwear.model import dynamic_run, time_run
 from bearingwear.model.fidelity import NotAvailable, choice, choice_for_life
 from bearingwear.results import variables
 from bearingwear.results.netcdf import CaseFileError, load
@@ -30,7 +30,6 @@ from bearingwear.scene.read import load_scene
 S1 = scene_file("gyro_s1")
 BALLS, TURN = 9, 0.002
 TURNS = 40  # of accuracy standard
-HAS_SOLVER = hasattr(transient, "solve_dynamic")
 
 
 def made_up(scene, restart=None, progress=None):
@@ -71,7 +70,7 @@ def made_up(scene, restart=None, progress=None):
 
 @pytest.fixture
 def solver(monkeypatch):
-    monkeypatch.setattr(transient, "solve_dynamic", made_up, raising=False)
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", made_up)
 
 
 def solve(output, *more) -> int:
@@ -159,7 +158,7 @@ def test_histories_need_their_time(monkeypatch, solver):
         del values["time"]
         return values, attrs
 
-    monkeypatch.setattr(transient, "solve_dynamic", timeless)
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", timeless)
     with pytest.raises(ValueError, match="time is missing"):
         bearingwear.solve(S1, fidelity="dynamic")
 
@@ -168,7 +167,7 @@ def test_failed_case(monkeypatch, solver, tmp_path, capsys):
     def failed(scene, **_):
         return {"status": code.CONTACT_LOST}, {"residual": "not solved"}
 
-    monkeypatch.setattr(transient, "solve_dynamic", failed)
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", failed)
     assert solve(tmp_path / "x.nc") == 3
     assert "contact_lost" in capsys.readouterr().err
     with pytest.raises(CaseFileError, match="status contact_lost, expected status ok"):
@@ -344,7 +343,7 @@ def test_show_without_a_cage(solver, monkeypatch, tmp_path, capsys):
         told = {n: v for n, v in values.items() if not ("cage" in n or "torque" in n)}
         return told | {"shaft_torque": 1e-4}, attrs
 
-    monkeypatch.setattr(transient, "solve_dynamic", cageless)
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", cageless)
     assert solve(tmp_path / "x.nc", "--set", "cage=null") == 0
     capsys.readouterr()
     assert main(["show", str(tmp_path / "x.nc")]) == 0
@@ -487,7 +486,6 @@ def test_averaged_turns():
 # the solver itself
 
 
-@pytest.mark.skipif(not HAS_SOLVER, reason="needs bearingwear.model.transient.solve_dynamic")
 def test_interrupt_of_a_real_run(tmp_path):
     """Ctrl-C in the midst of a run that would take hours."""
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]

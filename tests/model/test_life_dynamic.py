@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
 from bearingwear.model.dynamic_life import integration_error
+from bearingwear.model.dynamic_wear import DynamicWear
 from bearingwear.model.life import life
 from bearingwear.model.life_integrator import CRITERIA
-from bearingwear.model.wear_in_time import WearInTime
 from bearingwear.model.worn_parts import WornParts
 from bearingwear.results.netcdf import load, write_result
 
@@ -180,7 +180,7 @@ def test_what_cannot_be_solved_ends_the_life_and_is_named(scene, tmp_path):
 
 
 def test_a_cage_worn_to_pieces_is_no_traceback(scene):
-    way = WearInTime(scene("gyro_s1", CAGE))
+    way = DynamicWear(scene("gyro_s1", CAGE))
     worn = way.parts.nothing
     worn[way.parts.layout.pocket] = 1.0
     assert way.evaluate(1.0, worn, None).status == code.CRITERION_NOT_REACHED

@@ -10,10 +10,10 @@ from bearingwear.cli import main
 from bearingwear.kernels.record import clear
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.summary import LOAD, PRESSURE
+from bearingwear.model.dynamic_run import begin
 from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of
 from bearingwear.model.time_run import LoadRange, TimeRun
-from bearingwear.model.transient import begin
 from bearingwear.results.netcdf import dataset, write_result
 from bearingwear.studies.grid.dynamic_tables import steady_and_dynamic
 

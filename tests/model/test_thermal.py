@@ -7,6 +7,7 @@ from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
+from bearingwear.model.dynamic_wear import DynamicWear
 from bearingwear.model.heat import SteadyHeat, warmed_for
 from bearingwear.model.life import life
 from bearingwear.model.solve import solve
@@ -16,7 +17,6 @@ from bearingwear.model.thermal import (
     heat_flow_residual,
     network_temperatures,
 )
-from bearingwear.model.wear_in_time import WearInTime
 from bearingwear.scene.warmth import Conductance, Thermal
 
 HELD = {"operation.preload_method": "fixed_position"}
@@ -216,7 +216,7 @@ def test_a_life_in_time_is_warmed_at_each_step(scene):
     steady = solve(scene("gyro_s1", short | POOR)).values["part_temperature"]
     nodes = []
     for network in (POOR, SEIZES):
-        course = WearInTime(scene("gyro_s1", short | network).without_cage)
+        course = DynamicWear(scene("gyro_s1", short | network).without_cage)
         nodes.append(course.evaluate(0.0, course.parts.nothing, None))
     assert nodes[0].status == code.OK and nodes[1].status == code.WARM_SEIZURE
     assert_allclose(course.state(nodes[0]).temperature, steady, rtol=1e-6)

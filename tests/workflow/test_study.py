@@ -195,7 +195,7 @@ def test_what_is_deleted_is_made_again(solved, path, rule):
 def test_an_edited_solver_source_solves_anew(solved):
     before = number(solved.case(WORN), "ball_wear_rate")
     solved.edit(
-        "bearingwear/model/values.py",
+        "bearingwear/model/outputs.py",
         '"ball_wear_rate": ball_rate.sum(axis=1)',
         '"ball_wear_rate": 2.0 * ball_rate.sum(axis=1)',
     )

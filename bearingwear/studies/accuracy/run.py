@@ -19,6 +19,7 @@ from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.life import life
+from bearingwear.model.outputs import wear_values
 from bearingwear.model.parameters import ball_diameters
 from bearingwear.model.race_control import race_control_motion
 from bearingwear.model.result import Result
@@ -26,7 +27,6 @@ from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.time_run import TimeRun
-from bearingwear.model.values import wear_values
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND

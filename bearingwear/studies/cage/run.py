@@ -15,9 +15,9 @@ from bearingwear.kernels.cage import INNER_LAND, NO_LAND
 from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK
 from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.start import start_of
 from bearingwear.model.time_run import wear_per_joule
-from bearingwear.model.transient import solve_dynamic
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene

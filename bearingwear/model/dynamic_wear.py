@@ -14,10 +14,10 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
+from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.heat import warmed_for, warmth_of
 from bearingwear.model.life import in_half_of_pair, margins
 from bearingwear.model.life_integrator import CRITERIA, WearState
-from bearingwear.model.transient import solve_dynamic
 from bearingwear.model.worn_parts import WornParts
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
@@ -46,7 +46,7 @@ class Node:
         return {"state": self.values["final_state"], "time": self.values["final_time"]}
 
 
-class WearInTime:
+class DynamicWear:
     """A dynamic life of a scene.
 
     Parameters
@@ -236,7 +236,7 @@ class WearInTime:
         known = [time for time in (steady, *times[now > then]) if time > 0.0]
         return float(min(known, default=math.inf))
 
-    def march(self, steady: float) -> "CourseInTime":
+    def march(self, steady: float) -> "DynamicCourse":
         """From the present wear to the first criterion, or to where the solver or the range ends.
 
         Parameters
@@ -248,12 +248,12 @@ class WearInTime:
         start = self.evaluate(0.0, self.parts.nothing, None)
         nodes = [start]
         if start.status != code.OK:
-            return CourseInTime(nodes, none, start.status, 0.0)
+            return DynamicCourse(nodes, none, start.status, 0.0)
         met = np.flatnonzero(self.margins(start) <= 0.0)
         if met.size:
-            return CourseInTime(nodes, int(met[0]), code.OK, 0.0)
+            return DynamicCourse(nodes, int(met[0]), code.OK, 0.0)
         if not start.rates.any():
-            return CourseInTime(nodes, none, code.CRITERION_NOT_REACHED, 0.0)
+            return DynamicCourse(nodes, none, code.CRITERION_NOT_REACHED, 0.0)
         steps = self.scene.model.life_steps
         # one second at the rates of the start, to guess by
         guess = Node(1.0, start.rates, code.OK)
@@ -264,12 +264,12 @@ class WearInTime:
             self.report_progress(nodes[-1], horizon)
             found = self.step(nodes, nodes[-1].time + horizon / steps)
             if found.status != code.OK:
-                return CourseInTime([*nodes, found], none, found.status, 0.0)
+                return DynamicCourse([*nodes, found], none, found.status, 0.0)
             if self.first_crossing(nodes[-1], found) is not None:
                 last, criterion, unsure = self.locate_end(nodes, found)
-                return CourseInTime([*nodes, last], criterion, code.OK, unsure)
+                return DynamicCourse([*nodes, last], criterion, code.OK, unsure)
             nodes.append(found)
-        return CourseInTime(nodes, none, code.CRITERION_NOT_REACHED, 0.0)
+        return DynamicCourse(nodes, none, code.CRITERION_NOT_REACHED, 0.0)
 
     def report_progress(self, node: Node, horizon: float) -> None:
         """Report the progress of the life."""
@@ -280,7 +280,7 @@ class WearInTime:
 
 
 @dataclass
-class CourseInTime:
+class DynamicCourse:
     """The way to the end of life; the last node is the end, or the one that could not be solved."""
 
     nodes: list[Node]
