@@ -1,4 +1,4 @@
-"""Warnings beside a result: it is solved, but beyond what bearings stand or the model describes.
+"""Warnings beside a result: solved, but beyond what bearings bear or the model describes.
 
 `CAUTIONS` is the one table: what is looked at, the limit, the sentence, the advice. A limit is
 sourced, or said to be assumed. None is an error. A result carries what is said in its attribute
@@ -47,7 +47,7 @@ LEAST_PRELOAD = 1.5e-3
 """Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa of steel at rest, assumed."""
 
 FLAT_GROOVE = 0.1
-"""Loss over the gap at the ellipse's edge from which on a worn groove is not Hertz' any more."""
+"""Loss over the gap at the ellipse's edge above which a worn groove is no Hertzian contact."""
 
 ROUNDED_SLIP = 0.25
 """Slip below which friction is rounded, over the balls' mean slip: from here on it takes a few per
@@ -260,15 +260,15 @@ CAUTIONS = (
     Caution(
         "speed_beyond_practice",
         _speed,
-        "speed times pitch diameter of {value:.3g} million mm r/min above {limit:g}, the most that "
-        "steel bearings ran on rigs",
+        "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the most "
+        "that steel bearings reached on rigs",
         "check the speed and its unit, r/min",
     ),
     Caution(
         "hoop_stress",
         _hoop,
-        "hoop stress of the inner ring of {value:.0f} MPa by rotation alone above {limit:g} MPa, "
-        "assumed for hardened steel",
+        "rotation alone stresses the inner ring to {value:.0f} MPa, above {limit:g} MPa (assumed "
+        "for hardened steel)",
         "take less speed, or a ring of tough steel",
     ),
     Caution(
@@ -280,36 +280,37 @@ CAUTIONS = (
     Caution(
         "preload_too_small",
         _preload,
-        "preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below {limit:.2g} N"
-        " (assumed)",
+        "a preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below "
+        "{limit:.2g} N (assumed)",
         "check its unit, newtons",
     ),
     Caution(
         "groove_worn",
         _groove,
-        "{loss:.3g} um lost is {value:.2g} times the gap between ball and groove at the ellipse's "
-        "edge: from {limit:g} on the groove is not Hertz' any more",
+        "a loss of {loss:.3g} um is {value:.2g} times the gap between ball and groove at the edge "
+        "of the ellipse; above {limit:g} the worn groove is no Hertzian contact",
         "pressure, slip and wear are estimates",
     ),
     Caution(
         "film_worn",
         lambda e: film_worn(e.scene, e.life),
-        "the film is worn through ({races} race, {share:.0f} % of the track), friction stays",
-        "give friction.film.bare_ball_race, or end the life by film_worn_share",
+        "the film is worn through ({races} race, {share:.0f} % of the track), and the life "
+        "goes on with the film's friction",
+        "set friction.film.bare_ball_race, or end the life by film_worn_share",
     ),
     Caution(
         "growth_left_out",
         lambda e: growth_left_out(e.scene),
         "growth of the inner ring at speed is left out: with a bore of {bore:.3g} mm (assumed) it "
         "changes the preload of the fixed position by about {value:+.0f} %",
-        "give bearing.bore_mm",
+        "set bearing.bore_mm",
     ),
     Caution(
         "temperature_left_out",
         lambda e: temperature_left_out(e.scene),
         "temperature is left out: an inner ring {kelvin:g} K warmer than the rest changes the "
         "preload of the fixed position by about {value:+.0f} %",
-        "give temperature, or thermal",
+        "set temperature or thermal",
     ),
     Caution(
         "fit_lost",
@@ -320,22 +321,22 @@ CAUTIONS = (
     Caution(
         "cage_weightless",
         _weightless,
-        "the cage is weightless: its motion, and the wear of pockets and land by ten times and "
-        "more, may be others under gravity",
-        "give operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
+        "the cage has no weight: gravity may change its motion, and the wear of pockets and land "
+        "tenfold or more",
+        "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
     ),
     Caution(
         "slip_rounded",
         _rounded,
         "friction is rounded below a slip of {v_r:g} m/s, and the balls slip at {slip:.2g} m/s on "
         "average: friction torque and power come out too small{by}",
-        "friction.slip_regularisation_m_s of {better:.0e} or less",
+        "set friction.slip_regularisation_m_s to {better:.0e} or less",
     ),
     Caution(
         "speed_assumed",
         _assumed,
         "the speed of {value:.6g} r/min is assumed by `bearingwear new`",
-        "give operation.shaft_speed_rpm",
+        "set operation.shaft_speed_rpm",
     ),
 )
 """The table; the warnings that decide a result come first."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -52,6 +53,9 @@ GLOSSARY = {
 """Words that a reader of the page may not know."""
 
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
+
+_UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?!\w))")
+"""The space between a number and its unit."""
 
 
 @dataclass
@@ -122,11 +126,16 @@ def page(
         if file.suffix == ".md" and (owner := scenes.get(file.parent.parent)):
             owner.tables.append(file)
     environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=_unbroken,
     )
     style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
     environment.globals.update(
         link=_link,
+        named=_named,
         line=bearing_line,
         differences=scene_differences,
         title=lambda file: _titled(file)[0],
@@ -161,6 +170,17 @@ def _csp_hash(text: str) -> str:
 def _link(path: Path) -> str:
     """From the page to a file of the study."""
     return path.as_uri() if path.is_absolute() else UP + quote(path.as_posix())
+
+
+def _named(path: Path) -> str:
+    """A file's path below the results of the study; of a file elsewhere, its name and folder."""
+    parts = path.parts
+    return "/".join(parts[1:] if parts[0] == "results" else parts[-2:])
+
+
+def _unbroken(value: Any) -> Any:
+    """A text whose numbers stay in one line with their units; anything else as it is."""
+    return _UNIT.sub("\N{NO-BREAK SPACE}", value) if type(value) is str else value
 
 
 def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answered]:

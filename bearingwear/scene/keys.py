@@ -1,6 +1,6 @@
-"""The keys of a record as a table and as a list, and the values of nested data under their keys.
+"""The keys of a record as Markdown and as names, and the values of nested data under their keys.
 
-`python -m bearingwear.scene.keys config/README.md` puts tables between the markers of that file: of
+`python -m bearingwear.scene.keys config/README.md` puts lists between the markers of that file: of
 a scene's keys, or of those of the record that a marker names.
 """
 
@@ -10,6 +10,7 @@ import importlib
 import json
 import re
 import sys
+import textwrap
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,20 +20,32 @@ from bearingwear.scene.records import Part, whole
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.schema import default
 
-KEY_TABLES = re.compile(
+LINE_LENGTH = 100
+"""Longest line of the Markdown."""
+
+KEY_LISTS = re.compile(
     r"(<!-- keys(?: ([\w.]+):(\w+))?: begin -->\n).*?(<!-- keys: end -->)", re.DOTALL
 )
-"""A table of keys in a text, of the record RECORD where it says `keys MODULE:RECORD: begin`."""
+"""A list of keys in a text, of the record RECORD where it says `keys MODULE:RECORD: begin`."""
 
 
-def key_table(record_type: type = Scene) -> str:
-    """Markdown table: key, meaning, unit, what is allowed, default."""
-    lines = ["| key | meaning | unit | allowed | default |", "| --- | --- | --- | --- | --- |"]
-    for path, part in keys(record_type):
-        unit = "" if part.unit == "-" else part.unit
-        row = (f"`{path}`", part.key.meaning, unit, part.allowed, _default(part))
-        lines.append(f"| {' | '.join(row)} |")
-    return "\n".join(lines)
+def key_list(record_type: type = Scene) -> str:
+    """Markdown list: key, unit, meaning, what is allowed, default."""
+    return "\n".join(_item(path, part) for path, part in keys(record_type))
+
+
+def _item(path: str, part: Part) -> str:
+    unit = "" if part.unit in ("", "-", "1") else f" [{part.unit}]"
+    meaning = f" {part.key.meaning}." if part.key.meaning else ""
+    default = _default(part)
+    default = default if default == "required" else f"default: {default}"
+    allowed = part.allowed
+    if not allowed.startswith("a-z"):
+        allowed = allowed[:1].upper() + allowed[1:]
+    text = f"- `{path}`{unit}:{meaning} *{allowed}; {default}.*"
+    return textwrap.fill(
+        text, LINE_LENGTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+    )
 
 
 def keys(record_type: type = Scene) -> Iterator[tuple[str, Part]]:
@@ -82,16 +95,16 @@ def _default(part: Part) -> str:
 
 
 def renewed(text: str) -> str:
-    """A text with the tables between its markers made anew."""
+    """A text with the lists between its markers made anew."""
 
-    def table(match: re.Match[str]) -> str:
+    def made(match: re.Match[str]) -> str:
         begin, module, name, end = match.groups()
         record_type = (
             getattr(importlib.import_module(f"bearingwear.{module}"), name) if module else Scene
         )
-        return f"{begin}{key_table(record_type)}\n{end}"
+        return f"{begin}{key_list(record_type)}\n{end}"
 
-    return KEY_TABLES.sub(table, text)
+    return KEY_LISTS.sub(made, text)
 
 
 if __name__ == "__main__":

@@ -317,7 +317,7 @@ def test_friction_that_is_rounded_away(scene):
     result = solve(slow)
     (told,) = warnings_in(result.attrs)
     assert told["id"] == "slip_rounded" and told["excess"] > 10.0
-    said = re.fullmatch(r"friction.slip_regularisation_m_s of (\S+) or less", told["advice"])
+    said = re.fullmatch(r"set friction.slip_regularisation_m_s to (\S+) or less", told["advice"])
     better = float(said[1])
     finer = solve(replace(slow, friction=replace(slow.friction, slip_regularisation_m_s=better)))
     assert ids(finer) == set()

@@ -161,12 +161,13 @@ def test_a_small_figure_shows_what_the_file_shows(small_project):
 
 def test_a_figure_says_what_it_shows(small_project, whole):
     tree = parsed(whole)
-    texts = [node.attrib["alt"] for node in tree.iter("img")]
+    texts = [" ".join(node.attrib["alt"].split()) for node in tree.iter("img")]
     captions = [words(node) for node in tree.iter("figcaption")]
     svg = ET.parse(small_project / f"{FOLDER}/figures/wear_life.svg").getroot()
     message = svg.findtext(figures.TITLE)
     # that of the choice stands first, then that of the lives with what they say
-    assert texts[1].startswith(f"{message}. ") and captions[1] == " ".join(message.split())
+    message = " ".join(message.split())
+    assert texts[1].startswith(f"{message}. ") and captions[1] == message
     assert all("mine" in caption for caption in captions)
     for what in ("loss of ball diameter (µm)", "running time (h)", "fixed position", "ball alone"):
         assert what in texts[1]
@@ -223,7 +224,7 @@ def test_what_was_not_solved_comes_first(small_project, tmp_path, made):
 
 def test_warnings_of_a_scene_stand_once(whole):
     (said,) = re.findall(
-        r"Warning, at its worst: 0\.7 um lost is [\d.]+ times.*?\)\.", said_by(whole)
+        r"Warning, at its worst: a loss of 0\.7 um is [\d.]+ times.*?\)\.", said_by(whole)
     )
     assert said.endswith(f"({len(GRID.cases()) // 2} cases, 4 lives).")
 

@@ -16,7 +16,7 @@ from bearingwear.scene import read as config
 from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
 from bearingwear.scene.errors import yaml_number
-from bearingwear.scene.keys import key_table, keys, renewed
+from bearingwear.scene.keys import key_list, keys, renewed
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.scene.schema import schema
 from bearingwear.scene.strict_yaml import data_of
@@ -363,7 +363,7 @@ def test_plain_validators_agree(plain):
         (based_on if "based_on" in data else validator).validate(data)
 
 
-def test_key_table_is_up_to_date():
+def test_key_list_is_up_to_date():
     text = (CONFIG / "README.md").read_text(encoding="utf-8")
-    assert key_table() in text
+    assert key_list() in text
     assert renewed(text) == text, "run: python -m bearingwear.scene.keys config/README.md"

@@ -58,7 +58,7 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     page = (folder / "index.html").read_text(encoding="utf-8")
     headline = re.search("<h1>(.*)</h1>", page)[1]
     assert headline in told.splitlines()[-1] + "." and "folder/index.html: " in told
-    assert re.match(r"gyro_s1: constant force at 4\.1\d* N lives longest within", headline)
+    assert re.match(r"gyro_s1: constant force at 4\.1\d* N lasts longest within", headline)
     assert headline.endswith("held by axial stiffness.")
     assert "axial stiffness at least 3 N/µm" in page and "L10" in page
     found = load(folder / "results/mine/preload/recommendation.nc")

@@ -14,6 +14,7 @@ from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import (
+    OF_BATCHES,
     RECOMMENDED,
     Quantile,
     load_quantiles,
@@ -66,8 +67,8 @@ _HELD = {
 """What keeps a preload from one with a longer life, where that is no limit."""
 
 NO_CLOCK = (
-    "Compare lives with each other, not with a clock: they go with hardness over wear coefficient, "
-    "and a wear coefficient is known to an order of magnitude at best."
+    "Compare lives with each other, and promise no hours: a life is inversely proportional to the "
+    "wear coefficient, which is known to an order of magnitude at best."
 )
 
 _SHOWN = {
@@ -84,8 +85,8 @@ _COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in the order of `COUNTS`."""
 
 SPREAD_TOLD = (
-    " One bearing in ten does not reach L10, half of them do not reach L50, with all that the "
-    "scene calls uncertain."
+    " One bearing in ten fails before L10, half of them before L50, over all that the scene calls "
+    "uncertain."
 )
 
 Spread = dict[str, Sequence[Quantile]]
@@ -136,7 +137,7 @@ def preload_answer(
             ("What it gives", [_gives(recommendation)]),
             ("What limits it", [_held(_lives(recommendation)[0][1])]),
             ("What would change it", [_holds(room, recommendation), *told]),
-            ("How sure that is", _sure(recommendation, spread)),
+            ("How sure", _sure(recommendation, spread)),
         ]
     none = none_because(recommendation)
     points += [("What is not possible", none)] if none else []
@@ -239,7 +240,7 @@ def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
             label = label.replace("end: ", "an end of life by ")
             said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
     if not said:
-        return "No limit, end of life or friction turns it round, as far as was looked."
+        return "No limit, end of life or friction tried makes the other method better."
     other = _words(recommendation, lives[1][0]).capitalize()
     return f"{other} is the better method with {'; '.join(said)}."
 
@@ -261,11 +262,15 @@ def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
     said = []
     if int(recommendation["verdict"]) == NEITHER_LONGER:
         said.append(
-            f"Neither method is said to last longer where a change of {100 * CLAIMED:g} % in one "
-            "assumption, or the other track of a ball, turns it round."
+            f"Neither method is said to last longer, because a change of {100 * CLAIMED:g} % in "
+            "one assumption, or the other ball track, would reverse the order."
         )
-    quantiles = ", ".join(q.text for q in spread[method])
-    said += [f"{quantiles}."] if quantiles else []
+    said += [
+        f"{q.name} is {digits(q.hours)} h; it lies between {q.low:.2g} and {q.high:.2g} h "
+        f"{'in' if q.between == OF_BATCHES else 'at'} {q.between}."
+        for q in spread[method]
+        if q.hours > 0.0
+    ]
     if math.isfinite(error):
         said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
     return [*said, *track_told(recommendation), NO_CLOCK]

@@ -147,14 +147,14 @@ def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> 
         else:
             same.append(words)
     said = (
-        ("The other method lives longer with {}.", turned),
+        ("The other method lasts longer with {}.", turned),
         ("It passes a limit with {}.", beyond),
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(found)) for text, found in said if found]
-    rest = "each other" if exceptions else "each"
-    hold = [f"Method and limits hold with {rest} assumption tried below."] if same else []
-    return [*exceptions, *hold]
+    rest = "every other" if exceptions else "every"
+    hold = [f"It stays the better method within its limits under {rest} assumption below."]
+    return [*exceptions, *(hold if same else [])]
 
 
 def assumptions_of(beside: xr.Dataset) -> list[tuple[str, xr.Dataset]]:

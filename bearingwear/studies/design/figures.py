@@ -316,6 +316,6 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     hours = digits(float(chosen["life"]))
     groove = ", grooves as they wear" if int(chosen["groove"]) == WORN_GROOVE else ""
     return (
-        f"{name}: {method_words(scene, method)} at {preload_text(chosen)} N lives longest{within}, "
+        f"{name}: {method_words(scene, method)} at {preload_text(chosen)} N lasts longest{within}, "
         f"{hours} h{spread}, counting {in_words(COUNTS[basis])}{groove}; held by {held_by}"
     )

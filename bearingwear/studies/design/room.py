@@ -128,7 +128,7 @@ def longer(lives: Sequence[float]) -> int | None:
 
 
 def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
-    """How far each end of life may move before the other of two preloads lives longer.
+    """How far each end of life may move before the other of two preloads lasts longer.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
     if contests:
         points.insert(0, ("Which preload method", _verdicts(contests)))
     if at_once := _at_once(here):
-        points.append(("How sure that is", [at_once]))
+        points.append(("How sure", [at_once]))
     if others:
         points.append(("On the other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]

@@ -171,8 +171,8 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     at = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        f"{in_words(name)}, {at:g} µm of wear: "
-        + "; ".join(f"{bearing} keeps {' and '.join(of)}" for bearing, of in ratios.items()),
+        "; ".join(f"{bearing} keeps {' and '.join(of)}" for bearing, of in ratios.items())
+        + f", worn by {at:g} µm in {in_words(name)}",
         method_keys(name for name, _ in states)
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],

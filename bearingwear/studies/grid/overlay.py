@@ -58,11 +58,12 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     panels[2, 0].set_ylabel(_LOSS_RATE.label("loss rate, balls\nand races"))
     for panel in panels.flat:
         from_zero(panel)
-    low, high = (percent(f(ratios, default=np.nan)) for f in (min, max))
+    least, most = (percent(f(ratios, default=np.nan)) for f in (min, max))
+    left = most if least == most else f"{least.removesuffix(' %')} to {most}"
     frame(
         figure,
         f"{', '.join(scene_of(study)['name'] for study in studies)} at {mu_is(friction)}: "
-        f"{float(loss[-1]):g} µm of wear leaves {low} to {high} of QV "
+        f"{float(loss[-1]):g} µm of wear leaves {left} of QV "
         f"({in_words(name)})",
         [
             key(label, **look)

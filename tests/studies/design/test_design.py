@@ -283,7 +283,7 @@ def test_recommended_preload_stands_on_its_limit(folder, scene):
         assert less["axial_stiffness"] < 3.0e6
         assert float(one["gyroscopic_slip_share"]) <= 0.25
         assert 0.0 < float(one["life_error_estimate"][1]) < 0.1
-    # no preload of the map within the limits lives longer
+    # no preload of the map within the limits lasts longer
     design = load(folder / "design.nc")
     assert np.all(found["life"].values >= design["recommended_life"].values[:, 0, 0])
     # with the Hertzian groove of this scene

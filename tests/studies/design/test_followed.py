@@ -106,7 +106,7 @@ def test_lines_of_preloads_are_in_the_file(scene, found, tmp_path):
     assert set(lines["life"].dims) == {"preload_method", "preload", "loss_basis"}
     quick = followed_point(held_by(scene, METHODS[0], 7.0), None)
     assert float(lines["life"][0, 1, 1]) == pytest.approx(quick["life"][1] / 3600.0, rel=1e-12)
-    # no preload of the lines within the limit lives longer
+    # no preload of the lines within the limit lasts longer
     for k in range(2):
         within = lines.isel(preload_method=k)
         within = within["life"][:, 1].where(within["system_axial_stiffness"] >= 5e6)
