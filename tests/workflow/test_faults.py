@@ -91,12 +91,17 @@ def whole_lines(paths):
     return {path for path in paths if path.stem.rpartition("-")[0] in whole}
 
 
-def resumes(project, before, undisturbed, *arguments):
-    """The study ends as if nothing had happened, and solves no finished line again."""
+def resumes(project, before, undisturbed, *arguments, ran_on=0):
+    """The study ends as if nothing had happened, and solves no finished line again.
+
+    Some jobs ran on when Snakemake was gone. Snakemake may not have marked them as begun yet: then
+    what they finish, whole files as all are, counts as finished.
+    """
     run = project.run(*arguments)
     assert run.status == 0, run.text
     kept = whole_lines(before)
-    assert run.jobs.get("grid_solve", 0) == len(LINES) - len(kept) / 2
+    unsolved = len(LINES) - len(kept) / 2
+    assert unsolved - ran_on <= run.jobs.get("grid_solve", 0) <= unsolved
     after = finished(project)
     assert {path: after[path] for path in kept} == {path: before[path] for path in kept}
     # who is killed while writing leaves a part; see test_parts_of_files_that_nobody_writes
@@ -216,7 +221,7 @@ def test_snakemake_is_killed_and_its_jobs_run_on(project, undisturbed):
     assert refused.status == 1
     assert "--rerun-incomplete" in refused.text or "--unlock" in refused.text
     assert project.run("--unlock").status == 0
-    resumes(project, before, undisturbed, "--rerun-incomplete")
+    resumes(project, before, undisturbed, "--rerun-incomplete", ran_on=len(left))
     psutil.wait_procs(left, timeout=60)
 
 
