@@ -3,7 +3,7 @@
 PYTHON ?= python3
 JOBS ?= 2
 BIN := .venv/bin
-ALL_CORES := -n auto --dist loadgroup --no-loadscope-reorder
+ALL_CORES := -n auto --no-loadscope-reorder
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
 .PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs bench venv clean

@@ -18,16 +18,25 @@ def pytest_configure():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
+    """What runs other programs comes first, since the longest tests are among it."""
+    items.sort(key=lambda item: SPREAD_OUT not in item.path.parents)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
     """Keep the tests of a file in one process of pytest-xdist: they share its fixtures.
 
-    What runs other programs comes first, since the longest tests are among it.
+    Its own `--dist loadgroup` does that no more with pytest 9.2, which fixes the names of tests.
     """
-    items.sort(key=lambda item: SPREAD_OUT not in item.path.parents)
-    for item in items:
-        if SPREAD_OUT not in item.path.parents:
-            item.add_marker(pytest.mark.xdist_group(item.path.relative_to(ROOT).as_posix()))
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            file, _, _ = nodeid.partition("::")
+            return nodeid if SPREAD_OUT in (ROOT / file).parents else file
+
+    return ByFile(config, log)
 
 
 @pytest.fixture(scope="session")

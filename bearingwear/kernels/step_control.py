@@ -399,12 +399,3 @@ def march(control, time, end, h, y, bearing, buf, stage):
         evaluations=control.method.stages * (accepted + rejected),
         events=events,
     )
-
-
-@jit
-def advance(control, time, end, h, y, bearing, buf, stage):
-    """`make_ready` and `march`."""
-    status = make_ready(control, time, y, bearing, buf, stage, True)
-    if status != OK:
-        return Tally(status=status, time=time, h=h, accepted=0, rejected=0, evaluations=0, events=0)
-    return march(control, time, end, h, y, bearing, buf, stage)

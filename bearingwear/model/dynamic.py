@@ -1,5 +1,6 @@
 """The dynamic model: state of balls, cage and inner race of a scene, and its integration."""
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -25,6 +26,13 @@ from bearingwear.kernels.race import (
     unpack_ball_state,
 )
 from bearingwear.kernels.rates import agreed_rates
+from bearingwear.kernels.record import (
+    Recorder,
+    TimeGrid,
+    advance_and_record,
+    empty_history,
+    empty_sums,
+)
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -37,7 +45,7 @@ from bearingwear.kernels.state import (
     W_X,
     StateLayout,
 )
-from bearingwear.kernels.step_control import StepControl, Tally, advance
+from bearingwear.kernels.step_control import StepControl, Tally
 from bearingwear.model import parameters
 from bearingwear.model.bearing_model import bearing_model
 from bearingwear.model.race_control import unseated
@@ -234,12 +242,22 @@ class DynamicSystem:
 
     def advance(self, duration: float, *options, **named) -> Tally:
         """Move on in time, with options of `control`; the tally's status says if that went well."""
-        control, end = self.control(*options, **named), self.time + duration
-        tally = advance(
-            control, self.time, end, self.h, self.y, self.bearing, self.buffers, self.stages
-        )
+        tally = self.simulate(self.control(*options, **named), duration)
         self.time, self.h = tally.time, tally.h
         return tally
+
+    def simulate(self, control: StepControl, duration: float) -> Tally:
+        """Move the state on from this instant; time and first step stay as they are."""
+        grid = TimeGrid(origin=self.time, dt=duration, first=0)
+        of = (self.y, self.bearing, self.buffers, self.stages)
+        return advance_and_record(control, grid, 0, 1, self.h, *of, self._unread)
+
+    @functools.cached_property
+    def _unread(self) -> Recorder:
+        """Takes what nobody reads: one kernel serves all runs, and takes half a minute to make."""
+        n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
+        sums = empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
+        return Recorder(sums=sums, history=empty_history(1, n), keep=False)
 
     def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
         """All arrays that a run goes on from, the next step h (1,) among them."""

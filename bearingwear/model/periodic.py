@@ -13,13 +13,6 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.integrators import Tableau
-from bearingwear.kernels.record import (
-    Recorder,
-    TimeGrid,
-    advance_and_record,
-    empty_history,
-    empty_sums,
-)
 from bearingwear.kernels.state import BALL, OMEGA, PSI
 from bearingwear.model.dynamic import DynamicSystem
 
@@ -69,12 +62,6 @@ class Passing:
         self.passing = _TURN / self.n / max(abs(rate), 1e-300)
         self.middle = float(system.balls[:, PSI].mean())
         self.simulated = 0.0  # [s]
-        integrals = system.layout.size - system.layout.qv
-        self.recorder = Recorder(  # of runs, so that nothing else is compiled
-            sums=empty_sums(self.n, bearing.rule, np.zeros(1), integrals),
-            history=empty_history(1, self.n),
-            keep=False,
-        )
 
     def states(self) -> np.ndarray:
         """Unknowns: the balls' states over their scale, then the passing in turns."""
@@ -89,19 +76,7 @@ class Passing:
     def advance(self, duration: float) -> bool:
         """Simulate for a time; returns whether that went well."""
         self.simulated += duration
-        system = self.system
-        tally = advance_and_record(
-            self.control,
-            TimeGrid(origin=system.time, dt=duration, first=0),
-            0,
-            1,
-            system.h,
-            system.y,
-            system.bearing,
-            system.buffers,
-            system.stages,
-            self.recorder,
-        )
+        tally = self.system.simulate(self.control, duration)
         return bool(tally.status == code.OK)
 
     def march(self, orbits: float) -> bool:

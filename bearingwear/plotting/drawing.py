@@ -74,6 +74,9 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
             if isinstance(axis.get_major_formatter(), LogFormatter):
                 axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
                 axis.set_minor_formatter(NullFormatter())
+    if layout := figure.get_layout_engine():  # takes longer than drawing: once for all formats
+        layout.execute(figure)
+        figure.set_layout_engine("none")
     for path, kind in kinds.items():
         with whole_file(path) as part:
             figure.savefig(part, format=kind[1:], metadata=metadata[kind])

@@ -8,16 +8,17 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA, take_step
-from bearingwear.kernels.rates import state_rates
+from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
+from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.rates import rates_here
 from bearingwear.kernels.state import BALL
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.step_control import make_ready
 from bearingwear.kernels.summary import QV
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.steady import ThrustProblem
 
 HERTZ = {"model.contact": "hertz"}  # with traction in the balance of normal forces
+WHATEVER_THE_ERROR = 1e12  # tolerance of steps that are as long as they are allowed to be
 METHODS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 
 
@@ -95,14 +96,6 @@ def test_every_ball_moves_as_one_ball(scene):
     assert_allclose(motion.balls[0, :4], path.y[:, -1], atol=1e-4 * 60.0)
 
 
-def fixed_step(method, motion, time, h):
-    """One step without control of its error."""
-    of = (motion.y, motion.bearing, motion.buffers)
-    assert make_ready(motion.control(method=method), time, *of, motion.stages, True) == OK
-    assert take_step(method, time, h, *of, motion.stages) == OK
-    motion.y[:] = motion.stages.new
-
-
 @pytest.mark.parametrize(
     ("contact", "method", "counts", "lowest", "highest"),
     [
@@ -120,9 +113,9 @@ def test_order_of_convergence(scene, contact, method, counts, lowest, highest):
     def end(method, count, span=1e-4):
         motion = started(s)
         motion.advance(2e-4, 1e-6)  # past the first transient
-        start, h = motion.time, span / count
-        for k in range(count):
-            fixed_step(method, motion, start + k * h, h)
+        motion.h = span / count
+        tally = motion.advance(span, WHATEVER_THE_ERROR, method, motion.h)
+        assert tally.status == OK and (tally.accepted, tally.rejected) == (count, 0)
         return motion.balls[:, :4].copy()
 
     exact = end(RUNGE_KUTTA, 4096)
@@ -145,7 +138,8 @@ def test_integrators_agree_with_scipy(scene, contact, turns):
 
     def rate(time, y):
         dy = np.zeros(y.size)
-        state_rates(time, y, reference.bearing, reference.buffers, dy)
+        assert free_equilibrium(time, y, reference.bearing, reference.buffers) == OK
+        assert rates_here(time, y, reference.bearing, reference.buffers, dy) == OK
         return dy
 
     # The integrals feed back on nothing: integrating them with the states costs little.
@@ -190,9 +184,8 @@ def test_chatter_is_seen(scene):
     """Explicit steps that are too coarse lie about QV; the step control does not let them."""
     s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0]})
     coarse, fine = started(s), started(s)
-    h = coarse.turn / 2000
-    for k in range(4000):
-        fixed_step(RUNGE_KUTTA, coarse, k * h, h)
+    coarse.h = coarse.turn / 2000
+    coarse.advance(2 * coarse.turn, WHATEVER_THE_ERROR, RUNGE_KUTTA, coarse.h)
     assert fine.advance(2 * fine.turn, 1e-5).status == OK
     wrong = coarse.qv[:, 0].sum() / fine.qv[:, 0].sum() - 1.0
     assert wrong > 0.01  # no blow-up, no sign of trouble, and a wrong number
