@@ -100,10 +100,10 @@ class Rounding(NamedTuple):
 
 
 @jit
-def balance_problem(bearing, rule):
-    """The balance of a bearing by a rule, its buffers not yet filled."""
+def balance_problem(bearing, rule, traction):
+    """The balance of a bearing by a rule, tractions unknown or left out; its buffers are empty."""
     n, m = most_points(rule), rule.across.size
-    k, f = (6, 5) if bearing.traction else (4, 4)
+    k, f = (6, 5) if traction else (4, 4)
     return BalanceProblem(
         bearing=bearing,
         rule=rule,
@@ -337,7 +337,7 @@ def full_jacobian(p, v_r, seat, u):
         As `friction_balance`.
     """
     status = friction_balance(p, v_r, seat.state, u, p.residual, True)
-    if status == OK and p.bearing.traction:
+    if status == OK and u.size > 4:
         add_load_columns(p, seat, u)
     elif status == OK:
         add_quotient(p, v_r, seat, u)

@@ -77,7 +77,7 @@ class ThrustProblem:
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""
-        return balance_problem(self.bearing(D), self.rule)
+        return balance_problem(self.bearing(D), self.rule, self.traction)
 
     def kinematic_start(self, kinematics_model: int) -> np.ndarray:
         """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
@@ -168,9 +168,7 @@ class ThrustProblem:
         v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
         rules = self.rule, self.search_rule
         args = case.delta_a, case.u, not stable, most
-        # Without traction on the normal forces, which moves a state, but makes none.
-        bearing = self.bearing(D)._replace(traction=False)
-        for u in settled_elsewhere(bearing, *rules, v_r, *args):
+        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
             # Newton may go on from a motion that had not settled to a state that is known.
             if is_new(u, found):
                 other = self.solve(D, start=u)
