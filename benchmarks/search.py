@@ -22,7 +22,8 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL
 from bearingwear.kernels.level_solver import pseudo_transient
-from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
+from bearingwear.kernels.steady_balance import Seat, motion_equilibrium
+from bearingwear.kernels.steady_solver import unknowns
 from bearingwear.kernels.summary import QV
 from bearingwear.model import parameters
 from bearingwear.model.steady import SAME_STATE, ThrustProblem, is_new
@@ -60,14 +61,14 @@ def settled_from_starts(problem, D, case, count=STARTS):
     """Steady states other than `case` in which balls settle from unlike starts."""
     found = [case]
     p = problem.balance(D)
-    for u in unlike_starts(problem, count):
-        near = Seat(delta_a=case.delta_a, state=cold_start())
-        seat = orbit_equilibrium(p.bearing, u[3], near)
+    for start in unlike_starts(problem, count):
+        u = unknowns(p, start)  # with its tractions, where they bear on the normal forces
+        seat = motion_equilibrium(p.bearing, u, Seat(delta_a=case.delta_a, state=cold_start()))
         if seat.state.status != code.OK:
             continue
         s = pseudo_transient(p, p.bearing.op.v_r, seat, u, SETTLED, MOST_STEPS)
-        if s.status == code.OK and is_new(u, found):
-            other = problem.solve(D, start=u)
+        if s.status == code.OK and is_new(u[:4], found):
+            other = problem.solve(D, start=u[:4])
             if other.status == code.OK and is_new(other.u, found):
                 found.append(other)
     return found[1:]

@@ -58,7 +58,7 @@ class Buffers(NamedTuple):
     width: np.ndarray  # (points,)
     across: np.ndarray  # (points across,), likewise
     share: np.ndarray  # (points across,)
-    L: np.ndarray  # (4, 6) derivative of the slip coefficients, see jacobian.slip_changes
+    L: np.ndarray  # (4, 6) derivative of the slip coefficients, see contact_changes.slip_changes
     gradient: np.ndarray  # (4,) of the friction potential, or (5,) with traction
     hessian: np.ndarray  # of both sizes
     change: np.ndarray  # (5, 7) derivative of the gradient

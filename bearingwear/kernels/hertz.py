@@ -110,3 +110,14 @@ def race_contact(g, side, D, cos_alpha, log_kappa):
     A = 0.5 * (2.0 / D - 1.0 / r_g)
     B = 0.5 * (2.0 / D - side * 2.0 * cos_alpha / (g.dm + side * D * cos_alpha))
     return point_contact(A, B, g.E_star, log_kappa)
+
+
+@jit
+def angle_slope(g, side, D, sin_a, cos_a, hertz):
+    """Derivative of ln K of `race_contact` by the contact angle [1].
+
+    At a held approach d the energy (2/5) K d^(5/2) of the contact falls by the moment Q b^2/5 of
+    its pressure as B grows: d ln K/dB = -(1/2) c_b^2 K^(2/3) (theory.md Eq. 86).
+    """
+    turn = side * g.dm * sin_a / (g.dm + side * D * cos_a) ** 2  # dB by the angle
+    return -0.5 * hertz.c_b**2 * hertz.K ** (2.0 / 3.0) * turn

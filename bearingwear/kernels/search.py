@@ -312,7 +312,8 @@ def settled_elsewhere(bearing, rule, coarse_rule, v_r, delta_a, u_known, unstabl
     -------
     ndarray (n, 4)
     """
-    p, coarse = balance_problem(bearing, rule), balance_problem(bearing, coarse_rule)
+    # Without traction on the normal forces, which moves a state, but makes none.
+    p, coarse = balance_problem(bearing, rule, False), balance_problem(bearing, coarse_rule, False)
     low, span = orbit_range(bearing.op)
     u, tangent, motions = u_known.copy(), np.empty(3), np.empty((most, 4))
     near = Seat(delta_a=delta_a, state=cold_start())

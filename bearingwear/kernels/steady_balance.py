@@ -13,16 +13,16 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.ball_response import shifted_state
+from bearingwear.kernels.ball_response import joined_equilibrium, load_rates
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.contact import (
     LARGEST_AXIS,
     race_contacts,
     slip_coefficients,
-    slip_map,
     traction,
     traction_slope,
 )
+from bearingwear.kernels.contact_changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
 from bearingwear.kernels.friction import friction_capacity, friction_coefficients
@@ -36,7 +36,6 @@ LAST_BIT = 2.0**-50  # of the ball's speeds, with what the sums that make a slip
 # enough to move the slip by this share of v_r, but above rounding.
 QUOTIENT_SLIP = 1e-2
 LARGEST_QUOTIENT, SMALLEST_QUOTIENT = 1e-6, 1e-9
-QUOTIENT_TRACTION = 1e-6  # the step in traction, as a share of the contact loads
 
 
 class Preload(NamedTuple):
@@ -72,9 +71,11 @@ class BalanceProblem(NamedTuple):
     width: np.ndarray  # (n,) see contact.half_width
     across: np.ndarray  # (m,) points across, likewise
     share: np.ndarray  # (m,)
-    gradient: np.ndarray  # (4,), with traction (5,)
+    gradient: np.ndarray  # (2, 4), with traction (2, 5)
     hessian: np.ndarray  # (4, 4) or (5, 5)
-    L: np.ndarray  # (4, 4)
+    L: np.ndarray  # (2, 4, 6) see contact_changes.slip_changes
+    change: np.ndarray  # (2, 5, 7) with traction: see contact_changes.gradient_changes
+    rates: np.ndarray  # (3, 2, 3) with traction: see ball_response.load_rates
     residual: np.ndarray  # (k,) of the k = 4 unknowns, with traction 6
     shifted: np.ndarray  # (k,)
     jacobian: np.ndarray  # (k, k)
@@ -99,10 +100,10 @@ class Rounding(NamedTuple):
 
 
 @jit
-def balance_problem(bearing, rule):
-    """The balance of a bearing by a rule, its buffers not yet filled."""
+def balance_problem(bearing, rule, traction):
+    """The balance of a bearing by a rule, tractions unknown or left out; its buffers are empty."""
     n, m = most_points(rule), rule.across.size
-    k, f = (6, 5) if bearing.traction else (4, 4)
+    k, f = (6, 5) if traction else (4, 4)
     return BalanceProblem(
         bearing=bearing,
         rule=rule,
@@ -112,9 +113,11 @@ def balance_problem(bearing, rule):
         width=np.zeros(n),
         across=np.zeros(m),
         share=np.ones(m),
-        gradient=np.empty(f),
+        gradient=np.empty((2, f)),
         hessian=np.empty((f, f)),
-        L=np.empty((4, 4)),
+        L=np.zeros((2, 4, 6)),
+        change=np.empty((2, 5, 7)),
+        rates=np.empty((3, 2, 3)),
         residual=np.empty(k),
         shifted=np.empty(k),
         jacobian=np.empty((k, k)),
@@ -152,10 +155,13 @@ def motion_equilibrium(bearing, u, near):
 def loaded_equilibrium(bearing, load, near):
     """Ball and race under the load of a ball, from the start `near`."""
     preload = bearing.preload
-    delta_a = near.delta_a if preload.constant_force else preload.delta_a
-    delta_a, state = thrust_equilibrium(
-        bearing.g, bearing.D, load, preload.F_x, delta_a, preload.constant_force, near.state
-    )
+    start = near.delta_a if preload.constant_force else preload.delta_a
+    args = bearing.g, bearing.D, load, preload.F_x, start, preload.constant_force, near.state
+    if bearing.traction and near.state.status == OK and near.state.Q_i > 0.0:
+        delta_a, state = joined_equilibrium(*args)
+        if state.status == OK:
+            return Seat(delta_a=delta_a, state=state)
+    delta_a, state = thrust_equilibrium(*args)
     return Seat(delta_a=delta_a, state=state)
 
 
@@ -236,7 +242,6 @@ def friction_balance(p, v_r, state, u, out, slope):
     r = g.R_o + state.X2
     R = 0.5 * D
     J = p.jacobian
-    L = p.L
     out[:] = 0.0
     if slope:
         J[:, :] = 0.0
@@ -251,71 +256,92 @@ def friction_balance(p, v_r, state, u, out, slope):
         t, weight = contact_points(
             rule, contact, R, c, v_r, p.t, p.weight, h, p.width, across, share
         )
-        slip_map(contact, r, L)
+        L, gradient = p.L[k], p.gradient[k]
+        slip_changes(contact, c, r, L)
         if slope:
             traction_slope(
-                contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient,
+                contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, gradient,
                 p.hessian,
             )  # fmt: skip
             subtract_projected(L, p.hessian, J)
         else:
-            traction(contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, p.gradient)
-        subtract_gradient(L, p.gradient, out)
+            traction(contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, gradient)
+        subtract_gradient(L, gradient, out)
         if u.size > 4:
-            out[4 + k] = R * (p.gradient[4] - u[4 + k])
+            out[4 + k] = R * (gradient[4] - u[4 + k])
             if slope:
+                bare = op.mu_i if k == 0 else op.mu_o
+                gradient_changes(contact, bare, R, c, gradient, p.hessian, L, p.change[k])
                 J[4 + k, 4 + k] = -R
                 for j in range(4):
-                    for q in range(4):
-                        J[4 + k, j] += R * p.hessian[4, q] * L[q, j]
+                    J[4 + k, j] += R * p.change[k, 4, j]
     add_gyration_and_drag(g, D, op, u, r, out, J, slope)
     return OK
 
 
 @jit
-def add_quotient(p, v_r, seat, u, column, change):
-    """Add to a column of the Jacobian what the loads make of a change of its unknown."""
-    bearing = p.bearing
-    if bearing.traction:
-        load, by = orbit_load(u[3], u[4], u[5]), change
-        moved = shifted_state(
-            bearing.g, bearing.D, load, seat.delta_a, bearing.preload.constant_force, seat.state,
-            by if column == 3 else 0.0, by if column == 4 else 0.0, by if column == 5 else 0.0,
-        )  # fmt: skip
-    else:
-        moved = orbit_equilibrium(bearing, u[3] + change, seat).state
-    if usable(moved) == OK:
-        status = friction_balance(p, v_r, moved, u, p.shifted, False)
-        if status == OK:
-            for i in range(u.size):
-                p.jacobian[i, column] += (p.shifted[i] - p.residual[i]) / change
+def add_quotient(p, v_r, seat, u):
+    """Add to the Jacobian what the loads make of a change of the orbit rate, without traction.
+
+    As a difference quotient, the equilibrium solved anew.
+    """
+    op = p.bearing.op
+    scale = max(abs(u[3]), abs(op.omega_i), abs(op.omega_o))
+    if not scale > 0.0:
+        return
+    by_slip = QUOTIENT_SLIP * v_r / (scale * p.bearing.g.dm)
+    change = scale * min(LARGEST_QUOTIENT, max(SMALLEST_QUOTIENT, by_slip))
+    moved = orbit_equilibrium(p.bearing, u[3] + change, seat).state
+    if usable(moved) == OK and friction_balance(p, v_r, moved, u, p.shifted, False) == OK:
+        for i in range(u.size):
+            p.jacobian[i, 3] += (p.shifted[i] - p.residual[i]) / change
+
+
+@jit
+def add_load_columns(p, seat, u):
+    """Add to the Jacobian what the loads make of the orbit rate and of the tractions.
+
+    From the changes of the friction of both contacts that `friction_balance` has left in `p`.
+    """
+    b, J, R = p.bearing, p.jacobian, 0.5 * p.bearing.D
+    load = orbit_load(u[3], u[4], u[5])
+    load_rates(b.g, b.D, load, seat.delta_a, b.preload.constant_force, seat.state, p.rates)
+    F_v, _ = drag_force(b.g, b.D, b.op.drag, u[3])
+    for v in range(3):
+        column, dr = 3 + v, p.rates[v, 0, 0]
+        J[3, column] -= dr * F_v
+        for k in range(2):
+            L, G, dalpha = p.L[k], p.gradient[k], p.rates[v, k, 1]
+            for row in range(5):
+                by = 0.0
+                for q in range(3):
+                    by += p.change[k, row, BY_RADIUS + q] * p.rates[v, k, q]
+                if row < 4:
+                    for i in range(4):
+                        J[i, column] -= L[row, i] * by
+                else:
+                    J[4 + k, column] += R * by
+            # the levers change as well: L turns with the contact, and its arm is the orbit
+            J[0, column] -= dalpha * (L[2, 2] * G[2] + L[3, 2] * G[3])
+            J[2, column] += dalpha * (L[2, 0] * G[2] + L[3, 0] * G[3])
+            J[3, column] -= dr * G[1]
 
 
 @jit
 def full_jacobian(p, v_r, seat, u):
-    """Residual and Jacobian into `p`, the loads following the orbit rate.
-
-    How the loads follow the orbit rate, and tractions, enters as a difference quotient.
+    """Residual and Jacobian into `p`, the loads following the orbit rate, and tractions.
 
     Returns
     -------
     int
         As `friction_balance`.
     """
-    g, op = p.bearing.g, p.bearing.op
     status = friction_balance(p, v_r, seat.state, u, p.residual, True)
-    if status != OK:
-        return status
-    scale = max(abs(u[3]), abs(op.omega_i), abs(op.omega_o))
-    if scale > 0.0:
-        by_slip = QUOTIENT_SLIP * v_r / (scale * g.dm)
-        dOmega = scale * min(LARGEST_QUOTIENT, max(SMALLEST_QUOTIENT, by_slip))
-        add_quotient(p, v_r, seat, u, 3, dOmega)
-    if u.size > 4:
-        dT = QUOTIENT_TRACTION * (seat.state.Q_i + seat.state.Q_o)
-        add_quotient(p, v_r, seat, u, 4, dT)
-        add_quotient(p, v_r, seat, u, 5, dT)
-    return OK
+    if status == OK and u.size > 4:
+        add_load_columns(p, seat, u)
+    elif status == OK:
+        add_quotient(p, v_r, seat, u)
+    return status
 
 
 @jit

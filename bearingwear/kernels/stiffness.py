@@ -44,10 +44,15 @@ def bearing_stiffness(g, D, psi, Q, alpha, out):
     for p in range(DOF):
         for q in range(DOF):
             out[p, q] = 0.0
+    S_xx = S_xr = S_rr = 0.0
     for j in range(D.size):
-        inner = spring_under(g, INNER, D[j], Q[j, 0], alpha[j, 0])
-        outer = spring_under(g, OUTER, D[j], Q[j, 1], alpha[j, 1])
-        S_xx, S_xr, S_rr = series_stiffness(inner, outer)
+        alike = j > 0 and D[j] == D[j - 1]
+        for k in range(2):
+            alike = alike and Q[j, k] == Q[j - 1, k] and alpha[j, k] == alpha[j - 1, k]
+        if not alike:
+            inner = spring_under(g, INNER, D[j], Q[j, 0], alpha[j, 0])
+            outer = spring_under(g, OUTER, D[j], Q[j, 1], alpha[j, 1])
+            S_xx, S_xr, S_rr = series_stiffness(inner, outer)
         s, c = math.sin(psi[j]), math.cos(psi[j])
         axial = (1.0, 0.0, 0.0, g.R_i * c, g.R_i * s)  # of the groove centre, for each displacement
         radial = (0.0, -s, c, 0.0, 0.0)

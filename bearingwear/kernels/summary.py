@@ -116,3 +116,22 @@ def slip_profile(g, D, op, u, r, k, row, t, h, v1, v2):
     contact = loaded_contact(g, op, k, row[LOAD], row[MAJOR], row[MINOR], sine, cosine)
     surface_height(contact, 0.5 * D, t, h)
     slip_velocity(contact, slip_coefficients(contact, u, r), t, h, v1, v2)
+
+
+@jit
+def slip_profiles(g, D, op, u, r, rows, t, v1, v2):
+    """`slip_profile` of both contacts of all balls.
+
+    Parameters
+    ----------
+    D, u, r : ndarray (balls,), (balls, 4), (balls,)
+    rows : ndarray (balls, 2, COLUMNS)
+    t : ndarray (n,)
+    v1, v2 : ndarray (balls, 2, n)
+        Filled, but for those without a load.
+    """
+    h = np.empty(t.size)
+    for j in range(D.size):
+        for k in range(2):
+            if rows[j, k, LOAD] > 0.0:
+                slip_profile(g, D[j], op, u[j], r[j], k, rows[j, k], t, h, v1[j, k], v2[j, k])

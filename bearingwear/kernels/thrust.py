@@ -236,7 +236,7 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     ThrustCase
     """
     g, D, op = bearing.g, bearing.D, bearing.op
-    p = balance_problem(bearing, rule)
+    p = balance_problem(bearing, rule, bearing.traction)
     u = unknowns(p, start)
     contacts = np.full((2, COLUMNS), np.nan)
     s = steady_state(p, u, v_start, tolerance)

@@ -18,7 +18,7 @@ from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.periodic import PeriodicMotion, periodic_motion
 from bearingwear.model.solution import is_found_periodic
 from bearingwear.model.start import Start, start_of, thrust_alone
-from bearingwear.model.steady import ThrustProblem, steady_answer
+from bearingwear.model.steady import ThrustProblem, steady_answers
 from bearingwear.model.time_run import FAR_FROM_LAND, INTEGRATORS, RunGrid, TimeRun
 from bearingwear.scene.scene import Scene
 
@@ -255,8 +255,7 @@ def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
     other = halved.solve(D, start=case.u)
     if other.status != code.OK:
         return np.zeros(MEASURED)
-    answers = (steady_answer(thrust, p, D, c) for p, c in ((problem, case), (halved, other)))
-    return halved_part(*answers)
+    return halved_part(*steady_answers(thrust, problem, D, [case, other]))
 
 
 def rerun(

@@ -30,22 +30,20 @@ MEASURED = 6
 def measured(values: Mapping[str, Any], balls: int) -> np.ndarray:
     """Quantities (6,) whose errors are estimated, in the order of `MEASURED`."""
     heat = np.asarray(values["friction_heat"]).sum(axis=-1).mean()
-    return np.array(
-        [
-            values["total_qv"],
-            values["residual_preload"],
-            *values["ball_diameter_loss_rate"],
-            values["shaft_torque"],
-            balls * heat + values["drag_power"] + values.get("cage_friction_heat", 0.0),
-        ]
+    power = balls * heat + values["drag_power"] + values.get("cage_friction_heat", 0.0)
+    qv, preload, rates = (
+        values[name] for name in ("total_qv", "residual_preload", "ball_diameter_loss_rate")
     )
+    return np.array([qv, preload, *rates, values["shaft_torque"], power])
 
 
 def changed(now: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Relative differences, without sign; 0 where both vanish."""
-    scale = np.abs(now)
+    scale, change = np.abs(now), np.abs(other - now)
+    if (scale > 0.0).all():
+        return change / scale
     with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.abs(other - now) / scale
+        share = change / scale
     return np.where(scale > 0.0, share, np.where(other == now, 0.0, np.inf))
 
 
@@ -65,15 +63,18 @@ def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:
 
     Torque and power may be unknown where the others are not, and are then left out alone.
     """
-    total = np.sum([np.full(MEASURED, ROUNDING), *parts], axis=0)
+    total = sum(parts, start=np.full(MEASURED, ROUNDING))
     qv, preload, balls, both, torque, power = total
-    if not np.isfinite((qv, preload, balls, both)).all():
+    known = np.isfinite(total)
+    if not known[:4].all():
         return {}
     found = {
         "qv_error_estimate": qv,
         "residual_preload_error_estimate": preload,
         "wear_rate_error_estimate": np.array([balls, both]),
-        "shaft_torque_error_estimate": torque,
-        "friction_power_error_estimate": power,
     }
-    return {name: error for name, error in found.items() if np.isfinite(error).all()}
+    if known[4]:
+        found["shaft_torque_error_estimate"] = torque
+    if known[5]:
+        found["friction_power_error_estimate"] = power
+    return found

@@ -1,5 +1,6 @@
 """Result variables that all models fill in the same way."""
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,8 @@ from bearingwear.kernels.summary import (
     SHARE,
     SPIN,
     TRACK,
-    slip_profile,
+    slip_profiles,
 )
-from bearingwear.kernels.wear import diameter_loss_rate
 from bearingwear.model.films import Films
 from bearingwear.scene.scene import Scene
 
@@ -51,7 +51,8 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
-    v1, v2 = slip_profiles(scene, g, op, D, u, r, rows)
+    v1, v2 = np.zeros((2, len(D), 2, scene.model.strips))
+    slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), v1, v2)
     inertia = ball_inertia(ball_mass(g.rho, D), D)
     gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
     races = np.array([op.omega_i, op.omega_o])
@@ -125,9 +126,9 @@ def stiffness_of_loads(
         Of their contacts [N], [rad]; the first ball stands at +Z.
     """
     N = g.n_balls
-    Q, alpha = (np.broadcast_to(one, (N, 2)).copy() for one in (load, angle))
-    K = np.empty((DOF, DOF))
-    bearing_stiffness(g, np.broadcast_to(D, N).copy(), 2.0 * np.pi * np.arange(N) / N, Q, alpha, K)
+    Ds, Qs, alphas, K = np.empty(N), np.empty((N, 2)), np.empty((N, 2)), np.empty((DOF, DOF))
+    Ds[:], Qs[:], alphas[:] = D, load, angle
+    bearing_stiffness(g, Ds, 2.0 * np.pi * np.arange(N) / N, Qs, alphas, K)
     return K
 
 
@@ -147,22 +148,46 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
         ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s]: mean
         over the balls, counting the balls alone, and balls and races.
     """
-    b, films = scene.bearing, Films.of(scene)
-    ball, race = films.wearing(films.cover)
-    ball_rate, race_rate = ball.rate(qv), race.rate(qv)
-    losses = [
-        diameter_loss_rate(
-            b.ball_count, D[j], ball_rate[j, 0], ball_rate[j, 1],
-            tuple(a[j]), tuple(track[j]), tuple(race_rate[j]),
-        )
-        for j in range(len(D))
-        if a[j].min() > 0.0
-    ]  # fmt: skip
+    n = scene.bearing.ball_count
+    ball_rate, race_rate = wear_rates(scene, qv)
+    on = a.min(axis=1) > 0.0  # those off a race loosen no fit
+    losses = diameter_loss_rates(n, D[on], ball_rate[on], race_rate[on], a[on], track[on])
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
-        "race_wear_rate": b.ball_count * race_rate.mean(axis=0),
-        "ball_diameter_loss_rate": np.sum(losses, axis=0) / len(D) if losses else np.zeros(2),
+        "race_wear_rate": n * race_rate.mean(axis=0),
+        "ball_diameter_loss_rate": losses.sum(axis=0) / len(D),
     }
+
+
+def wear_rates(scene: Scene, qv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Volumes worn off ball and race per time [m3/s] where QV [W] is given, their films new."""
+    films = Films.of(scene)
+    ball, race = films.wearing(films.cover)
+    return ball.rate(qv), race.rate(qv)
+
+
+def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray:
+    """Rates at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24).
+
+    Parameters
+    ----------
+    n : int
+        Balls of the bearing.
+    D : ndarray (k,)
+        Worn ball diameters [m].
+    ball_rate, race_rate : ndarray (k, 2)
+        Wear of the ball and of the race in each contact [m3/s].
+    a, track : ndarray (k, 2)
+        Semi-major axes, radii of the tracks [m].
+
+    Returns
+    -------
+    ndarray (k, 2)
+        Counting the balls alone, and balls and races [m/s].
+    """
+    balls = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
+    races = n * race_rate / (2.0 * np.pi * track * 2.0 * a)
+    return np.stack([balls, balls + races.sum(axis=1)], axis=1)
 
 
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
@@ -185,20 +210,7 @@ def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: n
     return np.array([off_ball.mean(axis=0), n * (qv / (4.0 * np.pi * track * loaded)).mean(axis=0)])
 
 
-def strip_centres(scene: Scene) -> np.ndarray:
-    """Positions x/a of the middles of equal strips (strips,)."""
-    n = scene.model.strips
+@functools.cache
+def strip_centres(n: int) -> np.ndarray:
+    """Positions x/a of the middles of n equal strips; shared, so never to be written to."""
     return (2.0 * np.arange(n) + 1.0) / n - 1.0
-
-
-def slip_profiles(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows):
-    """Slip (race minus ball) along both axes at the strip centres, two (n, 2, strips) [m/s]."""
-    t = strip_centres(scene)
-    h = np.empty(t.size)
-    v1, v2 = np.zeros((2, len(D), 2, t.size))
-    for j in range(len(D)):
-        for k in range(2):
-            row = rows[j, k]
-            if row[LOAD] > 0.0:
-                slip_profile(g, D[j], op, u[j], r[j], k, row, t, h, v1[j, k], v2[j, k])
-    return v1, v2

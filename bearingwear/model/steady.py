@@ -20,10 +20,15 @@ from bearingwear.kernels.steady_balance import (
 from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, QV, TORQUE, TRACK
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
-from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
+from bearingwear.model.estimate import DOUBLED, changed, halved_part, summed
 from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.micro_slip import micro_slip_values
-from bearingwear.model.outputs import contact_values, stiffness_matrix, wear_values
+from bearingwear.model.outputs import (
+    contact_values,
+    diameter_loss_rates,
+    stiffness_matrix,
+    wear_rates,
+)
 from bearingwear.scene.scene import Scene
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
@@ -72,7 +77,7 @@ class ThrustProblem:
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""
-        return balance_problem(self.bearing(D), self.rule)
+        return balance_problem(self.bearing(D), self.rule, self.traction)
 
     def kinematic_start(self, kinematics_model: int) -> np.ndarray:
         """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
@@ -163,16 +168,17 @@ class ThrustProblem:
         v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
         rules = self.rule, self.search_rule
         args = case.delta_a, case.u, not stable, most
-        # Without traction on the normal forces, which moves a state, but makes none.
-        bearing = self.bearing(D)._replace(traction=False)
-        for u in settled_elsewhere(bearing, *rules, v_r, *args):
+        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
             # Newton may go on from a motion that had not settled to a state that is known.
             if is_new(u, found):
                 other = self.solve(D, start=u)
                 if other.status == code.OK and is_new(other.u, found):
                     found.append(other)
-        rolling = self.kinematic_start(OUTER_CONTROL)[3]
-        return sorted(found[1:], key=lambda c: abs(c.u[3] - rolling))
+        others = found[1:]
+        if len(others) > 1:
+            rolling = self.kinematic_start(OUTER_CONTROL)[3]
+            others.sort(key=lambda c: abs(c.u[3] - rolling))
+        return others
 
 
 def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
@@ -194,12 +200,13 @@ def solve_steady(
     case : ThrustCase, optional
         Its state, if it is known.
     """
+    mounted = parameters.static_place(scene) if problem else None  # its own is found with it
     problem = problem or ThrustProblem.of(scene)
     D = float(parameters.worn_diameters(scene, problem.g)[0])
     values: dict = {
         "status": problem.undetermined(),
         "ball_diameter_loss": np.array([problem.g.D0 - D]),
-        "initial_axial_displacement": parameters.static_place(scene),
+        "initial_axial_displacement": problem.preload.delta_a if mounted is None else mounted,
     }
     if values["status"] != code.OK:
         return values, {"residual": "not solved"}
@@ -242,30 +249,40 @@ def solve_steady(
 
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     """Estimated numerical errors of a solved state; empty where they cannot be had."""
-    now = steady_answer(scene, problem, D, case)
-    answers = []
+    cases = [case]
     for other in problem.perturbed(scene):
         near = other.solve(D, start=case.u)
         if near.status != code.OK:
             return {}
-        answers.append(steady_answer(scene, other, D, near))
-    halved, twice = answers
+        cases.append(near)
+    now, halved, twice = steady_answers(scene, problem, D, cases)
     return summed([halved_part(now, halved), DOUBLED * changed(now, twice)])
 
 
-def steady_answer(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> np.ndarray:
-    """Quantities whose errors are estimated, as in `estimate.measured`."""
-    n, c = problem.g.n_balls, case.contacts
-    qv, a, track = (c[None, :, column] for column in (QV, MAJOR, TRACK))
+def steady_answers(
+    scene: Scene, problem: ThrustProblem, D: float, cases: list[ThrustCase]
+) -> np.ndarray:
+    """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
+    n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
+    ball_rate, race_rate = wear_rates(scene, c[..., QV])
+    diameters = np.full(len(cases), D)
+    loss = diameter_loss_rates(n, diameters, ball_rate, race_rate, c[..., MAJOR], c[..., TRACK])
+    drag = [drag_power(problem, D, case) for case in cases]
+    return np.column_stack(
+        [
+            n * c[..., QV].sum(axis=1),
+            [axial_force(case, n) for case in cases],
+            loss,
+            n * c[:, 0, TORQUE],
+            n * c[..., HEAT].sum(axis=1) + drag,
+        ]
+    )
+
+
+def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
+    """Power of the drag on all balls [W]."""
     F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
-    answer = wear_values(scene, np.array([D]), qv, a, track) | {
-        "total_qv": n * qv.sum(),
-        "residual_preload": axial_force(case, n),
-        "friction_heat": c[None, :, HEAT],
-        "shaft_torque": n * c[0, TORQUE],
-        "drag_power": n * F_v * case.r * case.u[3],
-    }
-    return measured(answer, n)
+    return problem.g.n_balls * F_v * case.r * case.u[3]
 
 
 def axial_force(case: ThrustCase, n: int = 1) -> float:
@@ -287,7 +304,6 @@ def residual_sentence(case: ThrustCase) -> str:
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
     """Case variables of a solved steady state."""
     g, op, n = problem.g, problem.op, problem.g.n_balls
-    F_v, _ = drag_force(g, D, op.drag, case.u[3])
     return contact_values(
         scene,
         g,
@@ -300,7 +316,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
     ) | {
         "axial_displacement": case.delta_a,
         "shaft_torque": n * case.contacts[0, TORQUE],
-        "drag_power": n * F_v * case.r * case.u[3],
+        "drag_power": drag_power(problem, D, case),
         "axial_stiffness": n * case.S_xx,
         "stiffness_matrix": stiffness_matrix(g, np.array([D]), case.contacts[None]),
         "centrifugal_force": np.array([case.P_r]),

@@ -246,7 +246,7 @@ class TimeRun:
         self.keeps_history = model.history_points_per_turn > 0
         integrals = layout.size - layout.qv
         self.recorder = Recorder(
-            sums=empty_sums(n, system.bearing.rule, strip_centres(scene), integrals),
+            sums=empty_sums(n, system.bearing.rule, strip_centres(scene.model.strips), integrals),
             # without histories a turn of them is kept, for the range of the loads
             history=empty_history(grid.total if self.keeps_history else grid.points, n),
             keep=True,

@@ -9,8 +9,16 @@ from published_bearings import B218
 from scipy.special import ellipe, ellipkm1
 
 from bearingwear.kernels.contact import strip_traction, surface_height
-from bearingwear.kernels.hertz import elliptic_integrals, point_contact, race_contact
+from bearingwear.kernels.hertz import (
+    INNER,
+    OUTER,
+    angle_slope,
+    elliptic_integrals,
+    point_contact,
+    race_contact,
+)
 from bearingwear.kernels.params import Contact
+from bearingwear.model.parameters import geometry
 from bearingwear.model.quadrature import equal_strips, gauss_halves
 
 
@@ -75,6 +83,17 @@ def test_start_does_not_matter():
     cold = race_contact(B218, -1.0, B218.D0, 0.8, math.nan)
     for start in (0.0, 1.0, 5.0):
         assert_allclose(race_contact(B218, -1.0, B218.D0, 0.8, start), cold, rtol=1e-13)
+
+
+@pytest.mark.parametrize("side", [INNER, OUTER])
+@pytest.mark.parametrize("alpha", [0.05, 0.35, 1.2])
+def test_slope_by_the_contact_angle(scene, side, alpha):
+    """Of ln K, against differences."""
+    g = geometry(scene("gyro_s1"))
+    K = [race_contact(g, side, g.D0, math.cos(alpha + e), math.nan).K for e in (-1e-5, 1e-5)]
+    hertz = race_contact(g, side, g.D0, math.cos(alpha), math.nan)
+    found = angle_slope(g, side, g.D0, math.sin(alpha), math.cos(alpha), hertz)
+    assert_allclose(found, math.log(K[1] / K[0]) / 2e-5, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

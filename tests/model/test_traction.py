@@ -8,8 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ball_response import shifted_state
-from bearingwear.kernels.equilibrium import cold_start, orbit_load
+from bearingwear.kernels.ball_response import joined_equilibrium, load_rates
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.hertz import race_contact
 from bearingwear.kernels.steady_balance import (
     Seat,
@@ -117,19 +117,39 @@ def test_jacobian_of_all_six(solved):
     assert np.abs((found - J) / scale).max() <= 1e-3
 
 
-@pytest.mark.parametrize("change", [(3e-2, 0.0, 0.0), (0.0, 1e-6, 0.0), (0.0, 0.0, 1e-6)])
-def test_response_of_a_ball_is_that_of_its_equilibrium(solved, change):
-    """Places to a thousandth; loads feel the Hertz factors, which follow the angle, by 2 %."""
+@pytest.mark.parametrize("by", range(3))
+def test_response_of_a_ball_is_that_of_its_equilibrium(solved, by):
+    """Orbit radius, angles and loads by orbit rate and tractions, against the nested solver's."""
     p, seat, u, _ = solved
-    b, state = p.bearing, seat.state
-    load = orbit_load(u[3], u[4], u[5])
+    b, held = p.bearing, p.bearing.preload.constant_force
+    start = (b.g, b.D), (b.preload.F_x, seat.delta_a, held, cold_start())
+    step = (3e-2, 1e-5, 1e-5)[by]
+    moved = []
+    for sign in (-1.0, 1.0):
+        load = orbit_load(*(u[3:] + sign * step * np.eye(3)[by]))
+        s = thrust_equilibrium(*start[0], load, *start[1])[1]
+        moved.append([[s.X2, s.alpha_i, s.Q_i], [s.X2, s.alpha_o, s.Q_o]])
+    exact = np.subtract(*moved[::-1]) / (2.0 * step)
+    found = np.empty((3, 2, 3))
+    load_rates(b.g, b.D, orbit_load(*u[3:]), seat.delta_a, held, seat.state, found)
+    scale = np.abs(exact).max(axis=0)
+    assert_allclose(found[by] / scale, exact / scale, atol=1e-5)
+
+
+def test_ball_and_race_are_found_together(solved):
+    """By Newton's steps from nearby, as by the nested solver from nothing; or it says so."""
+    p, seat, u, _ = solved
+    b, load = p.bearing, orbit_load(u[3] * 1.01, u[4] * 1.1, u[5])
     held = b.preload.constant_force
-    near = shifted_state(b.g, b.D, load, seat.delta_a, held, state, *change)
-    exact = motion_equilibrium(b, u + np.array([0, 0, 0, *change]), seat).state
-    for name, rtol in (("X1", 1e-3), ("X2", 1e-3), ("alpha_i", 1e-3), ("Q_i", 0.03), ("Q_o", 0.03)):
-        before = getattr(state, name)
-        moved, found = getattr(exact, name) - before, getattr(near, name) - before
-        assert_allclose(found, moved, rtol=rtol, atol=1e-9 * abs(before))
+    place, found = joined_equilibrium(b.g, b.D, load, b.preload.F_x, seat.delta_a, held, seat.state)
+    args = b.g, b.D, load, b.preload.F_x, seat.delta_a, held
+    other, nested = thrust_equilibrium(*args, cold_start())
+    assert found.status == nested.status == code.OK
+    assert_allclose(place, other, rtol=1e-10)
+    for name in ("X1", "X2", "alpha_i", "alpha_o", "Q_i", "Q_o", "F_ix", "P_x", "P_r"):
+        assert_allclose(getattr(found, name), getattr(nested, name), rtol=1e-9, err_msg=name)
+    far = seat.state._replace(X2=seat.state.X2 - 1e-5)  # off the outer race
+    assert joined_equilibrium(*args, far)[1].status == code.NOT_CONVERGED
 
 
 def test_check_says_no_to_another_traction(solved):
