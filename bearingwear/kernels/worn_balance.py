@@ -61,6 +61,27 @@ class WornForce(NamedTuple):
 
 
 @jit
+def spline_pieces(step, depth, c):
+    """Fill c (4, n - 1) with the cubic spline through n depths at equal steps, level at its ends.
+
+    Slopes follow from slope[i-1] + 4 slope[i] + slope[i+1] = 3 (depth[i+1] - depth[i-1])/step.
+    """
+    n = depth.size
+    slope, ratio = np.zeros(n), np.zeros(n)
+    for i in range(1, n - 1):
+        ratio[i] = 1.0 / (4.0 - ratio[i - 1])
+        slope[i] = (3.0 * (depth[i + 1] - depth[i - 1]) / step - slope[i - 1]) * ratio[i]
+    for i in range(n - 2, 0, -1):
+        slope[i] -= ratio[i] * slope[i + 1]
+    for i in range(n - 1):
+        mean = (depth[i + 1] - depth[i]) / step
+        c[0, i] = (slope[i] + slope[i + 1] - 2.0 * mean) / (step * step)
+        c[1, i] = (3.0 * mean - 2.0 * slope[i] - slope[i + 1]) / step
+        c[2, i] = slope[i]
+        c[3, i] = depth[i]
+
+
+@jit
 def arc_depth(arc, s):
     """Depth and slope at a place; beyond the ends those at the ends."""
     n = arc.c.shape[1]

@@ -2,6 +2,7 @@
 
 The friction of a worn contact is that of the Hertz contact it would be unworn, by the rule of the
 ellipse, and what its cells add to it: those worn less those unworn. Without wear nothing is added.
+The friction of cells is rounded below a slip that they resolve.
 """
 
 import math
@@ -23,7 +24,7 @@ from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
-from bearingwear.kernels.profile import contact_load
+from bearingwear.kernels.profile import contact_load, profile
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 from bearingwear.kernels.steady_balance import (
     add_gyration_and_drag,
@@ -39,6 +40,7 @@ OF_UNWORN, OF_WORN = range(2)
 # Rows of the cells written down: place x/a, share of the load, height and place across [m], number
 # of the cell along the major axis, share of the friction, how many cells there are.
 CELL_X, CELL_WEIGHT, CELL_HEIGHT, CELL_WIDTH, CELL_COLUMN, CELL_FRICTION, CELL_COUNT = range(7)
+CELL_ROUNDING = 0.2  # of what slip changes by over a cell at the contact's edge
 THIN_PRESSURE = 0.05  # of Hertz' peak: cells with less count in proportion to the area in contact
 
 
@@ -65,6 +67,7 @@ class FrictionWork(NamedTuple):
     halves: np.ndarray  # (2,) and shares
     h_along: np.ndarray  # (most cells along,) heights of the cells unworn
     cells: np.ndarray  # (race, unworn or worn, row as below, most cells)
+    rounded: np.ndarray  # (2,) slip below which the friction of cells is rounded [m/s]
 
 
 @jit
@@ -79,7 +82,7 @@ def friction_work(rule, n, m_cells):
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
         step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),
-        h_along=np.empty(n), cells=np.zeros((2, 2, 7, n * m_cells)),
+        h_along=np.empty(n), cells=np.zeros((2, 2, 7, n * m_cells)), rounded=np.zeros(2),
     )  # fmt: skip
 
 
@@ -98,11 +101,24 @@ def place_cells(g, D, op, races, seat, work):
         contact = unworn_contact(g, op, k, force)
         surface_height(contact, 0.5 * D, race.cells.X, work.h_along)
         total = race.cells.fresh.sum()
+        work.rounded[k] = slip_of_a_cell(g, D, op, race.cells, contact)
         for worn in range(2):
             pressure = race.pressure if worn == OF_WORN else race.cells.fresh
             fill_cells(race, pressure, worn, contact.b, total, work, work.cells[k, worn])
         if (op.S_i if k == 0 else op.S_o) > 0.0 or race.without >= 0.0:
             film_friction(race, op.mu_i if k == 0 else op.mu_o, contact.mu, work.cells[k, OF_WORN])
+
+
+@jit
+def slip_of_a_cell(g, D, op, cells, contact):
+    """Slip below which friction of cells is rounded (theory.md Eq. 87) [m/s].
+
+    Over a cell the curvature of the contact changes slip by more than v_r: sums over cells would
+    jump where a line of pure rolling passes one.
+    """
+    rolling = abs(op.omega_i - op.omega_o) * 0.5 * g.dm / D
+    dx = contact.a * (cells.X[1] - cells.X[0])
+    return CELL_ROUNDING * rolling * contact.a * dx / profile(contact.r_g, 0.5 * D, contact.a).R_d
 
 
 @jit
@@ -171,7 +187,7 @@ def loaded_cells(cells):
 
 
 @jit
-def worn_slope(cells, contact, R, c, op, v_r, rule, work):
+def worn_slope(k, contact, R, c, v_r, rule, work):
     """Gradient and second derivatives of the friction potential of a worn contact, into `work`."""
     across, share = work.across, work.share
     t, weight = contact_points(
@@ -181,17 +197,18 @@ def worn_slope(cells, contact, R, c, op, v_r, rule, work):
         contact, c, contact.mu, v_r, t, weight, work.h, work.width, across, share, work.gradient,
         work.hessian,
     )  # fmt: skip
+    rounded = math.hypot(v_r, work.rounded[k])
     for worn in range(2):
-        t, _, friction, h, width, _ = loaded_cells(cells[worn])
+        t, _, friction, h, width, _ = loaded_cells(work.cells[k, worn])
         traction_slope(
-            contact, c, contact.mu, v_r, t, friction, h, width, work.ones, work.halves,
+            contact, c, contact.mu, rounded, t, friction, h, width, work.ones, work.halves,
             work.part_gradient, work.part_hessian,
         )  # fmt: skip
         sign = 1.0 if worn == OF_WORN else -1.0
         for i in range(5):
             work.gradient[i] += sign * work.part_gradient[i]
-            for k in range(5):
-                work.hessian[i, k] += sign * work.part_hessian[i, k]
+            for j in range(5):
+                work.hessian[i, j] += sign * work.part_hessian[i, j]
 
 
 @jit
@@ -212,7 +229,7 @@ def worn_friction_balance(g, op, D, seat, v_r, rule, work, u, out):
     for k in range(2):
         contact = unworn_contact(g, op, k, seat.inner if k == 0 else seat.outer)
         c = slip_coefficients(contact, u, r)
-        worn_slope(work.cells[k], contact, R, c, op, v_r, rule, work)
+        worn_slope(k, contact, R, c, v_r, rule, work)
         slip_map(contact, r, work.L)
         subtract_projected(work.L, work.hessian, work.jacobian)
         subtract_gradient(work.L, work.gradient, out)
@@ -304,10 +321,11 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
             contact, c, contact.mu, op.v_r, r, t, weight, work.h, work.width, across, share
         )
         gyro *= qv
+        rounded = math.hypot(op.v_r, work.rounded[k])
         for worn in range(2):
             t, weight, friction, h, width, column = loaded_cells(work.cells[k, worn])
             part = dissipation(
-                contact, c, contact.mu, op.v_r, r, t, weight, h, width, work.ones, work.halves
+                contact, c, contact.mu, rounded, r, t, weight, h, width, work.ones, work.halves
             )
             sign = 1.0 if worn == OF_WORN else -1.0
             qv += sign * part[0]
@@ -315,7 +333,17 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
             out[k, 4] = contact.mu * (friction.sum() / weight.sum())
             if out[k, 4] != contact.mu:
                 part = dissipation(
-                    contact, c, contact.mu, op.v_r, r, t, friction, h, width, work.ones, work.halves
+                    contact,
+                    c,
+                    contact.mu,
+                    rounded,
+                    r,
+                    t,
+                    friction,
+                    h,
+                    width,
+                    work.ones,
+                    work.halves,
                 )
             heat += sign * part[1]
             torque += sign * part[3]

@@ -23,8 +23,9 @@ from bearingwear.kernels.worn_balance import WornForce, race_parts, worn_force
 from bearingwear.kernels.worn_friction import place_cells, settled_motion
 
 UNKNOWNS = 4  # X1, X2, delta_a, pitch, in this order; some states have fewer
-MOST_SEATS = 40
-MOST_POOR = 3  # of them that leave much, though the derivatives are new
+MOST_SEATS = 60
+MOST_POOR = 20  # of them that leave much, though the derivatives are new: the state lies far off
+MOST_POOR_IN_BANDS = 3  # likewise; `relaxed_seat` knows which way the axis turns
 PLACES_TRIED = 5  # along a step with new derivatives
 SLOW_BALANCE = 0.3  # share of what was left, above which a step calls for derivatives found anew
 WORN_BALANCE = 1e-8  # force left, as a share of the load [1]
@@ -265,7 +266,7 @@ def shortened_step(bearing, races, reference, rule, work, state, seat, u, share,
 def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
     """`worn_seat` with nothing left, by Broyden's method; u is improved in place."""
     seat = worn_seat(bearing, races, reference, rule, work, state, seat, u, state.left)
-    poor = 0
+    poor, most_poor = 0, MOST_POOR_IN_BANDS if state.active[3] else MOST_POOR
     for _ in range(MOST_SEATS):
         size = largest(state.left)
         if seat.status != OK or size <= WORN_BALANCE:
@@ -289,7 +290,7 @@ def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
         if largest(state.left) > SLOW_BALANCE * size:
             poor += 1 if fresh else 0
             state.slope[0, 0] = 0.0
-            if poor > MOST_POOR:
+            if poor > most_poor:
                 break
     state.slope[0, 0] = 0.0
     return seat_with(seat, NOT_CONVERGED, seat.inner, seat.outer, seat.F_i, seat.F_o)

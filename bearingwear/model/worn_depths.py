@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
 from bearingwear.kernels import status as code
@@ -12,7 +11,7 @@ from bearingwear.kernels.params import Geometry, Hertz
 from bearingwear.kernels.profile import contact_approach
 from bearingwear.kernels.summary import ANGLE, LOAD
 from bearingwear.kernels.thrust import ThrustCase
-from bearingwear.kernels.worn_balance import Arc, WornForce
+from bearingwear.kernels.worn_balance import Arc, WornForce, spline_pieces
 from bearingwear.kernels.worn_state import WornSeat, pitch
 from bearingwear.model.steady import ThrustProblem
 
@@ -69,7 +68,8 @@ def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
     """A depth over equally spaced places; none is an even one."""
     if not depth.size:
         return UNWORN_ARC
-    c = np.ascontiguousarray(CubicSpline(places, depth).c)
+    c = np.empty((4, depth.size - 1))
+    spline_pieces(float(step), depth, c)
     return Arc(float(places[0]), float(step), c)
 
 

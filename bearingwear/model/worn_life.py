@@ -79,6 +79,8 @@ class WornLife:
         Instead of the usual ones.
     perturbed : int, optional
         Which of `ThrustProblem.perturbed` is solved, instead of the scene's own problem.
+    only_times : bool
+        Whether stiffnesses are left at that of the start where nothing ends by them.
     """
 
     def __init__(
@@ -87,11 +89,14 @@ class WornLife:
         cells: tuple[int, int] = WORN_CELLS,
         step: float = STEP,
         perturbed: int | None = None,
+        only_times: bool = False,
     ):
         self.scene, self.step, self.cells, self.perturbed = scene, step, cells, perturbed
         self.end = scene.wear.end_of_life or EndOfLife()
         self.solves = 0
         self.pair: Pair | None = None
+        by_stiffness = self.end.system_axial_stiffness_N_um is not None
+        self.stiff = by_stiffness or scene.pair is not None or not only_times
         self.status = code.OK
         self.sides: tuple[WornSide, ...] = self._pair() if scene.pair else self._single()
 
@@ -138,7 +143,7 @@ class WornLife:
         """The state with some wear; with its stiffness, or with that of the last one."""
         self.solves += 1
         for side, wear in zip(self.sides, wears, strict=True):
-            side.wear, side.stiff = wear, stiff
+            side.wear, side.stiff = wear, stiff and self.stiff
         if self.pair is None:
             states: tuple[SideState, ...] = (self.sides[0].alone(),)
             status, shift, stiffness = states[0].status, np.nan, np.nan

@@ -138,7 +138,8 @@ def worn_error_estimates(scene: Scene, history: LifeHistory) -> dict:
         return {}
 
     def time(perturbed: int | None, cells: tuple[int, int]) -> float:
-        other = WornLife(scene, cells, 2.0 * STEP, perturbed).march()[0].history
+        steps = WornLife(scene, cells, 2.0 * STEP, perturbed, only_times=True)
+        other = steps.march()[0].history
         same = (other.status, other.criterion) == (history.status, history.criterion)
         return float(other.times[-1][1]) if same else math.nan
 

@@ -26,7 +26,8 @@ from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
 _TOO_DEEP = 2.0  # times the depth that a step is to wear
-_FURTHER = 20  # approaches that an even loss is looked for on either side of the guess
+_NEAR = 0.02  # of the approaches: where an even loss is looked for first, beside the guess
+_FURTHER = 12  # times farther away, each time twice as far
 
 
 class WornSide(SteadySide):
@@ -71,6 +72,7 @@ class WornSide(SteadySide):
         self.stiff = True  # whether each state is solved with its stiffness, not with the last one
         self._stiffness = float(problem.g.n_balls * case.S_xx)
         self._offset: float | None = None  # of the even loss, at the start [m]
+        self._ahead = 0.0  # of the last even loss to that of the approaches, over the approaches
         self._states: dict[int, tuple[WornPoint, WearState]] = {}
 
     @property
@@ -139,9 +141,14 @@ class WornSide(SteadySide):
         g, held, seat = point.problem.g, point.problem.preload, point.seat
         preload = self.preload(point)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
-        state = cold_start()
+        state, known = cold_start(), dict[float, float]()
 
         def away(loss: float) -> float:
+            if loss not in known:
+                known[loss] = farther(loss)
+            return known[loss]
+
+        def farther(loss: float) -> float:
             nonlocal state
             delta_a, state = thrust_equilibrium(
                 g, g.D0 - loss, load, held.F_x, seat.delta_a, held.constant_force, state
@@ -151,21 +158,18 @@ class WornSide(SteadySide):
             return 1.0 - g.n_balls * state.F_ix / preload
 
         scale = seat.inner.approach + seat.outer.approach
-        guess = self.approach_loss(point)
-        low, high = guess - 0.5 * scale, guess + 0.5 * scale
+        guess = self.approach_loss(point) + self._ahead * scale
+        width, low, high = _NEAR * scale, guess, guess
         for _ in range(_FURTHER):
-            if away(low) <= 0.0:
+            low, high, width = low - width, high + width, 2.0 * width
+            if away(low) <= 0.0 <= away(high):
                 break
-            low -= scale
-        for _ in range(_FURTHER):
-            if away(high) >= 0.0:
-                break
-            high += scale
         try:
-            root = brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14)
-            return float(root) - self._offset
+            root = float(brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14))
         except ValueError:
             return float("nan")
+        self._ahead += (root - guess) / scale
+        return root - self._offset
 
     @staticmethod
     def preload(point: WornPoint) -> float:

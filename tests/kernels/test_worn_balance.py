@@ -9,7 +9,13 @@ from scipy.interpolate import CubicSpline
 from bearingwear.kernels import status as code
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.worn_balance import Arc, WornRace, find_stiffness, worn_force
+from bearingwear.kernels.worn_balance import (
+    Arc,
+    WornRace,
+    find_stiffness,
+    spline_pieces,
+    worn_force,
+)
 from bearingwear.kernels.worn_cells import contact_buffers
 from bearingwear.kernels.worn_contact import contact_cells
 from bearingwear.model.worn_films import AS_WITH_FILM
@@ -52,6 +58,14 @@ def place(side, approach=APPROACH, alpha=ALPHA):
 
 def skew(x):
     return 0.4 * APPROACH * np.exp(-(((x - 0.4) / 0.7) ** 2))
+
+
+def test_depths_between_the_arcs_are_those_of_a_level_spline():
+    x = np.linspace(-3.0, 4.0, 57)
+    depth, c = np.exp(-((x - 0.3) ** 2)), np.empty((4, 56))
+    spline_pieces(x[1] - x[0], depth, c)
+    expected = CubicSpline(x, depth, bc_type="clamped").c
+    assert c == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
 @SIDES

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bearingwear.kernels import status as code
 from bearingwear.kernels.worn_verification import friction_of_cells
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.films import Films
@@ -29,6 +30,17 @@ COULOMB = FILM | {
 THICK = {"friction.film.thickness_um": 0.3, "friction.film.wear_coefficient": 5e-6}
 SOON = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
 K_H = 5e-6 / 6.6e9
+SPINDLE_7008 = {
+    "bearing.ball_count": 17,
+    "bearing.ball_diameter_mm": 7.938,
+    "bearing.pitch_diameter_mm": 54.0,
+    "bearing.contact_angle_deg": 15.0,
+    "bearing.inner_groove_factor": 0.54,
+    "bearing.outer_groove_factor": 0.52,
+    "operation.shaft_speed_rpm": 15000.0,
+    "operation.preload_N": 150.0,
+    "cage": None,
+}
 
 
 @pytest.fixture(scope="module")
@@ -155,6 +167,22 @@ def test_worn_through_place_by_place(scene):
     assert np.all(share[0] == 0.0)
     left = np.array([s.film for s in found.history.states])[:, :2]
     assert np.all(np.diff(left, axis=0) <= 0.0) and left[-1].min() < 0.2 * FILM_EDGE * 1e-6
+
+
+@pytest.mark.parametrize(
+    ("bearing", "bare", "method"),
+    [("7008", 0.4, "constant_force"), ("gyro_s1", 0.6, "fixed_position")],
+)
+def test_a_groove_goes_bare_with_ten_times_the_friction(scene, bearing, bare, method):
+    """The next state is far from the last one, and is found."""
+    inside = SPINDLE_7008 if bearing == "7008" else {}
+    film = FILM if bearing == "7008" else COULOMB | {"friction.film.pressure_coefficient": 0.04}
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "preload_fraction": 0.4}}
+    thin = THICK | {"friction.film.thickness_um": 0.1, "friction.film.bare_ball_race": bare}
+    held = {"operation.preload_method": method}
+    found = WornLife(scene("gyro_s1", film | thin | inside | end | held)).march()[0]
+    assert found.history.status == code.OK
+    assert found.history.states[-1].friction.min() > 0.6 * bare
 
 
 def test_mos2_scene_follows_its_grooves(scene):

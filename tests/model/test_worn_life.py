@@ -7,6 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from support import scene_file
 
+from bearingwear.api import new
 from bearingwear.kernels import status as code
 from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
 from bearingwear.model.fidelity import NotAvailable
@@ -80,6 +81,14 @@ def test_worn_volumes_are_those_of_archard(track, wander):
             off_ball = (rate.band * ring).sum()
         assert off_ball == pytest.approx(ball * point.slip[:, 0].sum(), rel=1e-9)
         wear = wear.plus(course.longest_step(now, (rate,)), rate)
+
+
+def test_friction_of_cells_is_resolved_where_outer_races_control():
+    """A high-speed 7008 at mu 0.16: lines of pure rolling pass cells, and once stopped the life."""
+    made = new(designation="7008C", speed=18000.0, friction=0.16)
+    (found,) = WornLife(made.with_({"model.contact": "worn", "cage": None})).march()
+    assert found.history.status == code.OK
+    assert CRITERIA[found.history.criterion] == "ball_diameter_loss_um"
 
 
 class UniformWear(WornLife):
