@@ -40,6 +40,13 @@ FRICTION_AXIS = "ball/race friction coefficient µ"
 LOSS_AXIS = "loss of ball diameter (µm)"
 
 
+def worn_in_words(loss_um: float | Sequence[float]) -> str:
+    """A loss of ball diameter [um], or that of each ball, as a title says it."""
+    if not isinstance(loss_um, (int, float)):
+        return "balls worn unequally"
+    return f"{loss_um:g} µm worn" if loss_um else "unworn"
+
+
 def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     """QV and contact load of one ball against friction, at one state of wear (Figs. 7 and 8)."""
     figure, panels = new_figure(1, 2, 7.2, 3.8)
@@ -64,10 +71,9 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     for panel in panels[0]:
         panel.set_xlabel(FRICTION_AXIS)
         panel.set_xticks(mu)
-    wear_state = "unworn" if loss_um == 0.0 else f"{loss_um:g} µm worn"
     frame(
         figure,
-        f"{scene_of(study)['name']}, {wear_state}: {_friction_message(mu, states)}",
+        f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: {_friction_message(mu, states)}",
         method_keys(name for name, _ in states) + race_keys() + failed_keys(failed),
         columns=5,
     )
@@ -124,10 +130,11 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
         panel.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
     list_failed(panels[0, 0], failed)
     reached = " and ".join(f"{percent(share)} at {mu_is(mu)}" for mu, share in shares.items())
+    loss_um = scenes[0]["wear"]["ball_diameter_loss_um"]
     frame(
         figure,
-        f"{scenes[0]['name']}, {scenes[0]['wear']['ball_diameter_loss_um']:g} µm worn: the "
-        f"gyroscopic share of slip reaches {reached or '–'}",
+        f"{scenes[0]['name']}, {worn_in_words(loss_um)}: the gyroscopic share of slip reaches "
+        f"{reached or '–'}",
         method_keys(dict.fromkeys(scene["operation"]["preload_method"] for scene in scenes))
         + dash_keys(styles),
         columns=5,
