@@ -165,7 +165,7 @@ def only_run(folder: Path) -> Iterator[int]:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise NoStudy(
-                f"{folder}: got a study that is running, expected when it is done"
+                f"{folder}: got a study that is running, expected one that is done"
             ) from None
         yield held.fileno()
 
