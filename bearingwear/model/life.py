@@ -55,7 +55,7 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
     if scene.pair is not None:
         if not scene.pair.is_symmetric:
             raise NotAvailable(
-                f"{scene.name}: got two bearings that differ, expected one, or alike"
+                f"{scene.name}: got two bearings that differ, expected one, or two alike"
             )
         scene = scene.sides[0]
     covered, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)

@@ -241,12 +241,15 @@ def _what(dataset: xr.Dataset) -> str:
     return "cases in time" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
 
 
+_ONE = {"lives": "life", "cases": "case", "cases in time": "case in time"}
+
+
 def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:
     """Each warning of a scene once, at its worst, and how many cases and lives have it."""
     files = [(_what(dataset), dataset.attrs) for dataset in datasets]
     for one in warnings_in({"warnings": gathered_warnings(attrs for _, attrs in files)}):
         counts = [
-            f"{twin['cases']} {what}"
+            f"{twin['cases']} {what if twin['cases'] != 1 else _ONE[what]}"
             for what, attrs in files
             for twin in warnings_in(attrs)
             if twin["id"] == one["id"]

@@ -87,7 +87,7 @@ def load_quantiles(path: str | Path) -> xr.Dataset:
     if found.attrs.get("kind") != KIND:
         raise CaseFileError(f"{path}: not a file of the kind {KIND}")
     if not {PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims):
-        raise CaseFileError(f"{path}: of an earlier version, to be made anew")
+        raise CaseFileError(f"{path}: got a file of an earlier version, expected one made again")
     return found
 
 

@@ -118,8 +118,8 @@ class Arrangement:
             if not name or block not in OWN_BLOCKS or shared:
                 raise SceneError(
                     f"second.{key}" if key else "second",
-                    f"got {shown(flat[key])}, a key that both bearings share or that is none, "
-                    f"expected keys of {', '.join(OWN_BLOCKS)}, but speeds, preload, counts "
+                    f"got {shown(flat[key])}, which both bearings share or which is no key, "
+                    f"expected keys of {', '.join(OWN_BLOCKS)} other than speeds, preload, counts "
                     "and end of life",
                 )
         object.__setattr__(self, "second", MappingProxyType(flat))

@@ -95,7 +95,7 @@ def _default(part: Part) -> str:
 
 
 def renewed(text: str) -> str:
-    """A text with the lists between its markers made anew."""
+    """A text with the lists between its markers made again."""
 
     def made(match: re.Match[str]) -> str:
         begin, module, name, end = match.groups()

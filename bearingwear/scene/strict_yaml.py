@@ -155,7 +155,7 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
             key = key_node.value
             here = f"{path}.{key}" if path else key
             if key in block:
-                raise SceneError(here, f"stands a second time in line {line}, expected once")
+                raise SceneError(here, f"got it a second time in line {line}, expected once")
             value = _plain(loader, value_node, here, anchors)
             if key == "<<" and anchors and isinstance(value, dict):
                 merged = value

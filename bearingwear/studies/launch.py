@@ -165,7 +165,7 @@ def only_run(folder: Path) -> Iterator[int]:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise NoStudy(
-                f"{folder}: got a study that is running, expected when it is done"
+                f"{folder}: got a study that is running, expected one that is done"
             ) from None
         yield held.fileno()
 
@@ -194,10 +194,14 @@ def launch_own(
     # nobody runs it: a lock of Snakemake is left by a run that was killed
     shutil.rmtree(folder / ".snakemake" / "locks", ignore_errors=True)
     status = launch("all", jobs, ["--rerun-incomplete", *more], folder, [held])
-    made = folder / PAGE
+    return status, own_page(folder)
+
+
+def own_page(folder: Path) -> Path | None:
+    """The page of a study, copied beside its folders; none where none was made."""
+    made, page = folder / PAGE, folder / PAGE.name
     if not made.is_file():
-        return status, None
-    page = folder / PAGE.name
+        return None
     up = "../" * (len(PAGE.parts) - 1)  # what its links to files begin with
     write_text(page, made.read_text(encoding="utf-8").replace(f'href="{up}', 'href="'))
-    return status, page
+    return page

@@ -68,7 +68,7 @@ def _list(key: str, pairs: Mapping[str, object]) -> str:
 
 
 def with_settings(profile: str, studies: Mapping[str, Study]) -> str:
-    """A profile with its part between the marks made anew."""
+    """A profile with its part between the marks made again."""
     before, _, rest = profile.partition(FIRST_LINE)
     _, _, after = rest.partition(LAST_LINE)
     return f"{before}{FIRST_LINE}\n{settings(studies)}\n{LAST_LINE}{after}"

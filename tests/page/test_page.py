@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from urllib.parse import unquote, unquote_to_bytes, urlsplit
@@ -28,6 +29,7 @@ from bearingwear.page.markup import to_html
 from bearingwear.page.scenes import scene_differences
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
+from bearingwear.studies.launch import own_page
 
 MOST = 1_500_000  # bytes
 HREF = "{http://www.w3.org/1999/xlink}href"
@@ -107,13 +109,21 @@ def test_only_its_own_script_and_style_may_run(whole):
     assert not [node for node in tree.iter() if "style" in node.attrib]
 
 
-def test_every_link_to_a_file_leads_there(whole, whole_page):
-    links = [node.attrib["href"] for node in parsed(whole).iter("a")]
+@pytest.mark.parametrize("own", [False, True], ids=["study", "own study"])
+def test_every_link_to_a_file_leads_there(small_project, whole_page, own, tmp_path):
+    """From results/report/ of a study, and from the folder of `bearingwear study mine.yaml`."""
+    page = whole_page
+    if own:
+        shutil.copytree(small_project, tmp_path / "mine")
+        page = own_page(tmp_path / "mine")
+        assert page == tmp_path / "mine/index.html"
+    links = [node.attrib["href"] for node in parsed(page.read_text(encoding="utf-8")).iter("a")]
     files = [unquote(link) for link in links if not link.startswith("#")]
     for name in ("study.nc", "cases.csv", "fig10.svg", "verification.md"):
         assert any(file.endswith(name) for file in files), name
     for file in files:
-        assert (whole_page.parent / file).is_file(), file
+        assert (page.parent / file).is_file() and file.startswith("../../") == (not own), file
+    assert own_page(tmp_path) is None
 
 
 def test_the_same_bytes_twice(made):

@@ -112,7 +112,7 @@ def run(tmp_path, monkeypatch):
             return "".join(map(printed_by, lines))
         done = subprocess.run(
             ["bash", "-eu", "-c", text],
-            cwd=folder, env=environment, capture_output=True, text=True, timeout=900,
+            cwd=folder, env=environment, capture_output=True, text=True, timeout=3600,
         )  # fmt: skip
         assert done.returncode == 0, f"{text}\n{done.stdout}{done.stderr}"
         return done.stdout

@@ -36,6 +36,10 @@ def study(tmp_path, monkeypatch, capfd):
     return run
 
 
+def text_of(page):
+    return page.read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
+
+
 def rules(output):
     """Names of the rules that ran, or would."""
     table = re.search(r"^Job stats:\njob +count\n[- ]+\n((?:\w+ +\d+\n)+)", output, re.M)
@@ -55,11 +59,11 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     folder = tmp_path / "folder"
     status, told = study("-j2", "--stiffness", "3")
     assert status == 0, told
-    page = (folder / "index.html").read_text(encoding="utf-8")
+    page = text_of(folder / "index.html")
     headline = re.search("<h1>(.*)</h1>", page)[1]
-    assert headline in told.splitlines()[-1] + "." and "folder/index.html: " in told
-    assert re.match(r"gyro_s1: constant force at 4\.1\d* N lasts longest within", headline)
-    assert headline.endswith("held by axial stiffness.")
+    assert told.splitlines()[-1].endswith(f"folder/index.html: {headline}")
+    assert re.match(r"gyro_s1: take a spring of 4\.1\d* N \(constant force\)$", headline)
+    assert "A preload with a longer life would pass a limit: axial stiffness" in page
     assert "axial stiffness at least 3 N/µm" in page and "L10" in page
     found = load(folder / "results/mine/preload/recommendation.nc")
     assert float(found["axial_stiffness"].min()) >= 3.0e6
@@ -73,7 +77,7 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     status, told = study("-j2", "--stiffness", "900")
     assert status == 0 and rules(told) & {"grid_solve", "grid_quantiles"} == set()
     assert "no preload keeps to all limits" in told.splitlines()[-1]
-    page = (folder / "index.html").read_text(encoding="utf-8")
+    page = text_of(folder / "index.html")
     assert re.search(r"limits: axial stiffness at least 900 N/µm, at best [\d.]+ at", page)
 
     # an edited scene: what depends on it, in the copy as well
@@ -133,7 +137,7 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     status, told = study("-j2", "--system-stiffness", "4")
     assert status == 0, told
     folder = tmp_path / "folder"
-    page = (folder / "index.html").read_text(encoding="utf-8")
+    page = text_of(folder / "index.html")
     assert re.search("<h1>gyro_s1: take a (spring|rigid) pair ", page)
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")
     assert "| recommended | spring pair | rigid pair |" in text

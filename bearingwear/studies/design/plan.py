@@ -180,7 +180,7 @@ class Design:
             # as the files of its parts are named
             raise SceneError("map.friction", "expected numbers of at most three decimals")
         if self.beside and not self.small_map:
-            raise SceneError("beside", "expected beside a small_map, which there is not")
+            raise SceneError("beside", "got it without a small_map, expected both")
 
 
 @dataclass(frozen=True, kw_only=True)

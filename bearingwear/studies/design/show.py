@@ -141,10 +141,10 @@ def track_told(file: Any) -> list[str]:
         return []
     names = methods_told(file)
     told = [
-        f"{' against '.join(map(digits, column))} h with balls that wear {TRACK_WORDS[track]}"
+        f"{' and '.join(map(digits, column))} h with balls that wear {TRACK_WORDS[track]}"
         for track, column in zip(flag_words(file, "ball_track"), lives.T.tolist(), strict=True)
     ]
-    return [f"{' against '.join(names)}: {'; '.join(told)}.".capitalize()]
+    return [f"{' and '.join(names)} last {', '.join(told)}.".capitalize()]
 
 
 def verdict_told(file: Any) -> str:

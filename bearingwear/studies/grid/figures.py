@@ -40,6 +40,13 @@ FRICTION_AXIS = "ball/race friction coefficient µ"
 LOSS_AXIS = "loss of ball diameter (µm)"
 
 
+def worn_in_words(loss_um: float | Sequence[float]) -> str:
+    """A loss of ball diameter [um], or that of each ball, as a title says it."""
+    if not isinstance(loss_um, (int, float)):
+        return "balls worn unequally"
+    return f"{loss_um:g} µm worn" if loss_um else "unworn"
+
+
 def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     """QV and contact load of one ball against friction, at one state of wear (Figs. 7 and 8)."""
     figure, panels = new_figure(1, 2, 7.2, 3.8)
@@ -64,10 +71,9 @@ def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     for panel in panels[0]:
         panel.set_xlabel(FRICTION_AXIS)
         panel.set_xticks(mu)
-    wear_state = "unworn" if loss_um == 0.0 else f"{loss_um:g} µm worn"
     frame(
         figure,
-        f"{scene_of(study)['name']}, {wear_state}: {_friction_message(mu, states)}",
+        f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: {_friction_message(mu, states)}",
         method_keys(name for name, _ in states) + race_keys() + failed_keys(failed),
         columns=5,
     )
@@ -124,10 +130,11 @@ def slip_figure(cases: Sequence[xr.Dataset]) -> Figure:
         panel.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
     list_failed(panels[0, 0], failed)
     reached = " and ".join(f"{percent(share)} at {mu_is(mu)}" for mu, share in shares.items())
+    loss_um = scenes[0]["wear"]["ball_diameter_loss_um"]
     frame(
         figure,
-        f"{scenes[0]['name']}, {scenes[0]['wear']['ball_diameter_loss_um']:g} µm worn: the "
-        f"gyroscopic share of slip reaches {reached or '–'}",
+        f"{scenes[0]['name']}, {worn_in_words(loss_um)}: the gyroscopic share of slip reaches "
+        f"{reached or '–'}",
         method_keys(dict.fromkeys(scene["operation"]["preload_method"] for scene in scenes))
         + dash_keys(styles),
         columns=5,
@@ -214,7 +221,9 @@ def life_figure(
 
     `known` are files of the study of uncertainty; the title says what they know of these lives.
     """
-    figure, panels = new_figure(2, 2, 7.2, 5.4, sharex="col", sharey="row")
+    shown = _counts_shown(lives)
+    width = 3.6 * max(len(shown), 1.5)
+    figure, panels = new_figure(2, len(shown), width, 5.4, sharex="col", sharey="row")
     styles = dashes(frictions)
     ends = lives["end_criterion"].attrs["flag_meanings"].split()
     met: list[str] = []
@@ -227,11 +236,11 @@ def life_figure(
                 failed.append(f"{in_words(name)}, {mu_is(mu)}")
             elif end not in met:
                 met.append(end)
-            for k, column in enumerate(panels.T):
+            for k, column in zip(shown, panels.T, strict=True):
                 line = {"color": COLOURS[name], "linestyle": styles[mu]}
                 _life_column(column, one.isel(counts=k), line, END_MARKS[end][0])
-    for column, counts in zip(panels.T, ("ball alone", "balls and races"), strict=True):
-        column[0].set_title(f"wear counted: {counts}")
+    for k, column in zip(shown, panels.T, strict=True):
+        column[0].set_title(f"wear counted: {('ball alone', 'balls and races')[k]}")
         column[1].set_xlabel("running time (h)")
         for panel in column:
             panel.set_xlim(left=0.0)
@@ -246,15 +255,27 @@ def life_figure(
         method_keys(name for name, _ in methods(lives))
         + dash_keys(styles)
         + [
-            key("interpolated from the study", color="black", linestyle="none", marker=".")
+            key(_INTERPOLATED[len(shown) > 1], color="black", linestyle="none", marker=".")
             for _ in range("interpolated_history_time" in lives)
         ]
         + [
             key(END_MARKS[m][1], color="0.3", linestyle="none", marker=END_MARKS[m][0]) for m in met
         ],
-        columns=4,
+        columns=2 * len(shown),
     )
     return figure
+
+
+_INTERPOLATED = ("interpolated, Hertzian groove", "interpolated from the study")
+"""What the dots are, by whether both ways of counting were followed."""
+
+
+def _counts_shown(lives: xr.Dataset) -> list[int]:
+    """The ways of counting wear to draw: both, but one where grooves are followed, for that way."""
+    ways = range(lives.sizes["counts"])
+    if "history_time" not in lives:
+        return list(ways)
+    return [k for k in ways if np.isfinite(lives["history_time"].isel(counts=k)).any()] or [*ways]
 
 
 def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str) -> None:

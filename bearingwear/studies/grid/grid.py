@@ -86,7 +86,7 @@ class Grid:
             if not values:
                 raise ValueError(f"{axis}: empty; at least one value is needed")
             if len(set(values)) < len(values):
-                raise ValueError(f"{axis}: got {list(values)}; a value stands there twice")
+                raise ValueError(f"{axis}: got {list(values)}, expected each value once")
         for method in self.preload_method:
             if method not in PRELOAD_METHODS:
                 raise ValueError(f"preload_method: got {method}, expected {PRELOAD_METHODS}")
@@ -152,7 +152,7 @@ def grids(blocks: Sequence[Any], key: str = "studies") -> dict[str, Grid]:
         for scene in block.scenes:
             if scene in found:
                 raise ValueError(
-                    f"config: {key}[{number}].scenes: got {scene}; it stands there twice"
+                    f"config: {key}[{number}].scenes: got {scene} twice, expected it once"
                 )
             found[scene] = grid
     return found
