@@ -269,11 +269,12 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage):
     events, fraction = 0, 1.0
     if error <= 1.0:
         status = NOT_CONVERGED
-        if control.method.implicit:
-            status = rates_here(now, stage.new, bearing, buf, stage.end_rates)
+        implicit = control.method.implicit
+        if implicit:
+            status = rates_here(now, stage.new, bearing, buf, stage.end_rates, True)
         left = LEFT * control.tolerance * buf.balls.Q.max()
         if status != OK or size_of_unbalanced(buf.balls) > left:
-            status = state_rates(now, stage.new, bearing, buf, stage.end_rates)
+            status = state_rates(now, stage.new, bearing, buf, stage.end_rates, implicit)
         if status == OK:
             interferences(buf, stage.after)
             events, fraction = first_closure(stage.before, stage.after, bearing.D.size, depth)
@@ -306,10 +307,11 @@ def make_ready(control, time, y, bearing, buf, stage, settled):
         Whether places that agree with the state stay as they are, to the last bit, as where a run
         goes on; else they are found anew, from there on.
     """
+    implicit = control.method.implicit
     if settled:
-        status = agreed_rates(time, y, bearing, buf, stage.rates[0])
+        status = agreed_rates(time, y, bearing, buf, stage.rates[0], implicit)
     else:
-        status = state_rates(time, y, bearing, buf, stage.rates[0])
+        status = state_rates(time, y, bearing, buf, stage.rates[0], implicit)
     if status == OK:
         interferences(buf, stage.before)
         work_of_places(buf.balls, stage.work)
