@@ -272,10 +272,10 @@ def loop_solve(count, shift, bearing, stage):
 
 
 @jit
-def loop_control(count, h, y, bearing, buf, stage, out):
+def loop_control(count, control, h, y, bearing, buf, stage, out):
     n = bearing.D.size
     for _ in range(count):
-        out[0] = step_error(h, y, bearing, buf.balls, stage, 1e-3)
+        out[0] = step_error(h, y, bearing, buf.balls, stage, control)
         interferences(buf, stage.after)
         out[1], out[2] = first_closure(stage.before, stage.after, n, 1e-9)
         reset_rotation_vector(y, bearing, buf.cage, stage.end_rates)
@@ -317,7 +317,7 @@ def part_times(run, step):
         "linearise": time_of(50, loop_linearise, y, bearing, buf, stage),
         "factorise": time_of(50, loop_factorise, shift, y, bearing, buf, stage),
         "solve": 4 * time_of(200, loop_solve, shift, bearing, stage),
-        "control": time_of(200, loop_control, step, y, bearing, buf, stage, out),
+        "control": time_of(200, loop_control, control, step, y, bearing, buf, stage, out),
     }
     assert make_ready(control, time, y, bearing, buf, stage, True) == OK
     t["step"] = time_of(50, loop_step, ROSENBROCK, time, step, y, bearing, buf, stage)

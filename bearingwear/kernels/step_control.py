@@ -44,6 +44,10 @@ UNUSABLE = 0.25  # of a step that could not be taken
 SHORTEST_LOCATED = 0.05  # of a step taken anew up to where a contact closes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
 LEFT = 0.1  # of the tolerance: share of the largest load that a step may leave unbalanced
+# Of the longest step: shorter ones are asked for no smaller a share of the error of QV. Where a
+# pure-rolling point is so far out that a split rule leaves it alone, QV jumps by the error of the
+# quadrature, and no step is so short that its power changes by less.
+BRIEF = 1e-3
 _FAILED = 1e9  # error of a step that could not be taken
 
 
@@ -95,12 +99,13 @@ def cage_error(y, bearing, balls, error, slip, largest):
 
 
 @jit
-def step_error(h, y, bearing, balls, stage, tolerance):
+def step_error(h, y, bearing, balls, stage, control):
     """Error of a step over what is allowed [1].
 
     Slip velocities that the errors of a ball's motion amount to, against the mean slip of all
     contacts; and QV.
     """
+    counted = max(h, BRIEF * control.longest)
     n, v_r, error = bearing.D.size, bearing.op.v_r, stage.error
     load = qv = qv_error = 0.0
     for j in range(n):
@@ -108,7 +113,7 @@ def step_error(h, y, bearing, balls, stage, tolerance):
             place = bearing.layout.qv + 2 * j + k
             load += balls.Q[j, k]
             qv += (stage.new[place] - y[place]) / h
-            qv_error += abs(stage.qv_error[2 * j + k]) / h
+            qv_error += abs(stage.qv_error[2 * j + k]) / counted
     # At rest there is no slip to compare with; v_r is the smallest that matters.
     slip = max(qv / load, v_r) if load > 0.0 else v_r
     largest = qv_error / (slip * load) if load > 0.0 else 0.0
@@ -118,7 +123,7 @@ def step_error(h, y, bearing, balls, stage, tolerance):
         largest = max(largest, R * spin / slip, r * abs(error[i + OMEGA]) / slip)
     if bearing.cage.present:
         largest = cage_error(y, bearing, balls, error, slip, largest)
-    return largest / tolerance
+    return largest / control.tolerance
 
 
 @jit
@@ -257,11 +262,17 @@ def step_length(whole, left):
 
 
 @jit
-def try_step(control, time, now, step, depth, y, bearing, buf, stage):
-    """Take a step and look at its end; `stage` and `buf` are left there."""
+def try_step(control, time, now, step, depth, y, bearing, buf, stage, last):
+    """Take a step and look at its end; `stage` and `buf` are left there.
+
+    Parameters
+    ----------
+    last : bool
+        Whether `make_ready` follows, so that slopes are not needed there.
+    """
     status = take_step(control.method, time, step, y, bearing, buf, stage)
     if status == OK:
-        error = step_error(step, y, bearing, buf.balls, stage, control.tolerance)
+        error = step_error(step, y, bearing, buf.balls, stage, control)
         if math.isnan(error):
             status = NOT_CONVERGED
     if status != OK:
@@ -270,11 +281,12 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage):
     if error <= 1.0:
         status = NOT_CONVERGED
         implicit = control.method.implicit
+        slopes = implicit and not last
         if implicit:
-            status = rates_here(now, stage.new, bearing, buf, stage.end_rates, True)
+            status = rates_here(now, stage.new, bearing, buf, stage.end_rates, slopes)
         left = LEFT * control.tolerance * buf.balls.Q.max()
         if status != OK or size_of_unbalanced(buf.balls) > left:
-            status = state_rates(now, stage.new, bearing, buf, stage.end_rates, implicit)
+            status = state_rates(now, stage.new, bearing, buf, stage.end_rates, slopes)
         if status == OK:
             interferences(buf, stage.after)
             events, fraction = first_closure(stage.before, stage.after, bearing.D.size, depth)
@@ -367,7 +379,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
         if not located:
             step = predicted_closure(stage.before, stage.closing, n, depth, step)
         now = end if step == left else time + step
-        trial = try_step(control, time, now, step, depth, y, bearing, buf, stage)
+        trial = try_step(control, time, now, step, depth, y, bearing, buf, stage, now >= end)
         usable = trial.status == OK and trial.error <= 1.0
         if usable and (located or trial.fraction == 1.0):
             time = now

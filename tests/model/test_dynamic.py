@@ -44,7 +44,7 @@ def started(scene):
         {},
         {"operation.preload_method": "fixed_position", "friction.ball_race": 0.02},
         {"lubricant.drag_density_kg_m3": 250.0, "friction.ball_race": 0.02},
-        HERTZ | {"model.quadrature": "strips"},  # points that stay: the steps are very tight
+        HERTZ,  # a pure-rolling point comes to where the split rule lets it go
     ],
 )
 def test_returns_to_the_steady_state(scene, changes):
