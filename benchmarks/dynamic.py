@@ -26,6 +26,7 @@ from bearingwear.kernels.ball_friction import BallForces, race_friction
 from bearingwear.kernels.block_solve import solve_factorised
 from bearingwear.kernels.block_system import factorise, linearise
 from bearingwear.kernels.cage_contacts import cage_contacts
+from bearingwear.kernels.closures import first_closure, interferences
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
 from bearingwear.kernels.integrators import ROSENBROCK, take_step
@@ -35,8 +36,6 @@ from bearingwear.kernels.rates import rates_here
 from bearingwear.kernels.record import add_instant
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.step_control import (
-    first_closure,
-    interferences,
     make_ready,
     reset_rotation_vector,
     step_error,

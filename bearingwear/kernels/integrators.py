@@ -133,7 +133,7 @@ class Stages(NamedTuple):
     new: np.ndarray  # (size,) result of the step
     error: np.ndarray  # (m,) and its estimated error
     qv_error: np.ndarray  # (2 n,) and that of the integrals of QV
-    before: np.ndarray  # (3 n + 2,) see step_control.interferences, at both ends of a step
+    before: np.ndarray  # (3 n + 2,) see closures.interferences, at both ends of a step
     after: np.ndarray  # (3 n + 2,)
     closing: np.ndarray  # (n + 2,) rates of the first of these over the last step [m/s]
     kept: np.ndarray  # (places_size(n),) see dynamic_equilibrium.keep_places
