@@ -26,6 +26,7 @@ from bearingwear.kernels.ball_friction import BallForces, race_friction
 from bearingwear.kernels.block_solve import solve_factorised
 from bearingwear.kernels.block_system import factorise, linearise
 from bearingwear.kernels.cage_contacts import cage_contacts
+from bearingwear.kernels.closures import first_closure, interferences
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
 from bearingwear.kernels.integrators import ROSENBROCK, take_step
@@ -35,8 +36,6 @@ from bearingwear.kernels.rates import rates_here
 from bearingwear.kernels.record import add_instant
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.step_control import (
-    first_closure,
-    interferences,
     make_ready,
     reset_rotation_vector,
     step_error,
@@ -210,9 +209,9 @@ def speed():
 
 
 @jit
-def loop_rates(count, time, y, bearing, buf, stage):
+def loop_rates(count, time, y, bearing, buf, stage, slopes):
     for _ in range(count):
-        rates_here(time, y, bearing, buf, stage.end_rates)
+        rates_here(time, y, bearing, buf, stage.end_rates, slopes)
 
 
 @jit
@@ -234,11 +233,11 @@ def loop_cage(count, y, bearing, buf):
 
 
 @jit
-def loop_friction(count, y, bearing, buf, qv):
+def loop_friction(count, y, bearing, buf, qv, slopes):
     none = BallForces(M_x=0.0, M_y=0.0, M_z=0.0, F_y=0.0, heat=0.0, shaft=0.0)
     for _ in range(count):
         for j in range(bearing.D.size):
-            race_friction(y, bearing, buf, j, none, qv)
+            race_friction(y, bearing, buf, j, none, qv, slopes)
 
 
 @jit
@@ -272,10 +271,10 @@ def loop_solve(count, shift, bearing, stage):
 
 
 @jit
-def loop_control(count, h, y, bearing, buf, stage, out):
+def loop_control(count, control, h, y, bearing, buf, stage, out):
     n = bearing.D.size
     for _ in range(count):
-        out[0] = step_error(h, y, bearing, buf.balls, stage, 1e-3)
+        out[0] = step_error(h, y, bearing, buf.balls, stage, control)
         interferences(buf, stage.after)
         out[1], out[2] = first_closure(stage.before, stage.after, n, 1e-9)
         reset_rotation_vector(y, bearing, buf.cage, stage.end_rates)
@@ -307,15 +306,17 @@ def part_times(run, step):
     control = system.control(PROFILE_TOLERANCE)
     assert make_ready(control, time, y, bearing, buf, stage, True) == OK
     t = {
-        "rates": 4 * time_of(50, loop_rates, time, y, bearing, buf, stage),
-        "contacts": 4 * time_of(200, loop_contacts, y, bearing, buf.balls),
-        "cage": 4 * time_of(200, loop_cage, y, bearing, buf),
-        "friction": 4 * time_of(100, loop_friction, y, bearing, buf, np.empty(2)),
+        "rates": time_of(100, loop_rates, time, y, bearing, buf, stage, False),
+        "rates with slopes": time_of(100, loop_rates, time, y, bearing, buf, stage, True),
+        "contacts": time_of(200, loop_contacts, y, bearing, buf.balls),
+        "cage": time_of(200, loop_cage, y, bearing, buf),
+        "friction": time_of(200, loop_friction, y, bearing, buf, np.empty(2), False),
+        "slopes": time_of(200, loop_friction, y, bearing, buf, np.empty(2), True),
         "blocks": time_of(50, loop_blocks, y, bearing, buf),
         "linearise": time_of(50, loop_linearise, y, bearing, buf, stage),
         "factorise": time_of(50, loop_factorise, shift, y, bearing, buf, stage),
         "solve": 4 * time_of(200, loop_solve, shift, bearing, stage),
-        "control": time_of(200, loop_control, step, y, bearing, buf, stage, out),
+        "control": time_of(200, loop_control, control, step, y, bearing, buf, stage, out),
     }
     assert make_ready(control, time, y, bearing, buf, stage, True) == OK
     t["step"] = time_of(50, loop_step, ROSENBROCK, time, step, y, bearing, buf, stage)
@@ -355,18 +356,19 @@ def profile():
         assert run.advance(PROFILE_TURNS * points // PROFILE_STRETCHES) == OK
     mean = {name: float(np.mean([t[name] for t in times])) for name in times[0]}
     tried = accepted + rejected
-    # A step takes three evaluations and, where its error allows, one at its end.
-    end = 0.25 * mean["rates"]
-    evaluations = 3 * tried + accepted + points
-    each = {name: 0.25 * evaluations * mean[name] for name in ("contacts", "cage", "friction")}
-    rest = 0.25 * evaluations * mean["rates"] - sum(each.values())
-    others = mean["step"] - 3.0 * end - mean["factorise"] - mean["solve"]
+    # A step takes three evaluations and, where its error allows, one at its end with slopes.
+    inner, ends = 3 * tried, accepted + points
+    friction = inner * mean["friction"] + ends * mean["slopes"]
+    contacts, cage = ((inner + ends) * mean[name] for name in ("contacts", "cage"))
+    rest = inner * mean["rates"] + ends * mean["rates with slopes"] - friction - contacts - cage
+    others = mean["step"] - 3.0 * mean["rates"] - mean["factorise"] - mean["solve"]
     rows = [
-        ("contacts of balls and races (Hertz)", each["contacts"]),
-        ("contacts of pockets and land", each["cage"]),
-        ("friction sums over the strips", each["friction"]),
+        ("contacts of balls and races (Hertz)", contacts),
+        ("contacts of pockets and land", cage),
+        ("friction over the strips: sums", inner * mean["friction"]),
+        ("friction over the strips: sums and slopes", ends * mean["slopes"]),
         ("rates, unbalanced forces, powers", rest),
-        ("derivatives of the balls' friction", accepted * mean["blocks"]),
+        ("derivatives of the balls' forces", accepted * mean["blocks"]),
         (
             "what else is kept of where a step begins",
             accepted * (mean["linearise"] - mean["blocks"]),

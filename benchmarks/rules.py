@@ -21,12 +21,13 @@ import numba
 import numpy as np
 from scipy.special import roots_jacobi
 
-from bearingwear.kernels.contact import race_contacts, slip_coefficients, strip_sums
+from bearingwear.kernels.contact import race_contacts, slip_coefficients
 from bearingwear.kernels.ellipse import FAR, Rule, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.kinematics import OUTER_CONTROL
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
+from bearingwear.kernels.strip_friction import strip_sums
 from bearingwear.kernels.summary import QV
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.quadrature import gathered, gauss_legendre

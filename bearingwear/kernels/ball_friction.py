@@ -8,11 +8,12 @@ from bearingwear.kernels.contact import (
     LARGEST_AXIS,
     ellipse_sums,
     slip_coefficients,
-    strip_sums,
+    traction_slope,
 )
 from bearingwear.kernels.ellipse import contact_points, quadrature_points
 from bearingwear.kernels.state import BALL, OMEGA, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
 
 
 class BallForces(NamedTuple):
@@ -37,10 +38,15 @@ def contact_status(contact, R):
 
 
 @jit(forceinline=True)
-def friction_sums(bearing, buf, contact, c, R):
+def friction_sums(bearing, buf, contact, c, R, slopes, gradient, hessian):
     """Gradient of Phi by the slip coefficients c, force along the major axis, and QV.
 
     The force is found where traction bears on the balance of normal forces, else it is zero.
+
+    Parameters
+    ----------
+    slopes : bool
+        Whether `gradient` and `hessian` are filled too, as by `contact.traction_slope`.
 
     Returns
     -------
@@ -50,6 +56,9 @@ def friction_sums(bearing, buf, contact, c, R):
     m, rule = bearing.op, bearing.rule
     if rule.across.size == 1 and not bearing.traction:
         t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
+        if slopes:
+            qv = strip_slope_sums(contact, R, c, contact.mu, m.v_r, t, weight, gradient, hessian)
+            return gradient[0], gradient[1], gradient[2], gradient[3], 0.0, qv
         g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, contact.mu, m.v_r, t, weight)
         return g_1, g_0, g_h, g_x, 0.0, qv
     t, weight = contact_points(
@@ -58,11 +67,16 @@ def friction_sums(bearing, buf, contact, c, R):
     g_1, g_0, g_h, g_x, g_t, qv = ellipse_sums(
         contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
     )
+    if slopes:
+        traction_slope(
+            contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share,
+            gradient, hessian,
+        )  # fmt: skip
     return g_1, g_0, g_h, g_x, (g_t if bearing.traction else 0.0), qv
 
 
 @jit
-def race_friction(y, bearing, buf, j, f, qv):
+def race_friction(y, bearing, buf, j, f, qv, slopes):
     """Forces f and the friction of both races on ball j.
 
     Parameters
@@ -70,6 +84,8 @@ def race_friction(y, bearing, buf, j, f, qv):
     f : BallForces
     qv : ndarray (2,)
         QV of both contacts [W]; filled, as are the tractions of the ball in `buf.balls.T`.
+    slopes : bool
+        Whether gradients and second derivatives are left in `buf`, for the Jacobian.
 
     Returns
     -------
@@ -87,7 +103,9 @@ def race_friction(y, bearing, buf, j, f, qv):
         if status != OK:
             return status, f
         c = slip_coefficients(contact, u, r)
-        g_1, g_0, g_h, g_x, buf.balls.T[j, k], qv[k] = friction_sums(bearing, buf, contact, c, R)
+        g_1, g_0, g_h, g_x, buf.balls.T[j, k], qv[k] = friction_sums(
+            bearing, buf, contact, c, R, slopes, buf.gradient[j, k], buf.hessian[j, k]
+        )
         sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
         turning = sigma * cosine * g_h - sine * g_x
         f = BallForces(
@@ -112,5 +130,7 @@ def find_tractions(y, bearing, buf):
             T = 0.0
             if contact.Q > 0.0 and contact_status(contact, R) == OK:
                 c = slip_coefficients(contact, u, r)
-                _, _, _, _, T, _ = friction_sums(bearing, buf, contact, c, R)
+                _, _, _, _, T, _ = friction_sums(
+                    bearing, buf, contact, c, R, False, buf.gradient[j, k], buf.hessian[j, k]
+                )
             buf.balls.T[j, k] = T

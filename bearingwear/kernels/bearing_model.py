@@ -59,8 +59,8 @@ class Buffers(NamedTuple):
     across: np.ndarray  # (points across,), likewise
     share: np.ndarray  # (points across,)
     L: np.ndarray  # (4, 6) derivative of the slip coefficients, see contact_changes.slip_changes
-    gradient: np.ndarray  # (4,) of the friction potential, or (5,) with traction
-    hessian: np.ndarray  # of both sizes
+    gradient: np.ndarray  # (n, 2, 4) of the friction potentials, or (n, 2, 5) with traction
+    hessian: np.ndarray  # (n, 2, 4, 4) or (n, 2, 5, 5)
     change: np.ndarray  # (5, 7) derivative of the gradient
     blocks: np.ndarray  # (n, 8, 8) see jacobian.ball_blocks
     inner: np.ndarray  # (n, 2, 8) likewise
@@ -81,8 +81,8 @@ def buffers(n, rule, traction):
         across=np.zeros(rule.across.size),
         share=np.ones(rule.across.size),
         L=np.zeros((4, 6)),
-        gradient=np.empty(sums),
-        hessian=np.empty((sums, sums)),
+        gradient=np.zeros((n, 2, sums)),
+        hessian=np.zeros((n, 2, sums, sums)),
         change=np.zeros((5, 7)),
         blocks=np.empty((n, 8, 8)),
         inner=np.empty((n, 2, 8)),

@@ -68,14 +68,13 @@ def ball_alone(shift, side, bearing, j, system):
     touching, inverse = system.touching[j], system.inverse[j]
     by_azimuth, psi = system.by_azimuth[j], side[BALL * j + PSI] / shift
     known, right = system.known[j], system.rows[0]
-    right[0], right[1] = side[places + 2 * j], side[places + 2 * j + 1]
-    for k in range(4):
-        right[ALGEBRAIC + k] = side[BALL * j + k]
     for p in range(LOCAL):
-        right[p] += by_azimuth[p] * psi
+        value = side[places + 2 * j + p] if p < ALGEBRAIC else side[BALL * j + p - ALGEBRAIC]
+        value += by_azimuth[p] * psi
         if touching:
             for q in range(3):
-                right[p] += system.gain[j, p, FORCE + q] * known[q]
+                value += system.gain[j, p, FORCE + q] * known[q]
+        right[p] = value
     for p in range(LOCAL):
         value = 0.0
         for q in range(LOCAL):
@@ -93,8 +92,10 @@ def ball_alone(shift, side, bearing, j, system):
     border[CAGE_BORDER + 2] -= cp * f1 + sp * f2
     if touching:
         for i in range(3):
+            value = known[i]
             for p in range(LOCAL):
-                known[i] += reading[POCKET + i, p] * v[p]
+                value += reading[POCKET + i, p] * v[p]
+            known[i] = value
         add_cage_side(bearing, known, system.arm[j], border)
 
 

@@ -133,21 +133,30 @@ def linearise(y, bearing, buf, system):
 
 
 @jit
-def invert_in_place(A, n):
-    """Inverse of the n x n matrix A by Gauss-Jordan on its diagonal; False where a pivot is 0."""
-    for k in range(n):
+def invert_in_place(A):
+    """Inverse of A (LOCAL, LOCAL) by Gauss-Jordan on its diagonal; False where a pivot is 0.
+
+    The row of the pivot is held in registers: it could be any other one for all that LLVM knows.
+    """
+    for k in range(LOCAL):
         if not abs(A[k, k]) > 0.0:
             return False
         pivot = 1.0 / A[k, k]
         A[k, k] = 1.0
-        for j in range(n):
-            A[k, j] *= pivot
-        for i in range(n):
+        p0, p1, p2 = pivot * A[k, 0], pivot * A[k, 1], pivot * A[k, 2]
+        p3, p4, p5 = pivot * A[k, 3], pivot * A[k, 4], pivot * A[k, 5]
+        for i in range(LOCAL):
+            row, factor = A[i], A[i, k]
             if i != k:
-                factor = A[i, k]
-                A[i, k] = 0.0
-                for j in range(n):
-                    A[i, j] -= factor * A[k, j]
+                row[k] = 0.0
+                row[0], row[1], row[2] = (
+                    row[0] - factor * p0, row[1] - factor * p1, row[2] - factor * p2,
+                )  # fmt: skip
+                row[3], row[4], row[5] = (
+                    row[3] - factor * p3, row[4] - factor * p4, row[5] - factor * p5,
+                )  # fmt: skip
+        row = A[k]
+        row[0], row[1], row[2], row[3], row[4], row[5] = p0, p1, p2, p3, p4, p5
     return True
 
 
@@ -348,7 +357,7 @@ def factorise(shift, y, bearing, buf, system):
         if system.touching[j]:
             pocket_block(shift, y, bearing, j, system)
             inputs, outputs = BALL_INPUTS, BALL_OUTPUTS
-        if not invert_in_place(system.inverse[j], LOCAL):
+        if not invert_in_place(system.inverse[j]):
             return False
         passing, inner = system.passing[j], buf.inner[j]
         multiply(system.inverse[j], system.gain[j], LOCAL, LOCAL, inputs, system.response[j])

@@ -22,7 +22,7 @@ from bearingwear.kernels.cage_law import (
 )
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.pocket import add_pocket, pocket_place
-from bearingwear.kernels.state import BALL, CAGE, CENTRE, PSI, ROTATION, VELOCITY
+from bearingwear.kernels.state import CAGE, CENTRE, ROTATION, VELOCITY
 from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple
 
 
@@ -184,7 +184,7 @@ def cage_contacts(y, bearing, balls, contacts):
         State vector.
     bearing : BearingModel
     balls : Suspension
-        Where the balls and the inner race are.
+        Where the balls and the inner race are, after `find_contacts`.
     contacts : CageBuffers
         Filled.
     """
@@ -200,7 +200,9 @@ def cage_contacts(y, bearing, balls, contacts):
         for k in range(3):
             contacts.ball_force[j, k] = contacts.ball_moment[j, k] = 0.0
         r = g.R_o + balls.X[j, 1]
-        place = pocket_place(z, contacts.R, shift, j, n, y[BALL * j + PSI], r, balls.X[j, 0])
+        place = pocket_place(
+            z, contacts.R, shift, contacts.pockets[j], balls.turn[j], r, balls.X[j, 0]
+        )
         approach = place.offset - cage.clearance - 0.5 * (g.D0 - bearing.D[j])
         contacts.approach[j] = approach
         if approach > 0.0:

@@ -48,11 +48,16 @@ class CageBuffers(NamedTuple):
     arm: np.ndarray  # (n + 2, 3) contact point from the cage's centre of mass [m]
     hold: np.ndarray  # (n + 2, 3) and the point whose displacement K is by: ball centre, edge [m]
     reach: np.ndarray  # (n, 3) contact point from the ball's centre, inertial [m]
+    pockets: np.ndarray  # (n, 2) sine and cosine of their azimuths in the cage
 
 
 @jit
 def cage_buffers(n):
     """Buffers for n pockets."""
+    pockets = np.zeros((n, 2))
+    for j in range(n):
+        phi = 2.0 * math.pi * j / n
+        pockets[j, 0], pockets[j, 1] = math.sin(phi), math.cos(phi)
     return CageBuffers(
         R0=np.eye(3),
         R=np.eye(3),
@@ -72,6 +77,7 @@ def cage_buffers(n):
         arm=np.zeros((n + 2, 3)),
         hold=np.zeros((n + 2, 3)),
         reach=np.zeros((n, 3)),
+        pockets=pockets,
     )
 
 

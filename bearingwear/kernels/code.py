@@ -207,6 +207,11 @@ def entry(callee: Callee, args: tuple) -> CompileResult:
     link(library._final_module, parts)
     for part in parts:
         library._reload_init.update(part._reload_init)
+    # Nothing else calls them from here on: LLVM drops what they are given and do not use, which is
+    # most of the records of arrays.
+    for function in library._final_module.functions:
+        if not function.is_declaration and function.linkage.name == "linkonce_odr":
+            function.linkage = "internal"
     pointer = context.get_executable(library, name, env)
     result = inner._replace(
         library=library,

@@ -26,6 +26,8 @@ from bearingwear.provenance import contents_hash, kernel_cache_folder, kernels_h
 # Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
 # signed zero keep their meaning, so that a broken number is still seen.
 REORDER_SUMS = {"reassoc", "contract", "nsz"}
+# And a root may begin with the processor's estimate of it, see friction.inverse_root.
+ESTIMATE_ROOTS = REORDER_SUMS | {"afn", "arcp"}
 
 _INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
 _STACK = 2**26  # bytes, enough for LLVM on any system

@@ -143,34 +143,6 @@ def strip_traction(contact, c, mu, v_r, t, weight, h, gradient):
     gradient[3] = scale * g_x
 
 
-@jit(fastmath=REORDER_SUMS)
-def strip_sums(contact, R, c, mu, v_r, t, weight):
-    """Gradient of Phi by c, and QV, in the line model: in one pass that needs no buffer.
-
-    Returns
-    -------
-    g_1, g_0, g_h, g_x, qv
-        As in `traction`; qv in W.
-    """
-    a, v_r2 = contact.a, v_r * v_r
-    p = profile(contact.r_g, R, a)
-    g_1 = g_0 = g_h = g_x = qv = 0.0
-    for k in range(t.size):
-        x = a * t[k]
-        h = height(p, x)
-        v1, v2 = point_slip(c, h, x)
-        v_2 = v1 * v1 + v2 * v2
-        f = force_per_slip(weight[k], v_2, v_r2)
-        qv += weight[k] * math.sqrt(v_2)
-        g_1 += f * v1 * h
-        f2 = f * v2
-        g_0 += f2
-        g_h += f2 * h
-        g_x += f2 * x
-    s = mu * contact.Q
-    return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
-
-
 @inlined
 def store_slopes(scale, g, s, p, gradient, hessian):
     """Fill gradient and second derivatives of Phi by c from their sums.

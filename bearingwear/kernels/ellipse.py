@@ -135,15 +135,17 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
     c : tuple of 4 floats
         `contact.slip_coefficients`.
     t, weight : ndarray (most_points(rule),)
-        Buffers, filled.
+        Buffers, filled by a split rule.
 
     Returns
     -------
     t, weight : ndarray (n,)
-        Parts of the buffers.
+        Parts of the buffers, or those of fixed points.
     """
-    n = fill_points(rule, contact, R, c, v_r, t, weight)
-    return t[:n], weight[:n]
+    n = fill_points(rule, contact, R, c, v_r, t, weight) if rule.split else 0
+    points = t[:n] if rule.split else rule.t
+    shares = weight[:n] if rule.split else rule.weight
+    return points, shares
 
 
 @jit(fastmath=REORDER_SUMS)
@@ -189,7 +191,7 @@ def fill_contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, s
 
 @inlined
 def contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
-    """All points of a contact: `quadrature_points`, their heights, and where they lie across.
+    """All points of a contact, in buffers: `quadrature_points`, their heights, and those across.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from bearingwear.kernels.block_solve import add_ball_powers, add_cage_powers, so
 from bearingwear.kernels.block_system import BlockSystem, block_system, factorise, linearise
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import keep_places, places_size
-from bearingwear.kernels.linear import copy
+from bearingwear.kernels.linear import accumulate, copy
 from bearingwear.kernels.rates import rates_here, state_rates
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 
@@ -126,13 +126,14 @@ class Stages(NamedTuple):
     U: np.ndarray  # (6, m) steps of states and places
     rates: np.ndarray  # (6, size) of the stages, where the step begins first
     end_rates: np.ndarray  # (size,) where it ends
+    places: np.ndarray  # (2 n + 3,) buffer
     left: np.ndarray  # (2 n + 3,) forces that nothing balances where it begins [N]
     trial: np.ndarray  # (size,)
     side: np.ndarray  # (m,)
     new: np.ndarray  # (size,) result of the step
     error: np.ndarray  # (m,) and its estimated error
     qv_error: np.ndarray  # (2 n,) and that of the integrals of QV
-    before: np.ndarray  # (3 n + 2,) see step_control.interferences, at both ends of a step
+    before: np.ndarray  # (3 n + 2,) see closures.interferences, at both ends of a step
     after: np.ndarray  # (3 n + 2,)
     closing: np.ndarray  # (n + 2,) rates of the first of these over the last step [m/s]
     kept: np.ndarray  # (places_size(n),) see dynamic_equilibrium.keep_places
@@ -148,6 +149,7 @@ def stages(n, layout):
         U=np.zeros((6, m)),
         rates=np.zeros((6, size)),
         end_rates=np.zeros(size),
+        places=np.zeros(places_size(n)),
         left=np.zeros(places_size(n)),
         trial=np.zeros(size),
         side=np.zeros(m),
@@ -174,17 +176,27 @@ def keep_left(balls, left):
 
 
 @jit
-def set_places(qv, kept, weights, count, U, balls):
-    """Put balls and race where a step from `kept` with these weights of its stages leads."""
+def set_places(places, balls):
+    """Put balls and race at these places (2 n + 3,)."""
     n = balls.r.size
-    for k in range(2 * n + 3):
-        value = kept[k]
-        for j in range(count):
-            value += weights[j] * U[j, qv + k]
-        if k < 2 * n:
-            balls.X[k // 2, k % 2] = value
-        else:
-            balls.delta[k - 2 * n] = value
+    for j in range(n):
+        balls.X[j, 0], balls.X[j, 1] = places[2 * j], places[2 * j + 1]
+    for k in range(3):
+        balls.delta[k] = places[2 * n + k]
+
+
+@jit
+def move(qv, weights, count, y, bearing, buf, stage, to):
+    """Put a state and its places where these weights of the first stages lead."""
+    moved, places = to[:qv], stage.places
+    moved[:] = 0.0
+    copy(stage.kept, places)
+    for j in range(count):
+        accumulate(weights[j], stage.U[j], moved)
+        accumulate(weights[j], stage.U[j, qv:], places)
+    for k in range(qv):
+        moved[k] += y[k]
+    set_places(places, buf.balls)
 
 
 @jit
@@ -199,17 +211,16 @@ def add_load_rate(time, weight, bearing, side):
 @jit
 def sum_powers(method, h, y, bearing, stage):
     """Integrals at the end of a step from the powers of its stages, and the errors of QV."""
-    layout = bearing.layout
-    for k in range(layout.qv, y.size):
-        value = 0.0
-        for j in range(method.stages):
-            value += method.powers[j] * stage.rates[j, k]
-        stage.new[k] = y[k] + h * value
-    for k in range(stage.qv_error.size):
-        value = 0.0
-        for j in range(method.stages):
-            value += method.power_error[j] * stage.rates[j, layout.qv + k]
-        stage.qv_error[k] = h * value
+    qv = bearing.layout.qv
+    sums = stage.new[qv:]
+    sums[:] = 0.0
+    stage.qv_error[:] = 0.0
+    for j in range(method.stages):
+        powers = stage.rates[j, qv:]
+        accumulate(method.powers[j], powers, sums)
+        accumulate(h * method.power_error[j], powers, stage.qv_error)
+    for k in range(sums.size):
+        sums[k] = y[qv + k] + h * sums[k]
 
 
 @jit
@@ -224,39 +235,26 @@ def rosenbrock_step(method, time, h, y, bearing, buf, stage):
         if i == 0:
             copy(stage.left, side[qv:])
         else:
-            for k in range(qv):
-                value = y[k]
-                for j in range(i):
-                    value += method.A[i, j] * stage.U[j, k]
-                stage.trial[k] = value
-            set_places(qv, stage.kept, method.A[i], i, stage.U, balls)
-            status = rates_here(time + method.time[i] * h, stage.trial, bearing, buf, rates)
+            move(qv, method.A[i], i, y, bearing, buf, stage, stage.trial)
+            now = time + method.time[i] * h
+            status = rates_here(now, stage.trial, bearing, buf, rates, False)
             if status != OK:
                 return status
             keep_left(balls, side[qv:])
         add_load_rate(time, method.slope_time[i] * h, bearing, side[qv + places - 3 :])
         for k in range(qv):
-            value = rates[k]
-            for j in range(i):
-                value += method.C[i, j] / h * stage.U[j, k]
-            side[k] = value
+            side[k] = rates[k]
+        for j in range(i):
+            accumulate(method.C[i, j] / h, stage.U[j], side[:qv])
         solve_factorised(shift, side, U, bearing, system)
-    for k in range(qv + places):
-        value = error = 0.0
-        for j in range(method.stages):
-            value += method.weights[j] * stage.U[j, k]
-            error += method.error[j] * stage.U[j, k]
-        if k < qv:
-            stage.new[k] = y[k] + value
-        stage.error[k] = error
-    set_places(qv, stage.kept, method.weights, method.stages, stage.U, balls)
+    move(qv, method.weights, method.stages, y, bearing, buf, stage, stage.new)
     sum_powers(method, h, y, bearing, stage)
-    side = stage.side
-    for k in range(qv + places):
-        value = 0.0
-        for j in range(method.stages):
-            value += method.powers[j] * stage.U[j, k]
-        side[k] = h * value
+    side, error = stage.side, stage.error
+    side[:] = 0.0
+    error[:] = 0.0
+    for j in range(method.stages):
+        accumulate(method.error[j], stage.U[j], error)
+        accumulate(h * method.powers[j], stage.U[j], side)
     add_ball_powers(side, y, stage.rates[0], bearing, buf, system, stage.new)
     if bearing.cage.present:
         add_cage_powers(side, y, bearing, system, stage.new)
@@ -274,7 +272,7 @@ def runge_kutta_step(method, time, h, y, bearing, buf, stage):
                 value += h * method.A[i, j] * stage.rates[j, k]
             stage.trial[k] = value
         now = time + method.time[i] * h
-        status = state_rates(now, stage.trial, bearing, buf, stage.rates[i])
+        status = state_rates(now, stage.trial, bearing, buf, stage.rates[i], False)
         if status != OK:
             return status
     for k in range(qv):

@@ -9,10 +9,7 @@ import math
 from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import (
-    slip_coefficients,
-    traction_slope,
-)
+from bearingwear.kernels.contact import slip_coefficients
 from bearingwear.kernels.contact_changes import (
     BY_ANGLE,
     BY_LOAD,
@@ -20,7 +17,6 @@ from bearingwear.kernels.contact_changes import (
     gradient_changes,
     slip_changes,
 )
-from bearingwear.kernels.ellipse import contact_points
 from bearingwear.kernels.profile import contact_stiffness
 from bearingwear.kernels.quasistatic import COS_I, COS_O, SIN_I, SIN_O
 from bearingwear.kernels.state import BALL, OMEGA, W_X, W_Y, W_Z
@@ -75,7 +71,7 @@ def contact_rows(contact, k, c, r, gradient, change, v):
 
 @jit
 def add_contact(bearing, buf, j, k, contact, c):
-    """Add contact k of ball j to its blocks; its friction stands in `buf`."""
+    """Add contact k of ball j to its blocks; its friction stands in `buf`, with its changes."""
     balls, block, inner = buf.balls, buf.blocks[j], buf.inner[j]
     r, R, change = balls.r[j], 0.5 * bearing.D[j], buf.change
     X, A, g, d = balls.X[j], balls.A[j], bearing.g, balls.direction[j]
@@ -86,7 +82,7 @@ def add_contact(bearing, buf, j, k, contact, c):
     length = math.sqrt(d1 * d1 + d2 * d2)
     stiffness = contact_stiffness(contact.Q, length - free)
     for v in range(7):
-        rows = contact_rows(contact, k, c, r, buf.gradient, change, v)
+        rows = contact_rows(contact, k, c, r, buf.gradient[j, k], change, v)
         if v == BY_LOAD:
             f1, f2, to1, to2 = stiffness * s, stiffness * co, at, at + 1
         elif v == BY_ANGLE:
@@ -105,7 +101,7 @@ def add_contact(bearing, buf, j, k, contact, c):
 
 @jit
 def ball_blocks(y, bearing, buf):
-    """Fill `buf.blocks` and `buf.inner` for the state and places of the last `rates_here`.
+    """Fill `buf.blocks` and `buf.inner` for the last `rates_here`, which left its slopes.
 
     `blocks` (n, 8, 8): derivatives of the forces on each ball and of the powers that the integrals
     sum. A stage of a stiff step lies off the path, where friction is far from its value on it, and
@@ -124,18 +120,10 @@ def ball_blocks(y, bearing, buf):
             if not contact.Q > 0.0:
                 continue
             c = slip_coefficients(contact, u, r)
-            across, share = buf.across, buf.share
-            t, weight = contact_points(
-                bearing.rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, across,
-                share,
-            )  # fmt: skip
-            traction_slope(
-                contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, across, share,
-                buf.gradient, buf.hessian,
-            )  # fmt: skip
             slip_changes(contact, c, r, buf.L)
             bare = m.mu_i if k == 0 else m.mu_o
-            gradient_changes(contact, bare, R, c, buf.gradient, buf.hessian, buf.L, buf.change)
+            gradient, hessian = buf.gradient[j, k], buf.hessian[j, k]
+            gradient_changes(contact, bare, R, c, gradient, hessian, buf.L, buf.change)
             add_contact(bearing, buf, j, k, contact, c)
         Omega, mass = u[3], bearing.mass[j]
         block[P_RADIAL, OUTER_2] += mass * Omega * Omega

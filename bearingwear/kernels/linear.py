@@ -23,6 +23,13 @@ def add_multiple(a, factor, b, out):
 
 
 @jit
+def accumulate(factor, row, out):
+    """out += factor row, for as many numbers as `out` has."""
+    for k in range(out.size):
+        out[k] += factor * row[k]
+
+
+@jit
 def solve_in_place(A, b, n):
     """Solve A x = b by Gaussian elimination with row pivoting; x replaces b, A is destroyed.
 
@@ -96,9 +103,12 @@ def solve_factored(A, pivots, b, n):
         pivot = pivots[k]
         b[k], b[pivot] = b[pivot], b[k]
     for k in range(n):
+        value = b[k]
         for j in range(k):
-            b[k] -= A[k, j] * b[j]
+            value -= A[k, j] * b[j]
+        b[k] = value
     for k in range(n - 1, -1, -1):
+        value = b[k]
         for j in range(k + 1, n):
-            b[k] -= A[k, j] * b[j]
-        b[k] /= A[k, k]
+            value -= A[k, j] * b[j]
+        b[k] = value / A[k, k]

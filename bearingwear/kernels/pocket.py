@@ -30,17 +30,18 @@ class PocketPlace(NamedTuple):
 
 
 @jit(forceinline=True)
-def pocket_place(z, R, shift, j, n_balls, psi, r, X1):
-    """Place of ball j, of axial position X1 on a circle of radius r.
+def pocket_place(z, R, shift, pocket, turn, r, X1):
+    """Place of a ball of axial position X1 on a circle of radius r.
 
     Parameters
     ----------
     shift : tuple of 3 floats
         Centre of mass from the cage's centre, which the pockets' axes meet in [m].
+    pocket, turn : ndarray (2,)
+        Sine and cosine of the azimuths of the pocket in the cage and of the ball.
     """
-    sp, cp = math.sin(psi), math.cos(psi)
-    phi = 2.0 * math.pi * j / n_balls
-    u1, u2 = -math.sin(phi), math.cos(phi)
+    sp, cp = turn[0], turn[1]
+    u1, u2 = -pocket[0], pocket[1]
     axis = (
         R[0, 1] * u1 + R[0, 2] * u2,
         R[1, 1] * u1 + R[1, 2] * u2,

@@ -84,7 +84,7 @@ def hand_over_cage_forces(bearing, balls, contacts):
 
 
 @jit
-def rates_here(time, y, bearing, buf, dy):
+def rates_here(time, y, bearing, buf, dy, slopes):
     """Time derivative of the states of balls and cage and of the integrals, at the places of `buf`.
 
     And what these leave unbalanced (`balls.left`, `balls.race_left`): the algebraic equations.
@@ -99,6 +99,8 @@ def rates_here(time, y, bearing, buf, dy):
     buf : Buffers
     dy : ndarray
         Filled.
+    slopes : bool
+        Whether a step may begin here: `linearise` needs them.
 
     Returns
     -------
@@ -125,7 +127,7 @@ def rates_here(time, y, bearing, buf, dy):
             shaft=shaft,
         )
         place = layout.qv + 2 * j
-        status, forces = race_friction(y, bearing, buf, j, forces, dy[place : place + 2])
+        status, forces = race_friction(y, bearing, buf, j, forces, dy[place : place + 2], slopes)
         if status != OK:
             return status
         heat, shaft = forces.heat, forces.shaft
@@ -141,23 +143,23 @@ def rates_here(time, y, bearing, buf, dy):
 
 
 @jit
-def state_rates(time, y, bearing, buf, dy):
+def state_rates(time, y, bearing, buf, dy, slopes):
     """`rates_here` where balls and race are in equilibrium, found from the places of `buf` on."""
     status = equilibrium(time, y, bearing, buf)
     if status != OK:
         return status
-    return rates_here(time, y, bearing, buf, dy)
+    return rates_here(time, y, bearing, buf, dy, slopes)
 
 
 @jit
-def agreed_rates(time, y, bearing, buf, dy):
+def agreed_rates(time, y, bearing, buf, dy, slopes):
     """`rates_here` where the places of `buf` agree with the state, else `state_rates`.
 
     What was found stays as it is to the last bit, however often it is asked for.
     """
     status = NOT_CONVERGED
     if start_is_known(buf.balls):
-        status = rates_here(time, y, bearing, buf, dy)
+        status = rates_here(time, y, bearing, buf, dy, slopes)
     if status != OK or size_of_unbalanced(buf.balls) > AGREED * buf.balls.Q.max():
-        status = state_rates(time, y, bearing, buf, dy)
+        status = state_rates(time, y, bearing, buf, dy, slopes)
     return status

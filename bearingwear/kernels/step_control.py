@@ -9,6 +9,12 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.cage import angular_velocity, turn
+from bearingwear.kernels.closures import (
+    first_closure,
+    impact_time,
+    interferences,
+    predicted_closure,
+)
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import restore_places, size_of_unbalanced
 from bearingwear.kernels.integrators import Tableau, begin_step, take_step
@@ -35,7 +41,6 @@ from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 # taken anew up to where it closes.
 EVENT_DEPTH = 4.0
 _MOST_STEPS = 3000  # tried in the longest step's time, a hundred times what a run usually takes
-IMPACT = 2.94 * 1.25**0.4  # duration of an impact on a Hertz spring over (m/K)^0.4 v^-0.2
 FIRST_OF_IMPACT = 0.3  # of its duration: the step that begins an impact, at the tolerance 1
 PATIENCE = 12  # steps refused before places are found anew
 SAFETY = 0.8  # of the step that the error allows
@@ -44,6 +49,10 @@ UNUSABLE = 0.25  # of a step that could not be taken
 SHORTEST_LOCATED = 0.05  # of a step taken anew up to where a contact closes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
 LEFT = 0.1  # of the tolerance: share of the largest load that a step may leave unbalanced
+# Of the longest step: shorter ones are asked for no smaller a share of the error of QV. Where a
+# pure-rolling point is so far out that a split rule leaves it alone, QV jumps by the error of the
+# quadrature, and no step is so short that its power changes by less.
+BRIEF = 1e-3
 _FAILED = 1e9  # error of a step that could not be taken
 
 
@@ -95,12 +104,13 @@ def cage_error(y, bearing, balls, error, slip, largest):
 
 
 @jit
-def step_error(h, y, bearing, balls, stage, tolerance):
+def step_error(h, y, bearing, balls, stage, control):
     """Error of a step over what is allowed [1].
 
     Slip velocities that the errors of a ball's motion amount to, against the mean slip of all
     contacts; and QV.
     """
+    counted = max(h, BRIEF * control.longest)
     n, v_r, error = bearing.D.size, bearing.op.v_r, stage.error
     load = qv = qv_error = 0.0
     for j in range(n):
@@ -108,7 +118,7 @@ def step_error(h, y, bearing, balls, stage, tolerance):
             place = bearing.layout.qv + 2 * j + k
             load += balls.Q[j, k]
             qv += (stage.new[place] - y[place]) / h
-            qv_error += abs(stage.qv_error[2 * j + k]) / h
+            qv_error += abs(stage.qv_error[2 * j + k]) / counted
     # At rest there is no slip to compare with; v_r is the smallest that matters.
     slip = max(qv / load, v_r) if load > 0.0 else v_r
     largest = qv_error / (slip * load) if load > 0.0 else 0.0
@@ -118,7 +128,7 @@ def step_error(h, y, bearing, balls, stage, tolerance):
         largest = max(largest, R * spin / slip, r * abs(error[i + OMEGA]) / slip)
     if bearing.cage.present:
         largest = cage_error(y, bearing, balls, error, slip, largest)
-    return largest / tolerance
+    return largest / control.tolerance
 
 
 @jit
@@ -136,19 +146,6 @@ def reset_rotation_vector(y, bearing, contacts, rates):
         w = angular_velocity(bearing.cage, z, contacts.R)
         for k in range(3):
             rates[bearing.layout.cage + ROTATION + k] = w[k]
-
-
-@jit
-def interferences(buf, out):
-    """Interference of every contact: pockets and land edges [m], load of every race contact [N].
-
-    Positive where closed.
-    """
-    n = buf.balls.r.size
-    copy(buf.cage.approach, out[: n + 2])
-    for j in range(n):
-        for k in range(2):
-            out[n + 2 + 2 * j + k] = buf.balls.Q[j, k]
 
 
 @jit
@@ -188,54 +185,6 @@ def work_of_places(balls, last):
 
 
 @jit
-def first_closure(before, after, n, depth):
-    """Events between two instants, and where in between the first deep contact is made.
-
-    Returns
-    -------
-    count : int
-        Contacts made or broken.
-    fraction : float
-        Of the step, to where the first pocket or land closes that is `depth` deep at its
-        end; 1 where none is.
-    """
-    count, fraction = 0, 1.0
-    for i in range(before.size):
-        if (before[i] > 0.0) != (after[i] > 0.0):
-            count += 1
-            if i < n + 2 and after[i] > depth:
-                fraction = min(fraction, before[i] / (before[i] - after[i]))
-    return count, fraction
-
-
-@jit
-def predicted_closure(before, rate, n, depth, step):
-    """Step [s], no longer than `step`, at the end of which no contact is deeper than it may be.
-
-    Parameters
-    ----------
-    before, rate : ndarray
-        Interferences where it begins, and their rates over the last step.
-    """
-    for i in range(n + 2):
-        if before[i] < 0.0 and before[i] + rate[i] * step > depth:
-            step = min(step, (0.5 * depth - before[i]) / rate[i])
-    return step
-
-
-@jit
-def impact_time(cage, mass, i, n, speed):
-    """Duration of an impact of this speed at contact i of a cage, undamped [s].
-
-    Hertz' impact of a free ball on a free cage at a pocket; half a period at a land.
-    """
-    if i >= n:
-        return math.pi * math.sqrt(cage.mass / cage.k_land)
-    m_eff = mass * cage.mass / (mass + cage.mass)
-    return IMPACT * (m_eff / cage.K_pocket) ** 0.4 * speed**-0.2
-
-
-@jit
 def first_step_of_impact(control, bearing, stage, step, h):
     """Step [s], at most h, after one that made contacts."""
     n = bearing.D.size
@@ -257,11 +206,17 @@ def step_length(whole, left):
 
 
 @jit
-def try_step(control, time, now, step, depth, y, bearing, buf, stage):
-    """Take a step and look at its end; `stage` and `buf` are left there."""
+def try_step(control, time, now, step, depth, y, bearing, buf, stage, last):
+    """Take a step and look at its end; `stage` and `buf` are left there.
+
+    Parameters
+    ----------
+    last : bool
+        Whether `make_ready` follows, so that slopes are not needed there.
+    """
     status = take_step(control.method, time, step, y, bearing, buf, stage)
     if status == OK:
-        error = step_error(step, y, bearing, buf.balls, stage, control.tolerance)
+        error = step_error(step, y, bearing, buf.balls, stage, control)
         if math.isnan(error):
             status = NOT_CONVERGED
     if status != OK:
@@ -269,11 +224,13 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage):
     events, fraction = 0, 1.0
     if error <= 1.0:
         status = NOT_CONVERGED
-        if control.method.implicit:
-            status = rates_here(now, stage.new, bearing, buf, stage.end_rates)
+        implicit = control.method.implicit
+        slopes = implicit and not last
+        if implicit:
+            status = rates_here(now, stage.new, bearing, buf, stage.end_rates, slopes)
         left = LEFT * control.tolerance * buf.balls.Q.max()
         if status != OK or size_of_unbalanced(buf.balls) > left:
-            status = state_rates(now, stage.new, bearing, buf, stage.end_rates)
+            status = state_rates(now, stage.new, bearing, buf, stage.end_rates, slopes)
         if status == OK:
             interferences(buf, stage.after)
             events, fraction = first_closure(stage.before, stage.after, bearing.D.size, depth)
@@ -306,10 +263,11 @@ def make_ready(control, time, y, bearing, buf, stage, settled):
         Whether places that agree with the state stay as they are, to the last bit, as where a run
         goes on; else they are found anew, from there on.
     """
+    implicit = control.method.implicit
     if settled:
-        status = agreed_rates(time, y, bearing, buf, stage.rates[0])
+        status = agreed_rates(time, y, bearing, buf, stage.rates[0], implicit)
     else:
-        status = state_rates(time, y, bearing, buf, stage.rates[0])
+        status = state_rates(time, y, bearing, buf, stage.rates[0], implicit)
     if status == OK:
         interferences(buf, stage.before)
         work_of_places(buf.balls, stage.work)
@@ -365,7 +323,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
         if not located:
             step = predicted_closure(stage.before, stage.closing, n, depth, step)
         now = end if step == left else time + step
-        trial = try_step(control, time, now, step, depth, y, bearing, buf, stage)
+        trial = try_step(control, time, now, step, depth, y, bearing, buf, stage, now >= end)
         usable = trial.status == OK and trial.error <= 1.0
         if usable and (located or trial.fraction == 1.0):
             time = now

@@ -178,7 +178,7 @@ class DynamicSystem:
 
     def update(self) -> int:
         """Bring buffers and rates to this instant; returns the status of the equilibrium."""
-        return agreed_rates(self.time, self.y, self.bearing, self.buffers, self.dy)
+        return agreed_rates(self.time, self.y, self.bearing, self.buffers, self.dy, False)
 
     def diagnose(self, status: int) -> int:
         """The status; where it gives no reason, one that does, if there is one.

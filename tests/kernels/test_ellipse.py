@@ -15,7 +15,6 @@ from bearingwear.kernels.contact import (
     half_width,
     slip_velocity,
     strip_slope,
-    strip_sums,
     strip_traction,
     surface_height,
     traction,
@@ -23,6 +22,7 @@ from bearingwear.kernels.contact import (
 from bearingwear.kernels.ellipse import EDGE, most_points, place_across, quadrature_points
 from bearingwear.kernels.friction import potential
 from bearingwear.kernels.params import Contact
+from bearingwear.kernels.strip_friction import strip_sums
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.quadrature import chebyshev, chebyshev_halves, gauss_halves
 

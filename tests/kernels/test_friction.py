@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.contact import point_slip, strip_slope, strip_sums, strip_traction
+from bearingwear.kernels.contact import point_slip, strip_slope, strip_traction
 from bearingwear.kernels.friction import force_per_slip, force_slope, potential
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, profile
+from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
 from bearingwear.model.quadrature import gauss_halves
 
 R, MU, V_R = 1e-3, 0.07, 2e-3
@@ -45,8 +46,12 @@ def sums(c):
     alone = np.empty(4)
     strip_traction(CONTACT, c, MU, V_R, t, weight, h, alone)
     assert_allclose(alone, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
-    *in_one_pass, _ = strip_sums(CONTACT, R, c, MU, V_R, t, weight)
+    *in_one_pass, qv = strip_sums(CONTACT, R, c, MU, V_R, t, weight)
     assert_allclose(in_one_pass, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
+    quick, slopes = np.empty(4), np.empty((4, 4))
+    quick_qv = strip_slope_sums(CONTACT, R, c, MU, V_R, t, weight, quick, slopes)
+    assert_allclose([*quick, quick_qv], [*in_one_pass, qv], rtol=1e-12, atol=1e-15 * qv)
+    assert_allclose(slopes, hessian, rtol=1e-12, atol=1e-15 * np.abs(hessian).max())
     phi = 0.0
     for k in range(t.size):
         v1, v2 = point_slip(c, h[k], x[k])

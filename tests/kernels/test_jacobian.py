@@ -69,7 +69,7 @@ def differences(system, small):
     def called(u):
         moved, dy = y.copy(), np.zeros(y.size)
         moved[:qv], balls.X[:], balls.delta[:] = u[:qv], u[qv:-3].reshape(-1, 2), u[-3:]
-        assert rates_here(system.time, moved, bearing, buf, dy) == OK
+        assert rates_here(system.time, moved, bearing, buf, dy, False) == OK
         return np.r_[dy[:qv], balls.left.ravel(), balls.race_left], dy[qv:]
 
     found = []
@@ -111,7 +111,7 @@ def test_factors_and_powers(scene, guiding, contact, method):
         system = touching_system(scene, guiding, changes)
     bearing, buf, y, stage = system.bearing, system.buffers, system.y, system.stages
     assert bearing.traction == (contact == "hertz")
-    assert rates_here(system.time, y, bearing, buf, stage.rates[0]) == OK
+    assert rates_here(system.time, y, bearing, buf, stage.rates[0], True) == OK
     small, typical = steps_of(system)
     linearise(y, bearing, buf, stage.system)
     assert stage.system.touching.sum() == (len(TOUCHING) + 1 if guiding else 0)

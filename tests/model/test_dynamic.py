@@ -44,7 +44,7 @@ def started(scene):
         {},
         {"operation.preload_method": "fixed_position", "friction.ball_race": 0.02},
         {"lubricant.drag_density_kg_m3": 250.0, "friction.ball_race": 0.02},
-        HERTZ | {"model.quadrature": "strips"},  # points that stay: the steps are very tight
+        HERTZ,  # a pure-rolling point comes to where the split rule lets it go
     ],
 )
 def test_returns_to_the_steady_state(scene, changes):
@@ -139,7 +139,7 @@ def test_integrators_agree_with_scipy(scene, contact, turns):
     def rate(time, y):
         dy = np.zeros(y.size)
         assert free_equilibrium(time, y, reference.bearing, reference.buffers) == OK
-        assert rates_here(time, y, reference.bearing, reference.buffers, dy) == OK
+        assert rates_here(time, y, reference.bearing, reference.buffers, dy, False) == OK
         return dy
 
     # The integrals feed back on nothing: integrating them with the states costs little.
