@@ -12,6 +12,9 @@ from support import ROOT, scene_file
 SPREAD_OUT = ROOT / "tests" / "workflow"
 """Tests of one file here need not run in one process: what they share is made once for all."""
 
+LONGEST_FIRST = "workflow", "studies", "model", "kernels"
+"""Folders whose files take seconds to half a minute: a process has no work beside a late one."""
+
 
 def pytest_configure():
     """Let the programs that tests start heed Ctrl-C, also where pytest runs in the background."""
@@ -19,8 +22,13 @@ def pytest_configure():
 
 
 def pytest_collection_modifyitems(items):
-    """What runs other programs comes first, since the longest tests are among it."""
-    items.sort(key=lambda item: SPREAD_OUT not in item.path.parents)
+    """Tests of the folders above come first."""
+    rank = {ROOT / "tests" / name: k for k, name in enumerate(LONGEST_FIRST)}
+
+    def place(item):
+        return min((rank[folder] for folder in item.path.parents if folder in rank), default=9)
+
+    items.sort(key=place)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -66,7 +66,6 @@ class Buffers(NamedTuple):
     inner: np.ndarray  # (n, 2, 8) likewise
 
 
-@jit
 def buffers(n, rule, traction):
     """Work space for n balls and a rule, with or without traction in the balance."""
     points, sums = most_points(rule), 5 if traction else 4

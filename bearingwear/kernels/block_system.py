@@ -66,7 +66,6 @@ class BlockSystem(NamedTuple):
     known: np.ndarray  # (n + 2, 3) force of a contact that follows from places known beforehand
 
 
-@jit
 def block_system(n):
     """Buffers for n balls."""
     return BlockSystem(

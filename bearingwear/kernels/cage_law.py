@@ -51,7 +51,6 @@ class CageBuffers(NamedTuple):
     pockets: np.ndarray  # (n, 2) sine and cosine of their azimuths in the cage
 
 
-@jit
 def cage_buffers(n):
     """Buffers for n pockets."""
     pockets = np.zeros((n, 2))

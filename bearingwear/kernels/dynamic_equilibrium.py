@@ -199,7 +199,6 @@ def equilibrium(time, y, bearing, buf):
     return status
 
 
-@jit
 def places_size(n):
     """Numbers that `keep_places` writes for n balls."""
     return 2 * n + 3

@@ -141,7 +141,6 @@ class Stages(NamedTuple):
     system: BlockSystem
 
 
-@jit
 def stages(n, layout):
     """Buffers for n balls and a layout of the state."""
     size, m = layout.size, layout.qv + places_size(n)

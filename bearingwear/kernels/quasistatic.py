@@ -68,7 +68,6 @@ class Suspension(NamedTuple):
     loads: np.ndarray  # (n, LOAD_FIELDS) buffer of the nested solver
 
 
-@jit
 def suspension(n):
     """Buffers for n balls, with no start known."""
     return Suspension(

@@ -95,7 +95,6 @@ class TimeGrid(NamedTuple):
     first: int
 
 
-@jit
 def empty_history(length, n):
     """Room for so many instants."""
     f = np.float32
@@ -114,7 +113,6 @@ def empty_history(length, n):
     )
 
 
-@jit
 def empty_sums(n, rule, strips, integrals):
     """Sums at zero, for n balls, an ellipse rule, the slip profiles at `strips`."""
     return Sums(
@@ -132,7 +130,6 @@ def empty_sums(n, rule, strips, integrals):
     )
 
 
-@jit
 def clear(sums):
     """Begin a window anew."""
     sums.contacts[:, :, :] = 0.0
@@ -325,7 +322,8 @@ def keep_powers(y, bearing, before, dt, history, place):
 def advance_and_record(control, grid, begin, count, h, y, bearing, buf, stage, recorder):
     """Integrate over `count` intervals of the grid from interval `begin` on.
 
-    The end of each is an instant of the recorder.
+    The end of each is an instant of the recorder. None are left to do where `count` is not
+    positive: nothing is done at 0, and only `make_ready` below.
 
     Parameters
     ----------

@@ -35,7 +35,6 @@ class Workspace(NamedTuple):
     share: np.ndarray  # (m,)
 
 
-@jit
 def workspace(rule):
     """Buffers for a rule."""
     n = most_points(rule)

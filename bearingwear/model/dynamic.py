@@ -13,7 +13,7 @@ from bearingwear.kernels.cage import INNER_LAND, NO_LAND, cage_energy
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.cage_law import ELASTIC
 from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
-from bearingwear.kernels.integrators import ROSENBROCK, Tableau, stages
+from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA, Tableau, stages
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.profile import STORED
 from bearingwear.kernels.quasistatic import HERTZ_K
@@ -25,7 +25,6 @@ from bearingwear.kernels.race import (
     race_equilibrium,
     unpack_ball_state,
 )
-from bearingwear.kernels.rates import agreed_rates
 from bearingwear.kernels.record import (
     Recorder,
     TimeGrid,
@@ -55,6 +54,7 @@ CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the st
 _FIRST_STEP = 1e-4  # of a shaft turn
 STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
 TOLERANCE = 1e-3  # of the mean slip, see step_control.step_error
+_ONLY_READY = -1  # intervals to simulate: none, but buffers and rates are brought to the state
 POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
 
 
@@ -178,7 +178,9 @@ class DynamicSystem:
 
     def update(self) -> int:
         """Bring buffers and rates to this instant; returns the status of the equilibrium."""
-        return agreed_rates(self.time, self.y, self.bearing, self.buffers, self.dy, False)
+        status = self.simulate(self.control(method=RUNGE_KUTTA), 0.0, _ONLY_READY).status
+        self.dy[:] = self.stages.rates[0]
+        return status
 
     def diagnose(self, status: int) -> int:
         """The status; where it gives no reason, one that does, if there is one.
@@ -246,11 +248,11 @@ class DynamicSystem:
         self.time, self.h = tally.time, tally.h
         return tally
 
-    def simulate(self, control: StepControl, duration: float) -> Tally:
+    def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
         """Move the state on from this instant; time and first step stay as they are."""
         grid = TimeGrid(origin=self.time, dt=duration, first=0)
         of = (self.y, self.bearing, self.buffers, self.stages)
-        return advance_and_record(control, grid, 0, 1, self.h, *of, self._unread)
+        return advance_and_record(control, grid, 0, intervals, self.h, *of, self._unread)
 
     @functools.cached_property
     def _unread(self) -> Recorder:

@@ -28,13 +28,11 @@ print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
 
 BOTH_WAYS = """
 import numba, sys
-from bearingwear.kernels.summary import workspace
-from bearingwear.model.parameters import ellipse_rule
-rule = ellipse_rule("gauss", 8)
+from bearingwear.kernels.worn_cells import contact_buffers
 # Names count what was compiled before: once without the kernel, once with it.
-first = (lambda rule: workspace(rule).t.size) if "called" in sys.argv else (lambda rule: 0)
-numba.njit(first)(rule)
-print(workspace(rule).t.size)
+first = (lambda n: contact_buffers(n, n).gap.size) if "called" in sys.argv else (lambda n: 0)
+numba.njit(first)(2)
+print(2 * contact_buffers(2, 2).gap.size)
 """
 
 

@@ -1,0 +1,20 @@
+"""Compiles what most tests call, before they begin: `make test` does it while it checks the text.
+
+One process types once what kernels share, where the processes of the tests would each do it, and
+wait for each other.
+"""
+
+from support import scene_file
+
+from bearingwear.model.life import life
+from bearingwear.model.solve import solve
+from bearingwear.scene.read import load_scene
+
+FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
+"""Grooves as they wear."""
+
+plain = load_scene(scene_file("gyro_s1"), ["model.simulated_turns=0.1"])
+for fidelity in ("race_control", "steady", "dynamic"):
+    solve(plain, fidelity)
+for settings in ([], FOLLOWED):
+    life(load_scene(scene_file("gyro_s1"), settings))
