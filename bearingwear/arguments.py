@@ -93,7 +93,7 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    recommend = command("recommend", "recommend a preload within limits, in seconds")
+    recommend = command("recommend", "recommend a preload by each method, within limits")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
@@ -109,7 +109,7 @@ def command_parser() -> argparse.ArgumentParser:
         command("compare", "list what differs between two result files; exit 1 if anything does")
     )
     plot = command("plot", "draw a result file")
-    plot.add_argument("file", nargs="?", metavar="FILE.nc", type=Path)
+    plot.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
     plot.add_argument(
         "-o",
         "--output",
@@ -144,8 +144,12 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         metavar="DESIGNATION",
         help="70xx, 72xx, 719xx with C, AC, E, A or B; 60xx, 62xx, 6xx: 7008C, 608",
     )
-    new.add_argument("--bore", type=float, metavar="MM", help="bore diameter, without designation")
-    new.add_argument("--outside", type=float, metavar="MM", help="outside diameter, likewise")
+    new.add_argument(
+        "--bore", type=float, metavar="MM", help="bore diameter, without a designation"
+    )
+    new.add_argument(
+        "--outside", type=float, metavar="MM", help="outside diameter, without a designation"
+    )
     for option, key, metavar, text in OPTIONS:
         kind = int if key == "bearing.ball_count" else float
         text = f"{text}; assumed if left out"
@@ -163,7 +167,11 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         "angle comes; CN is assumed",
     )
     clearance.add_argument(
-        "--radial-clearance-um", dest="clearance", type=float, metavar="UM", help="or its size"
+        "--radial-clearance-um",
+        dest="clearance",
+        type=float,
+        metavar="UM",
+        help="the clearance itself, in place of its group",
     )
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument(
@@ -209,7 +217,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--record-failures",
         action="store_true",
-        help="exit 0 also where the solver fails; the file's status says so",
+        help="exit with 0 even if the solver fails; the file's status says so",
     )
 
 
@@ -223,13 +231,26 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
-    sub.add_argument("--friction", type=float, metavar="MU", help="default: the scene's own")
-    sub.add_argument("--method", nargs="+", choices=PRELOAD_METHODS, help="default: the scene's")
     sub.add_argument(
-        "--samples", type=int, metavar="N", help="a power of two; 2 N lives are solved"
+        "--friction", type=float, metavar="MU", help="of ball and race; default: the scene's"
+    )
+    sub.add_argument(
+        "--method",
+        nargs="+",
+        choices=PRELOAD_METHODS,
+        metavar="METHOD",
+        help=f"{' or '.join(PRELOAD_METHODS)}, or both; default: the scene's",
+    )
+    sub.add_argument(
+        "--samples",
+        type=int,
+        metavar="N",
+        help="base samples, a power of two; 2 N lives are solved",
     )
     sub.add_argument("--seed", type=int, default=1, metavar="N", help="of the sample; default 1")
-    sub.add_argument("-o", "--output", required=True, metavar="FILE.nc", type=Path)
+    sub.add_argument(
+        "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
+    )
 
 
 def _add_study(study: argparse.ArgumentParser) -> None:
@@ -240,7 +261,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         type=_study_name,
         metavar="SCENE.yaml | NAME",
         help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
-        f"to take, a page; or a study of the present folder: {', '.join(NAMES)}; default: the main "
+        f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; default: the main "
         "one",
     )
     study.add_argument(
@@ -251,11 +272,11 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         help="where the study of a scene is made; default: named as the scene's file",
     )
     study.add_argument(
-        "-j", "--jobs", type=int, default=2, metavar="N", help="at a time; default 2"
+        "-j", "--jobs", type=int, default=2, metavar="N", help="jobs at a time; default 2"
     )
     _add_limits(study)
     study.epilog = (
-        "Further arguments are Snakemake's and stand after a name, as in `bearingwear study all "
+        "Further arguments go to Snakemake and stand after a name, as in `bearingwear study all "
         "--configfile other.yaml`."
     )
 

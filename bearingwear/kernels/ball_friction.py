@@ -17,7 +17,7 @@ from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
 
 
 class BallForces(NamedTuple):
-    """Moment and force on a ball that its rates follow from, and powers summed over all balls."""
+    """Moment and force that set a ball's rates, and powers summed over all balls."""
 
     M_x: float  # [N m] in the ball's azimuth frame
     M_y: float
@@ -41,7 +41,7 @@ def contact_status(contact, R):
 def friction_sums(bearing, buf, contact, c, R, slopes, gradient, hessian):
     """Gradient of Phi by the slip coefficients c, force along the major axis, and QV.
 
-    The force is found where traction bears on the balance of normal forces, else it is zero.
+    The force is zero unless traction enters the balance of normal forces.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def race_friction(y, bearing, buf, j, f, qv, slopes):
 
 @jit
 def find_tractions(y, bearing, buf):
-    """Tractions of all contacts that bear on the balance of normal forces, into `buf.balls.T`."""
+    """Tractions of all contacts in the balance of normal forces, into `buf.balls.T`."""
     for j in range(bearing.D.size):
         i, R, r = BALL * j, 0.5 * bearing.D[j], buf.balls.r[j]
         u = (y[i + W_X], y[i + W_Y], y[i + W_Z], y[i + OMEGA])

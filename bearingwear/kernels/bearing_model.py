@@ -1,4 +1,4 @@
-"""What stays the same while a bearing moves, and the work space of its right-hand side."""
+"""What is constant while a bearing moves, and the work space of its right-hand side."""
 
 import math
 from typing import NamedTuple
@@ -41,7 +41,7 @@ class BearingModel(NamedTuple):
     F_rot: float  # load that turns with the shaft, along +Z at t = 0 [N]
     tilt: float  # [rad]
     cage: CageModel
-    traction: bool  # bears on the balance of normal forces
+    traction: bool  # enters the balance of normal forces
     rule: Rule  # for the contact ellipses
     layout: StateLayout
 

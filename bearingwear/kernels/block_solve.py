@@ -1,4 +1,4 @@
-"""Solves with the factors of block_system.py, and the powers that a step brings."""
+"""Solves with the factors of block_system.py, and the change of powers in a step."""
 
 from bearingwear.kernels.block_system import (
     ALGEBRAIC,
@@ -29,7 +29,7 @@ from bearingwear.kernels.vectors import cross, minus, plus, triple
 
 @jit
 def known_forces(shift, side, bearing, system):
-    """Forces of the closed contacts that follow from places which speeds do not change.
+    """Forces of closed contacts that follow from places known in advance.
 
     Of azimuths and cage, by the right-hand sides of their own equations; into `system.known`.
     """
@@ -63,7 +63,7 @@ def add_cage_side(bearing, h, arm, side):
 
 @jit
 def ball_alone(shift, side, bearing, j, system):
-    """Solve for a ball whose race and cage stand still, and give what it does to the two."""
+    """Solve for a ball whose race and cage are held, and return its effect on the two."""
     v, border, places = system.alone[j], system.side, bearing.layout.qv
     touching, inverse = system.touching[j], system.inverse[j]
     by_azimuth, psi = system.by_azimuth[j], side[BALL * j + PSI] / shift
@@ -171,7 +171,7 @@ def follow_border(shift, side, U, bearing, j, system):
 
 @jit
 def add_ball_powers(U, y, rates, bearing, buf, system, out):
-    """Add to `out` what a step U of states and places makes of shaft power, heat and turning.
+    """Add to `out` how a step U of states and places changes shaft power, heat and rotation.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def over_ball_step(U, y, bearing, j, velocity, place, system):
 
 @jit
 def add_cage_powers(U, y, bearing, system, out):
-    """Add to `out` what a step U makes of the cage's heats, torques and work.
+    """Add to `out` how a step U changes the cage's heats, torques and work.
 
     For the contacts that `linearise` kept: the integrals' rows of the same matrix.
     """

@@ -2,8 +2,9 @@
 
 The unknowns of a stage are the steps of all states and, beside them, of the ball centres and the
 inner race: the balance of normal forces is solved with the motion. Azimuths, and place and rotation
-of the cage, follow from speeds and go first. Then the balls go one by one, each with the two
-coordinates of its centre; velocity and momentum of the cage and the place of the race remain.
+of the cage, follow from speeds and are eliminated first. Then the balls are eliminated one by one,
+each with the two coordinates of its centre. Velocity and momentum of the cage and the place of the
+race remain.
 """
 
 from typing import NamedTuple
@@ -25,9 +26,9 @@ from bearingwear.kernels.state import (
 # Unknowns of a ball: the steps of its centre (axial, radial), then of w_x, w_y, w_z, Omega.
 ALGEBRAIC, LOCAL = 2, 6
 SPIN_Y, SPIN_Z, ORBIT_STEP = ALGEBRAIC + W_Y, ALGEBRAIC + W_Z, ALGEBRAIC + OMEGA
-# What it gives way to: the groove's shift (axial, radial), the force of its pocket.
+# What it yields to: the groove's shift (axial, radial), the force of its pocket.
 GROOVE_SHIFT, FORCE, BALL_INPUTS = 0, 2, 5
-# What comes of that: the inner race's force (axial, radial, along the orbit's y), the pocket's.
+# What it returns: the inner race's force (axial, radial, along the orbit's y), the pocket's.
 RACE, POCKET, BALL_OUTPUTS = 0, 3, 6
 CAGE_BORDER = 6  # velocity and momentum of the cage
 BORDER = CAGE_BORDER + 3  # and the race
@@ -102,7 +103,7 @@ def block_system(n):
 
 @jit
 def linearise(y, bearing, buf, system):
-    """Keep all that `factorise` needs of the state and places of the last `rates_here`."""
+    """Keep what `factorise` needs of the state and places of the last `rates_here`."""
     n, balls, contacts = bearing.D.size, buf.balls, buf.cage
     ball_blocks(y, bearing, buf)
     lean = bearing.tilt * bearing.g.R_i
@@ -275,7 +276,7 @@ def slope_by_cage(shift, j, system):
 
 @jit
 def add_cage_rows(bearing, arm, rows, border):
-    """Let the force `rows` (3, BORDER) on a partner act on the cage, which feels its opposite."""
+    """Apply the opposite of the force `rows` (3, BORDER) on a partner to the cage."""
     for v in range(BORDER):
         h0, h1, h2 = rows[0, v], rows[1, v], rows[2, v]
         border[0, v] += h0 / bearing.cage.mass
@@ -288,7 +289,7 @@ def add_cage_rows(bearing, arm, rows, border):
 
 @jit
 def add_ball_to_border(bearing, j, system):
-    """Add what is left of an eliminated ball to the equations of race and cage."""
+    """Add the Schur complement of an eliminated ball to the equations of race and cage."""
     sp, cp = system.turn[j, 0], system.turn[j, 1]
     S, rows, border, first = system.passing[j], system.rows, system.border, CAGE_BORDER
     touching = system.touching[j]
@@ -334,7 +335,7 @@ def add_land_edge_rows(bearing, j, system):
 
 @jit
 def factorise(shift, y, bearing, buf, system):
-    """Factor the matrix of a stage, 1/(gamma h) = `shift`, for what `linearise` kept.
+    """Factor the matrix of a stage, 1/(gamma h) = `shift`, from what `linearise` kept.
 
     Returns
     -------

@@ -2,8 +2,8 @@
 
 State (12 numbers): centre of mass and its velocity, rotation vector since the orientation `R0` that
 was fixed at the start of the step, and angular momentum about the centre of mass; all in the
-inertial frame. A rotation vector that is put back to zero at each step has no singularity and no
-length to keep; the momentum of a weightless cage that nothing touches stays to the last digit.
+inertial frame. The rotation vector is reset to zero at each step, so it has no singularity and no
+length to preserve. A free cage without weight keeps its momentum to the last digit.
 """
 
 import math

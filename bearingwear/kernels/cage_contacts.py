@@ -74,7 +74,7 @@ def land_contact(cage, approach, n, slip, closing):
 
 @jit(forceinline=True)
 def add_land_motion(speed, slower, n, offset, h, place, contacts):
-    """Add to the slopes of a land what an edge of the cage meets elsewhere.
+    """Add to the slopes of a land how its surface changes with the place of the edge.
 
     Farther out the land is faster; farther along it, normal and force have turned, while the
     cage's own velocity has not.

@@ -1,4 +1,4 @@
-"""Law of the cage's contacts, and what they leave for forces, outputs and the Jacobian.
+"""Law of the cage's contacts, and what forces, outputs and the Jacobian take from them.
 
 Contacts are described by what they do to the relative motion of two points: a force, and its
 derivatives K by displacement and C by velocity. The same assembly then serves pockets and land.
@@ -28,7 +28,7 @@ from bearingwear.kernels.vectors import dot, times
 
 
 class CageBuffers(NamedTuple):
-    """What the cage's contacts leave for forces, outputs and the Jacobian."""
+    """Results of the cage's contacts for forces, outputs and the Jacobian."""
 
     R0: np.ndarray  # (3, 3) orientation at the start of the step
     R: np.ndarray  # (3, 3) orientation now
@@ -81,7 +81,7 @@ def cage_buffers(n):
 
 
 class CageContact(NamedTuple):
-    """A closed contact of the cage: what its force and its derivatives follow from."""
+    """A closed contact of the cage: what determines its force and derivatives."""
 
     n: tuple[float, float, float]  # unit normal
     slip: tuple[float, float, float]  # of the partner against the body, tangential [m/s]

@@ -1,4 +1,4 @@
-"""Places of balls and inner race that agree with the cage's contacts, at an instant of a motion.
+"""Places of balls and inner race in balance with the cage's contacts, at one instant.
 
 Newton for ball centres and race displacement at once, the balls condensed one by one, from the last
 answer on. Where that fails, the nested solver of race.py, which needs no start, takes over.
@@ -74,7 +74,7 @@ def linearise_cage_forces(bearing, balls, contacts):
 
 @jit
 def balance(y, bearing, buf):
-    """What the contacts that were found leave unbalanced, tractions among it."""
+    """What the contacts found leave unbalanced, tractions included."""
     balls = buf.balls
     if bearing.traction:
         find_tractions(y, bearing, buf)
@@ -135,8 +135,8 @@ def free_equilibrium(time, y, bearing, buf):
 def joint_equilibrium(time, y, bearing, buf):
     """Ball centres, race and cage contacts that agree with each other, from the last answer on.
 
-    Newton for all at once; a step is shortened until it leaves less force unbalanced, for the
-    edges of the contact law where pockets open and close.
+    Newton for all at once. Where pockets open and close the contact law has edges, so a step is
+    shortened until it leaves less force unbalanced.
     """
     BD, balls, contacts = bearing.g.BD, buf.balls, buf.cage
     X, delta = balls.X.copy(), balls.delta.copy()

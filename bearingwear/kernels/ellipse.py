@@ -5,8 +5,8 @@ strip. One point across is the line model: slip as in the strip's middle.
 
 A rule is either fixed points, the same for every contact, or *split*: its points along the major
 axis gather, from both sides, at the pure-rolling points v2 = 0 of the contact at hand, where
-friction turns round within so little of the ellipse that fixed points miss it, and those across
-about where v1 = 0.
+friction reverses within so small a part of the ellipse that fixed points miss it. Those across
+gather about v1 = 0.
 """
 
 import math
@@ -197,7 +197,7 @@ def contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share)
     ----------
     h, width : ndarray (most_points(rule),)
         Filled: `contact.surface_height`, `contact.half_width`. With one point across, `width`,
-        `across` and `share` are left at what they were made with.
+        `across` and `share` keep their initial values.
 
     Returns
     -------

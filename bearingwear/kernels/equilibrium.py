@@ -62,7 +62,7 @@ def orbit_load(Omega, T_i, T_o):
 
 @jit
 def body_forces(g, D, load, X2, s_i, c_i, s_o, c_o):
-    """Forces on a ball beside the normal ones, and the inner race's share of them.
+    """Forces on a ball other than the normal ones, and the inner race's share of them.
 
     Centrifugal force and tractions of a given orbit (ORBIT), or Jones-Harris: centrifugal force at
     dm/2 and the friction force that carries the gyroscopic moment at the controlling race.
@@ -130,7 +130,7 @@ def spring(K, X1, X2, free):
 
 @jit
 def cold_start():
-    """A start for `ball_equilibrium` where no solve nearby is known."""
+    """A start for `ball_equilibrium` without a known solution nearby."""
     unknown = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=math.nan, E=0.0)
     return open_ball(NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, 0.0, unknown, unknown)
 

@@ -1,4 +1,4 @@
-"""The friction law of the ball/race contacts: the only place that knows it (theory.md Eqs. 11-12).
+"""The friction law of the ball/race contacts, in one place (theory.md Eqs. 11-12).
 
 A point that presses with dQ and slips by v feels the friction force
 

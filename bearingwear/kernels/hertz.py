@@ -48,7 +48,7 @@ def log_ellipticity(log_ratio, log_kappa):
     """Solve for ln(a/b), given ln(B/A) of the curvatures; `log_kappa` is the start.
 
     Newton on ln(B/A) = 2 ln kappa + ln((1-s)/s) (theory.md Eq. 3), which is nearly a straight
-    line, so that two to four steps do.
+    line: two to four steps suffice.
 
     Returns
     -------

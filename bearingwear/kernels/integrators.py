@@ -2,9 +2,9 @@
 
 `ROSENBROCK`: ROS34PW2 of Rang and Angermann, BIT 45 (2005) 761: four stages, order 3 with *any*
 matrix in place of the Jacobian (a W-method), L-stable and stiffly accurate with the exact one,
-embedded order 2. It is so, too, for the index-1 system M y' = f(y, z), 0 = g(y, z) with the ball
-centres and the race as z, which are steps of the same stages: no equilibrium is solved in a step.
-What is left of the derivatives of g has to be exact for that, those of f need not be.
+embedded order 2. These hold as well for the index-1 system M y' = f(y, z), 0 = g(y, z), where z
+are the ball centres and the race, found in the same stages: no equilibrium is solved in a step.
+The derivatives of g must be exact for that; those of f need not be.
 
 `RUNGE_KUTTA`: Fehlberg's 4(5) pair, NASA TR R-315 (1969); the fourth-order result is carried on, as
 in the paper that the model follows.
@@ -298,7 +298,7 @@ def take_step(method, time, h, y, bearing, buf, stage):
 
 @jit
 def begin_step(method, y, bearing, buf, stage):
-    """Keep what steps from here need: `stage.rates[0]` and `buf` come from `rates_here`."""
+    """Keep what steps from here need: `rates_here` has filled `stage.rates[0]` and `buf`."""
     keep_places(buf.balls, stage.kept)
     if method.implicit:
         keep_left(buf.balls, stage.left)

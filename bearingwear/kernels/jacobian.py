@@ -1,7 +1,7 @@
 """Derivatives of the right-hand side and of the balance of normal forces, ball by ball.
 
-What the races do to a ball follows from the legs of its contacts and its motion; what its pocket
-does couples it to the cage, by the derivatives K and C of that contact (cage_law.contact_law).
+The force of the races on a ball follows from the legs of its contacts and its motion. Its pocket
+couples it to the cage, by the derivatives K and C of that contact (cage_law.contact_law).
 """
 
 import math
@@ -104,9 +104,9 @@ def ball_blocks(y, bearing, buf):
     """Fill `buf.blocks` and `buf.inner` for the last `rates_here`, which left its slopes.
 
     `blocks` (n, 8, 8): derivatives of the forces on each ball and of the powers that the integrals
-    sum. A stage of a stiff step lies off the path, where friction is far from its value on it, and
-    sums of powers without their slopes would feel that. `inner` (n, 2, 8): axial and radial force
-    of the inner race on the ball alone. Hertz factors are held.
+    sum. A stage of a stiff step lies off the path, where friction differs much from its value on
+    the path; without their slopes the sums of powers would be wrong. `inner` (n, 2, 8): axial and
+    radial force of the inner race on the ball alone. Hertz factors are held.
     """
     m, balls = bearing.op, buf.balls
     for j in range(bearing.D.size):

@@ -1,7 +1,7 @@
 """Solvers of the steady balance at one regularisation v_r (theory.md section 4).
 
-Newton, and pseudo-transient continuation where Newton does not get on: implicit Euler steps on the
-ball's true equations of motion, which end only in a stable state.
+Newton, and pseudo-transient continuation where Newton fails: implicit Euler steps on the ball's
+true equations of motion, which end only in a stable state.
 """
 
 from typing import NamedTuple
@@ -130,7 +130,7 @@ def implicit_step(p, v_r, seat, u, size, inertia, dt):
     Returns
     -------
     found, why, unexplained, seat, dt
-        Whether a step was found; what the last one refused ran into; the residual it leaves;
+        Whether a step was found; the status of the last one refused; the residual it leaves;
         the equilibrium at `p.trial`; its length [s].
     """
     why, unexplained, moved = OK, UNKNOWN, seat
@@ -162,9 +162,9 @@ def implicit_step(p, v_r, seat, u, size, inertia, dt):
 def pseudo_transient(p, v_r, seat, u, tolerance, most):
     """Pseudo-transient continuation to a stable state; u is improved in place.
 
-    Slow but sure where Newton fails. Each implicit Euler step on the ball's equations of motion
-    solves its linearised equation once and is taken if that left no more than half of the residual
-    unexplained; the steps grow as long as they are taken, until they are Newton's.
+    Slow but safe where Newton fails. Each implicit Euler step on the ball's equations of motion
+    solves its linearised equation once. It is accepted if that leaves at most half of the residual
+    unexplained. Accepted steps grow until they are Newton's.
 
     Parameters
     ----------

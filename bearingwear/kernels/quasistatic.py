@@ -41,7 +41,7 @@ STEP_1, STEP_2, BY_11, BY_12, BY_21, BY_22 = range(6)
 
 
 class Suspension(NamedTuple):
-    """Ball centres and inner race at an instant, what they come to, and how they give way.
+    """Ball centres and inner race at an instant, their contacts, and how they yield.
 
     The inner race has three translations (axial, Y, Z); a fixed position holds the first.
     """
@@ -175,7 +175,7 @@ def find_contacts(y, bearing, balls):
 
 @jit
 def add_traction_stiffness(bearing, balls):
-    """Let the tractions `balls.T` turn with their contacts and grow with their loads."""
+    """Turn the tractions `balls.T` with their contacts and scale them with their loads."""
     for j in range(bearing.D.size):
         X, A, k = balls.X[j], balls.A[j], balls.stiffness[j]
         for race in range(2):

@@ -19,7 +19,7 @@ _MOST_STEPS = 400
 _HALVINGS = 30  # of a step, at the most
 _ROUNDED_STEP = 1e-9  # a step below this, over the distance of the groove centres, is tried once
 
-# Damping: a soft spring that the race leans on, its stiffness over E* D0 or over the race's own.
+# Damping: a soft spring on the race; its stiffness over E* D0 or over the race's own.
 SOFTEST = 1e-9  # below this there is none
 HARDEST = 1e6  # above this the solve is given up
 LEANING = 1e-3  # first spring where no ball resists in some direction
@@ -293,7 +293,7 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
         for i in range(n):
             matrix[i, i] += damping
         if not solve_in_place(matrix, step, n):
-            # No ball resists in some direction: lean on a soft spring until one does.
+            # No ball resists in some direction: a soft spring holds the race until one does.
             lean = LEANING * (g.E_star * g.D0 if damping == 0.0 else damping)
             damping = max(FIRMER * damping, lean)
         else:

@@ -1,4 +1,4 @@
-"""What a run in time leaves behind: sums for averages, histories, checks of every instant kept."""
+"""What a run in time keeps: sums for averages, histories, checks of every instant kept."""
 
 import math
 from typing import NamedTuple
@@ -80,7 +80,7 @@ class Sums(NamedTuple):
 
 
 class Recorder(NamedTuple):
-    """Where the instants of a run go."""
+    """Where the instants of a run are written."""
 
     sums: Sums
     history: History
@@ -131,7 +131,7 @@ def empty_sums(n, rule, strips, integrals):
 
 
 def clear(sums):
-    """Begin a window anew."""
+    """Reset the sums for a new window."""
     sums.contacts[:, :, :] = 0.0
     sums.slip[:, :, :, :] = 0.0
     sums.ball[:, :] = 0.0

@@ -8,8 +8,7 @@ function of one number, the force that is left along the orbit,
     F(Omega) = (traction + drag along the orbit) / (friction capacity of the lighter contact),
 
 and it can be stable only where F falls through zero. The search follows F from a known state to
-both ends of what a ball may orbit at, and lets the ball settle from wherever F says that there may
-be another state.
+both ends of the range of orbit rates, and lets the ball settle wherever F indicates another state.
 """
 
 import math
@@ -180,7 +179,7 @@ def balance_at_rate(p, v_r, near, u, tangent, balanced):
 def next_step(point, way, step, span):
     """Step of the orbit rate from a point on, after one of the length `step` [rad/s].
 
-    The farther F is from zero, the longer; towards zero, half of the way there.
+    Longer, the farther F is from zero; towards zero, half of the distance.
     """
     longest = min(
         LONGEST_RATE_STEP * span, max(FIRST_RATE_STEP * span, abs(point.F) * span / STEEPEST_RISE)
@@ -194,7 +193,7 @@ def next_step(point, way, step, span):
 
 @jit
 def settle(p, near, u, motions, count):
-    """Let a ball that moves as u settle; append where it comes to.
+    """Let a ball that moves as u settle; append the motion it reaches.
 
     Parameters
     ----------

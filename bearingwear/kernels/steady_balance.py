@@ -47,7 +47,7 @@ class Preload(NamedTuple):
 
 
 class ThrustBearing(NamedTuple):
-    """A bearing under thrust, worn and turning; no arrays, which are dear to pass on."""
+    """A bearing under thrust, worn and turning; no arrays, which are expensive to pass."""
 
     g: Geometry
     D: float  # worn ball diameter [m]
@@ -85,14 +85,14 @@ class BalanceProblem(NamedTuple):
 
 
 class Seat(NamedTuple):
-    """Where the inner race and the ball stand."""
+    """Places of the inner race and the ball."""
 
     delta_a: float  # axial displacement of the race [m]
     state: BallState
 
 
 class Rounding(NamedTuple):
-    """What the last bits of speeds and places make of the balance."""
+    """Effect of rounding of speeds and places on the balance."""
 
     share: float  # of the friction forces [1]
     power: float  # [W]
@@ -363,7 +363,7 @@ def balance_share(D, r, capacity, out):
 
 @jit
 def rounding(bearing, state, u, J):
-    """What the last bits of speeds and places make of the balance, and of its power.
+    """Effect of rounding of speeds and places on the balance and its power.
 
     Slip is a small difference of large speeds: at a small v_r the speeds cannot be stored finely
     enough to balance friction any better. Nor can a light load, whose deformation is a small

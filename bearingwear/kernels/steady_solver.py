@@ -2,8 +2,8 @@
 
 Coulomb friction is saturated almost everywhere, so a Newton start from afar sees a flat residual.
 The solver therefore follows the state from a nearly viscous friction law (large v_r), where the
-problem is nearly linear, to the wanted v_r. Each level is solved by Newton or, where that does not
-get on, by pseudo-transient continuation.
+problem is nearly linear, to the wanted v_r. Each level is solved by Newton or, where that fails, by
+pseudo-transient continuation.
 """
 
 import math
@@ -44,7 +44,7 @@ LARGEST_RATIO = 0.8  # where levels lie so close that Newton's failure is not th
 RISE = 30.0  # where the first level fails, the next lies so many times higher
 LAST_RATIO = 1.5  # a level within this of the wanted v_r is left out
 
-# A ball off the inner race is driven no more: it slows down until it is back on.
+# A ball off the inner race is no longer driven: it slows down until it is back on.
 SLOWING = 0.9
 MOST_SLOWINGS = 60
 SKIDDING_START = 0.1  # share of the first speeds, for a ball that skids
@@ -131,7 +131,7 @@ def settle_from_start(p, first, tried, u):
 
 @jit
 def polish(p, v_r, s, u, tolerance):
-    """Newton from a settled state on to rounding, if that gets there; u is improved in place."""
+    """Newton from a settled state to rounding, if it converges; u is improved in place."""
     trial = u.copy()
     better = newton(p, v_r, s.seat, trial, tolerance)
     total = s.iterations + better.iterations
@@ -143,7 +143,7 @@ def polish(p, v_r, s, u, tolerance):
 
 @jit
 def without_newton(p, v, seat, first, u, tolerance):
-    """A level that Newton does not solve, or if need be the wanted one, by pseudo-transients.
+    """A level that Newton cannot solve, or the wanted one if necessary, by pseudo-transients.
 
     Parameters
     ----------

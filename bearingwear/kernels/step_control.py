@@ -1,7 +1,7 @@
 """Control of the step by its error and by contacts that close (theory.md section 9).
 
-An explicit step that is slightly too long does not blow up, since saturated friction only
-chatters; it reports a wrong QV without a sign of trouble. The step control therefore measures the
+An explicit step that is slightly too long does not blow up, because saturated friction only
+chatters. It gives a wrong QV without any sign of trouble. The step control therefore measures the
 error of slip velocities against the mean slip itself, and the error of QV.
 """
 
@@ -38,15 +38,15 @@ from bearingwear.kernels.state import (
 from bearingwear.kernels.status import NOT_CONVERGED, OK, TOO_STIFF
 
 # A step that closes a contact deeper than so many times the range in which its damping comes in is
-# taken anew up to where it closes.
+# repeated up to where it closes.
 EVENT_DEPTH = 4.0
 _MOST_STEPS = 3000  # tried in the longest step's time, a hundred times what a run usually takes
 FIRST_OF_IMPACT = 0.3  # of its duration: the step that begins an impact, at the tolerance 1
-PATIENCE = 12  # steps refused before places are found anew
+PATIENCE = 12  # steps refused before places are found again
 SAFETY = 0.8  # of the step that the error allows
 LONGEST_GROWTH, LEAST_SHARE = 4.0, 0.2  # than the last step, at the most
 UNUSABLE = 0.25  # of a step that could not be taken
-SHORTEST_LOCATED = 0.05  # of a step taken anew up to where a contact closes
+SHORTEST_LOCATED = 0.05  # of a step repeated up to where a contact closes
 CAGE_SHARE = 0.01  # of the balls' speed and the clearance: the scale of the cage's errors
 LEFT = 0.1  # of the tolerance: share of the largest load that a step may leave unbalanced
 # Of the longest step: shorter ones are asked for no smaller a share of the error of QV. Where a
@@ -65,7 +65,7 @@ class StepControl(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """What an integration took."""
+    """Cost of an integration."""
 
     status: int
     time: float  # reached [s]
@@ -77,7 +77,7 @@ class Tally(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """What a step came to."""
+    """Result of a step."""
 
     status: int
     error: float  # over what is allowed [1]
@@ -133,7 +133,7 @@ def step_error(h, y, bearing, balls, stage, control):
 
 @jit
 def reset_rotation_vector(y, bearing, contacts, rates):
-    """Put the cage's rotation vector back to zero, into the orientation it counts from.
+    """Reset the cage's rotation vector to zero and update the orientation it counts from.
 
     And its rate of change into that of a vector at zero.
     """
@@ -207,7 +207,7 @@ def step_length(whole, left):
 
 @jit
 def try_step(control, time, now, step, depth, y, bearing, buf, stage, last):
-    """Take a step and look at its end; `stage` and `buf` are left there.
+    """Take a step and evaluate its end; `stage` and `buf` are left there.
 
     Parameters
     ----------
@@ -328,7 +328,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
         if usable and (located or trial.fraction == 1.0):
             time = now
             grown = step * min(LONGEST_GROWTH, SAFETY * max(trial.error, 1e-9) ** power)
-            # A step that was cut short says nothing of longer ones.
+            # A step that was cut short says nothing about longer ones.
             h = grown if step == whole else max(h, grown)
             if trial.events > 0:
                 h = first_step_of_impact(control, bearing, stage, step, h)

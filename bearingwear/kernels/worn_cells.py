@@ -1,8 +1,8 @@
-"""Cells of a worn contact and how they give way to each other's pressure (theory.md section 17).
+"""Cells of a worn contact and how they deform under each other's pressure (theory.md section 17).
 
 The half space is cut into equal rectangles of uniform pressure; half of them do, since the contact
 is even across. Those that carry load, and the ones around them, are *at hand*: in each row the
-cells from `first` up to `last`. What they do to each other is written out as a matrix once, and
+cells from `first` up to `last`. Their influence on each other is written out as a matrix once, and
 kept as long as the contact stays within them.
 """
 
@@ -125,7 +125,7 @@ def nearby_pressure(scale, c, d):
 
 @jit(fastmath=REORDER_SUMS)
 def place_at_hand(cells, pressure, work):
-    """See to it that the cells with pressure, and those around them, are at hand."""
+    """Make sure that the cells with pressure, and those around them, are at hand."""
     m, n = pressure.shape
     first, last = work.first, work.last
     count = needed = 0

@@ -5,8 +5,8 @@ approach, the pressure in its peak: X = x/a, Y = y/b. Unworn, the gap is then al
 
     s X^2 + (1 - s) Y^2 - 1 + displacement of the pressure  >= 0,    s = (1 - E/K)/m,
 
-and wear w(x) adds w/approach. What the contact gives is scaled by what the same cells give unworn,
-so that no wear is Hertz' law to the last bit.
+and wear w(x) adds w/approach. Results are scaled by those of the same cells unworn, so that
+without wear they are Hertz' law to the last bit.
 """
 
 import math
@@ -84,7 +84,7 @@ def gap_at_hand(cells, wear, pressure, work):
 
 @jit
 def open_cells(cells, pressure, work):
-    """Give pressure to the cells at hand that overlap without."""
+    """Give pressure to the cells at hand that overlap without pressure."""
     m, n = pressure.shape
     for j in range(m):
         own = cells.influence[j, j, n - 1]
@@ -165,7 +165,7 @@ def open_and_overlapping(pressure, work):
 
 @jit(fastmath=REORDER_SUMS)
 def conjugate_gradients(cells, wear, pressure, work, most):
-    """Lessen the gap where there is pressure until it vanishes there; cells may come and go.
+    """Close the gap of the loaded cells; cells may join and leave.
 
     Returns
     -------

@@ -297,7 +297,7 @@ def settled_motion(g, op, D, seat, rule, work, u):
 
 @jit
 def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
-    """What slip costs in both contacts, and how it spreads over them.
+    """QV and heat of the slip in both contacts, and their distribution over them.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Steady state of a ball between two worn grooves (theory.md section 21).
 
-Unknown are the places of ball and race, and the pitch of the ball's axis where the ball wears in
-bands. Each try solves both contacts at the places and the ball's motion under their loads; what is
-left are the forces on ball and race, and how far the motion's own pitch is from the one tried.
-Their derivatives are kept from try to try and from state to state, and improved by each step.
+The unknowns are the places of ball and race and, where the ball wears in bands, the pitch of its
+axis. Each trial solves both contacts at the places and the ball's motion under their loads. The
+residuals are the forces on ball and race, and the motion's own pitch less the one tried. Their
+derivatives are kept from trial to trial and from state to state, and improved by each step.
 """
 
 import math
@@ -39,7 +39,7 @@ NARROW = 1e-7  # bracket of the pitch that is none [rad]
 
 
 class WornSeat(NamedTuple):
-    """Where ball and race stand, and the forces there."""
+    """Places of ball and race, and the forces there."""
 
     status: int
     X1: float  # ball centre from the outer groove centre [m]
@@ -118,7 +118,7 @@ def seat_with(at, status, inner, outer, F_i, F_o):
 
 @jit
 def worn_seat(bearing, races, reference, rule, work, state, at, u, left):
-    """Contacts and motion at the places of a seat, and what is left of the balances.
+    """Contacts and motion at the places of a seat, and the residuals of the balances.
 
     Parameters
     ----------
@@ -300,8 +300,8 @@ def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
 def relaxed_seat(bearing, races, reference, rule, work, state, seat, u):
     """`balanced_seat` of a ball whose axis turns until it lies as its bands have it.
 
-    The bands turn the axis and the axis the bands: where they have no state left nearby, the axis
-    goes on the way that it is turned, to where it is turned back.
+    The bands turn the axis, and the axis turns the bands. Where no state is left nearby, the axis
+    continues in the direction it is turned, until it is turned back.
     """
     state.active[3] = False
     seat = balanced_seat(bearing, races, reference, rule, work, state, seat, u)

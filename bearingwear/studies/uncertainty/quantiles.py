@@ -292,10 +292,12 @@ def _dataset(
         **coordinate(UNCERTAINTY_AXES[PROBABILITY], PROBABILITIES),
         **coordinate(UNCERTAINTY_AXES[BATCH], BATCH_PROBABILITIES),
     }
+    # nothing where no method has a preload
+    known = {name for row in table[:1] for name in row[0]}
     variables = {
         name: data_array(variable, [[one[name] for one in row] for row in table], ALONG)
         for name, variable in ANALYSED.items()
-        if name in table[0][0]
+        if name in known
     }
     return dataset_with(
         variables,

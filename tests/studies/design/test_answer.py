@@ -181,3 +181,19 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     assert {f"{q.name} (h)": digits(q.hours) for q in known} == {
         name: row[0] for name, row in rows.items() if name in ("L10 (h)", "L50 (h)")
     }
+
+
+def test_where_no_preload_is_taken_no_life_is_sampled(files, small_project, tmp_path):
+    """A study whose limits nothing keeps to still ends with its answer."""
+    none, path, answer = (tmp_path / name for name in ("none.nc", "spread.nc", "answer.json"))
+    found = load(files["recommendation"])
+    for name in ("life", "preload"):
+        found[name][...] = np.nan
+    found.to_netcdf(none)
+    given = {"scene": small_project / "mine.yaml", "recommendation": none}
+    run = "studies.uncertainty.quantiles.recommended_life_quantiles"
+    assert step(run, path, settings={"samples": 16, "seed": 1}, **given) == 0
+    assert load(path).sizes["preload_method"] == 0
+    given = {"design": files["design"], "recommendation": none, "spread": path}
+    assert step("studies.design.answer.design_answer", answer, **given) == 0
+    assert load_answer(answer).headline == "mine: no preload keeps to all limits"
