@@ -144,11 +144,10 @@ class Model:
     contact: Annotated[
         str,
         Key(
-            "The model of the contacts: that of the paper takes slip on the centre line of the "
-            "ellipse and leaves traction out of the balance of normal forces, hertz takes slip "
-            "over all of it and, but for lives with worn grooves, traction into "
-            "the balance, worn also follows the grooves along a life, as auto does where the wear "
-            "asks for it",
+            "The model of the contacts: paper takes slip on the centre line of the ellipse and "
+            "leaves traction out of the balance of normal forces, hertz takes slip over the whole "
+            "ellipse and traction into the balance, worn also follows the grooves along a life, "
+            "auto is hertz, or worn for lives whose wear is deep enough",
             choices=CONTACTS,
         ),
     ] = "auto"

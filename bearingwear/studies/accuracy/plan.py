@@ -160,7 +160,7 @@ class AccuracyPlan:
     repeats: Annotated[int, Key("How often a solve is timed; the median counts", minimum=1)]
     seconds: Annotated[float, Key("Time after which it is not repeated", unit="s", above=0)]
     tolerance: Annotated[Tolerance, Key("How far the docs may differ from a run")]
-    references: Annotated[Mapping[str, Reference], Key("What is held for right")]
+    references: Annotated[Mapping[str, Reference], Key("Solutions that count as exact")]
     scenes: Annotated[Mapping[str, TradeScene], Key("Scenes, by a name of their own")]
     sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps")]
     table: Annotated[tuple[TableRow, ...], Key("Rows of the table in docs/accuracy.md")]
