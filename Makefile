@@ -6,7 +6,7 @@ BIN := .venv/bin
 ALL_CORES := -n auto --no-loadscope-reorder
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
-.PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs bench venv clean
+.PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs effects-docs bench venv clean
 
 study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
@@ -59,6 +59,10 @@ results/fuzz/%.nc: always
 
 accuracy-docs: $(STAMP) # after `snakemake accuracy`: its numbers into docs/accuracy.md
 	$(BIN)/bearingwear step studies.accuracy.tables.docs_with_block trade=results/accuracy/accuracy.nc plan=config/accuracy.yaml docs=docs/accuracy.md -o docs/accuracy.md
+
+effects-docs: $(STAMP) # single effects alone, on each scene, solved anew and written into docs/accuracy.md: a minute
+	$(BIN)/snakemake -j1 results/accuracy/effects.nc
+	$(BIN)/bearingwear step studies.accuracy.effects.docs_with_effects trade=results/accuracy/effects.nc plan=config/accuracy.yaml docs=docs/accuracy.md -o docs/accuracy.md
 
 docs: $(STAMP) # the site, into build/site; opens from disk, needs no network
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'

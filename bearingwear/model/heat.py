@@ -53,9 +53,10 @@ class SteadyHeat:
     case: ThrustCase = field(init=False)
 
     def __call__(self, scene: Scene) -> tuple[int, HeatFlow]:
-        problem, like = ThrustProblem.of(scene), self.like
-        if like is not None:
-            problem = replace(like, g=problem.g)
+        if self.like is None:
+            problem = ThrustProblem.of(scene)
+        else:
+            problem = replace(self.like, g=parameters.geometry(scene))
         status = problem.undetermined()
         if status != code.OK:
             return status, NOTHING

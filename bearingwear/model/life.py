@@ -58,7 +58,8 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
                 f"{scene.name}: got two bearings that differ, expected one, or two alike"
             )
         scene = scene.sides[0]
-    covered, mounted = problem or ThrustProblem.of(scene), parameters.static_place(scene)
+    covered = (problem or ThrustProblem.of(scene)).without_finer
+    mounted = parameters.static_place(scene)
     solved: dict[tuple[float, Bare], tuple[np.ndarray, Warmed | None]] = {}
 
     def state(loss: float, bare: Bare = COVERED) -> WearState:
@@ -80,7 +81,7 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
         if case.status == code.OK:
             solved[loss, bare] = case.u, found
         made = steady_wear_state(scene, problem, loss, case)
-        return in_half_of_pair(scene, mounted, replace(made, **warmth))
+        return in_half_of_pair(scene, mounted, made, **warmth)
 
     return state
 
@@ -93,7 +94,9 @@ def steady_wear_state(
         return WearState(loss, case.status)
     g, c = problem.g, case.contacts
     D = np.array([g.D0 - loss])
-    wear = wear_values(scene, D, c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK])
+    worn_by = c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
+    films = changes_as_it_wears(scene)
+    wear = wear_values(scene, D, *worn_by)
     gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
     return WearState(
         loss=loss,
@@ -117,20 +120,20 @@ def steady_wear_state(
             friction_used(c[None, :, FRICTION], D, gyroscopic, c[None, :, LOAD])[0]
         ),
         friction=c[:, FRICTION],
-        per_wear=loss_per_wear(g.n_balls, D, c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]),
+        **({"per_wear": loss_per_wear(g.n_balls, D, *worn_by)} if films else {}),
     )
 
 
-def in_half_of_pair(scene: Scene, mounted: float, state: WearState) -> WearState:
-    """A state with its values in a symmetric pair, of which the bearing is one half.
+def in_half_of_pair(scene: Scene, mounted: float, state: WearState, **more: Any) -> WearState:
+    """A state with its values in a symmetric pair, of which the bearing is one half, and `more`.
 
     At a fixed position both bearings hold the rotor, and it stays where it is. A spring's stiffness
     is not there, and the rotor goes where the bearing lets it from the axial displacement `mounted`
     [m].
     """
     if scene.operation.preload_method == "fixed_position":
-        return replace(state, system_stiffness=2.0 * state.stiffness, shift=0.0)
-    return replace(state, system_stiffness=state.stiffness, shift=state.place - mounted)
+        return replace(state, system_stiffness=2.0 * state.stiffness, shift=0.0, **more)
+    return replace(state, system_stiffness=state.stiffness, shift=state.place - mounted, **more)
 
 
 def race_control_states(scene: Scene) -> StateAtLoss:
@@ -159,7 +162,7 @@ def race_control_states(scene: Scene) -> StateAtLoss:
         problem = RaceControlProblem.of(now).where_bare(now, bare)
         values, _ = solve_race_control(now, problem)
         made = race_control_wear_state(loss, problem, values)
-        return in_half_of_pair(scene, mounted, replace(made, **warmth))
+        return in_half_of_pair(scene, mounted, made, **warmth)
 
     return state
 

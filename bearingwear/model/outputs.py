@@ -151,10 +151,11 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv)
     on = a.min(axis=1) > 0.0  # those off a race loosen no fit
-    losses = diameter_loss_rates(n, D[on], ball_rate[on], race_rate[on], a[on], track[on])
+    each = D, ball_rate, race_rate, a, track
+    losses = diameter_loss_rates(n, *(each if on.all() else (one[on] for one in each)))
     return {
         "ball_wear_rate": ball_rate.sum(axis=1),
-        "race_wear_rate": n * race_rate.mean(axis=0),
+        "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),
         "ball_diameter_loss_rate": losses.sum(axis=0) / len(D),
     }
 
@@ -185,9 +186,11 @@ def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray
     ndarray (k, 2)
         Counting the balls alone, and balls and races [m/s].
     """
-    balls = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
+    rates = np.empty((len(D), 2))
+    rates[:, 0] = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
     races = n * race_rate / (2.0 * np.pi * track * 2.0 * a)
-    return np.stack([balls, balls + races.sum(axis=1)], axis=1)
+    rates[:, 1] = rates[:, 0] + races.sum(axis=1)
+    return rates
 
 
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):

@@ -6,6 +6,7 @@ single bearing, solved by the same model as ever at the place or under the force
 """
 
 import contextlib
+import functools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -146,7 +147,7 @@ class SteadySide:
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         made = steady_wear_state(self.scene, state.problem, loss, state.answer)
-        return replace(made, **warmth_of_side(self.scene, state))
+        return with_warmth(self.scene, state, made)
 
 
 class RaceControlSide:
@@ -218,7 +219,7 @@ class RaceControlSide:
 
     def wear_state(self, loss: float, state: SideState) -> WearState:
         made = race_control_wear_state(loss, self.problem, state.answer[0])
-        return replace(made, **warmth_of_side(self.scene, state))
+        return with_warmth(self.scene, state, made)
 
 
 def warm_scene(scene: Scene, state: SideState) -> Scene:
@@ -226,9 +227,9 @@ def warm_scene(scene: Scene, state: SideState) -> Scene:
     return scene if state.warmed is None else state.warmed.scene
 
 
-def warmth_of_side(scene: Scene, state: SideState) -> dict[str, Any]:
-    """Temperatures and heat flows of a side with a network, as a state of a life has them."""
-    return {} if state.warmed is None else warmth_of(scene, state.warmed)
+def with_warmth(scene: Scene, state: SideState, made: WearState) -> WearState:
+    """A state of a life with the temperatures and heat flows of a side that has a network."""
+    return made if state.warmed is None else replace(made, **warmth_of(scene, state.warmed))
 
 
 @dataclass(frozen=True)
@@ -302,11 +303,15 @@ class Pair:
             return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
 
         x = self.nearby.at(losses) if self.nearby.known else self._start(losses, F_ext)
-        rounded = _ROUNDED * one.mechanics(0.0).g.BD
-        x, found = balanced(trial, x, rounded, self.nearby, tolerance)
+        x, found = balanced(trial, x, self._rounded, self.nearby, tolerance)
         return self._state(
             losses, x, found, lambda states: (x, states[0].stiffness + states[1].stiffness)
         )
+
+    @functools.cached_property
+    def _rounded(self) -> float:
+        """Step of the rotor that changes nothing [m]."""
+        return _ROUNDED * self.sides[0].mechanics(0.0).g.BD
 
     def _state(
         self,

@@ -134,8 +134,8 @@ class PairLife:
 
     def rates(self, s: float, y: np.ndarray) -> np.ndarray:
         """Derivative of (L_1, L_2, t) by the sum of the losses."""
-        r = np.array([one.rate[self.counts] for one in self.at(y)])
-        return np.append(r, 1.0) / r.sum()
+        r_1, r_2 = (one.rate[self.counts] for one in self.at(y))
+        return np.array([r_1, r_2, 1.0]) / (r_1 + r_2)
 
     def margin(self, y: np.ndarray) -> np.ndarray:
         """How far each criterion, and the largest loss that is followed, is from being met."""
@@ -237,7 +237,11 @@ def pair_life(scene: Scene, tier: str) -> tuple[dict, dict]:
 
 def pair_states(scene: Scene, tier: str, balance: float = LIFE_BALANCED) -> PairStates:
     """States of a pair, balanced as well as a life needs."""
-    return PairStates(Pair.of(scene, tier, balance))
+    pair = Pair.of(scene, tier, balance)
+    for side in pair.sides:
+        if isinstance(side, SteadySide):
+            side.problem = side.problem.without_finer
+    return PairStates(pair)
 
 
 def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:

@@ -110,17 +110,16 @@ class ThrustProblem:
             v_start = VISCOUS_START * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o)
         return thrust_case(self.bearing(D), rule, fine, u, v_start, FRICTION_TOLERANCE)
 
-    def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
-        """The problem with half the regularisation, and with twice the points.
+    @property
+    def without_finer(self) -> "ThrustProblem":
+        """The problem where nobody asks what finer points would say."""
+        return replace(self, fine_rule=self.rule)
 
-        What finer points would say of these two is not asked for.
-        """
-        halved = self.op._replace(v_r=0.5 * self.op.v_r)
-        twice = parameters.quadrature(scene, refined=2)
-        return (
-            replace(self, op=halved, fine_rule=self.rule),
-            replace(self, rule=twice, fine_rule=twice),
-        )
+    def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
+        """The problem with half the regularisation, and with twice the points, `without_finer`."""
+        halved = replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r))
+        twice = replace(self, rule=parameters.quadrature(scene, refined=2))
+        return halved.without_finer, twice.without_finer
 
     def undetermined(self) -> int:
         """Status that is known before any solve, or OK."""

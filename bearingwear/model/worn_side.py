@@ -15,7 +15,7 @@ from bearingwear.model import parameters
 from bearingwear.model.heat import NOTHING
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.outputs import friction_used
-from bearingwear.model.pair import SteadySide, warmth_of_side
+from bearingwear.model.pair import SteadySide, with_warmth
 from bearingwear.model.pair_balance import SideState
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import HeatFlow, warmed
@@ -109,7 +109,7 @@ class WornSide(SteadySide):
 
         def heats(scene: Scene) -> tuple[int, HeatFlow]:
             nonlocal last
-            last = self.bearing.solve(self.wear, replace(problem, g=ThrustProblem.of(scene).g))
+            last = self.bearing.solve(self.wear, replace(problem, g=parameters.geometry(scene)))
             return last.status, heat_of_point(last) if last.status == code.OK else NOTHING
 
         found = warmed(self.scene, heats, self._warmed)
@@ -185,7 +185,7 @@ class WornSide(SteadySide):
         if known is None or known[0] is not point:
             made = replace(self._wear_state(point), stiffness=state.stiffness / self.tandem)
             made = replace(made, **self._of_films(point))
-            known = point, replace(made, **warmth_of_side(self.scene, state))
+            known = point, with_warmth(self.scene, state, made)
             self._states[id(point)] = known
         return known[1]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,8 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear.results.netcdf import CaseFileError, header, load
-from bearingwear.results.units import digits
+from bearingwear.results.units import digits, key_in_words
 from bearingwear.scene.scene import COUNTS
+from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,6 +64,7 @@ class Quantile(NamedTuple):
     high: float
     solved: float = 1.0  # share of the sampled lives; the others are left out
     between: str = SAMPLING  # what the ends are of
+    errors: tuple[float, float] = (math.nan, math.nan)  # of the ends, by the sample [h]
 
     @property
     def text(self) -> str:
@@ -70,6 +73,11 @@ class Quantile(NamedTuple):
         value = f"{self.name} {digits(self.hours)} h"
         ends = f"[{digits(self.low)}, {digits(self.high)}]"
         return " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in (value, ends)) + new
+
+    @property
+    def ends(self) -> str:
+        """`1.1 ± 0.1 to 1.3 ± 0.2` [h]."""
+        return interval_text((self.low, self.high), self.errors)
 
 
 Quantiles = dict[str, tuple[Quantile, ...]]
@@ -139,6 +147,31 @@ def quantiles_of(
     return None
 
 
+def interval_text(ends: Iterable[float], errors: Iterable[float]) -> str:
+    """Both ends with their errors, as far as they are known."""
+    return " to ".join(
+        digits(end) + (f" ± {digits(float(f'{error:.2g}'))}" if math.isfinite(error) else "")
+        for end, error in zip(ends, errors, strict=True)
+    )
+
+
+def causes_told(scene: Mapping[str, Any]) -> str:
+    """What the interval of an L10 comes from, and what makes the bearings of a batch differ."""
+    given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
+    of_batch, scatter = (
+        ", ".join(key_in_words(k)[0] for k, one in given.items() if is_same_for_batch(k, one) == of)
+        for of in (True, False)
+    )
+    if not of_batch:
+        return f"Bearings differ in {scatter}; the interval of L10 is of the size of the sample."
+    spread = f"Its bearings differ in {scatter}. " if scatter else ""
+    return (
+        f"The interval of L10 holds {100 * BATCHES:g} % of batches, by what is one unknown number "
+        f"for each: {of_batch}. {spread}± is the error of its ends by the size of the sample, "
+        f"{100 * CONFIDENCE:g} % confidence."
+    )
+
+
 def hours_of(lives: Iterable[Quantiles | None], way: str) -> dict[str, list[float]]:
     """Every L10 and every L50 of some lives, by its name, counting wear in one way [h]."""
     found: dict[str, list[float]] = {}
@@ -182,12 +215,15 @@ def quantiles_at(one: xr.Dataset) -> tuple[Quantile, ...]:
         if p > MEDIAN or not np.isfinite(one["life_quantile"][k]):
             continue
         columns = [one[f"life_quantile{end}"][k] for end in ("_low", "", "_high")]
-        between = SAMPLING
+        between, errors = SAMPLING, (math.nan, math.nan)
         if "batch_life_quantile" in one:
             ends = one["batch_life_quantile"].isel(probability=k)
             if bool(np.isfinite(ends).all()) and float(np.ptp(ends.values)) > 0.0:
                 columns, between = list(ends.values), OF_BATCHES
+                if "batch_life_quantile_error" in one:
+                    error = one["batch_life_quantile_error"].isel(probability=k)
+                    errors = float(error[0]), float(error[-1])
         low, hours, high = map(float, columns)
         name, solved = f"L{100.0 * float(p):.0f}", float(one["solved_share"])
-        found.append(Quantile(name, hours, low, high, solved, between))
+        found.append(Quantile(name, hours, low, high, solved, between, errors))
     return tuple(found)

@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.rows import COUNTED, VARIABLES, values
 from bearingwear.results.sheet import NOT_SOLVED, Block, Row, Sheet
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import display
 
 MOST_LISTED = 8
 """Values of a coordinate that are listed; of more, the first and the last are."""
@@ -88,7 +88,7 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
         for quantiles in zip(*found.values(), strict=True):
             name = quantiles[0].name
             rows.append(Row(name, "h", tuple(q.hours for q in quantiles), f"life_{name}"))
-            ends = tuple(f"{digits(q.low)} to {digits(q.high)}" for q in quantiles)
+            ends = tuple(q.ends for q in quantiles)
             rows.append(Row(f"  {quantiles[0].between}", "h", ends))
     where = "" if missing == len(lives) else f" for the other {missing}"
     lines = (f"{NO_QUANTILES}{where}; {SEE}",) if missing else ()

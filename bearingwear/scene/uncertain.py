@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from bearingwear.scene.errors import SceneError
@@ -39,7 +39,7 @@ PARAMETERS = {
 """What each distribution needs, and what it may be given."""
 
 
-_NO_PARAMETERS = ("distribution", "same_for_batch")
+_PARAMETER_NAMES = tuple(dict.fromkeys(n for parts in PARAMETERS.values() for n in sum(parts, ())))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,10 +121,8 @@ def check_uncertainty(scene: Scene) -> None:
                 key, "got it with friction.film; only allowed with friction.ball_race", (key,)
             )
         needs, takes = PARAMETERS[given.distribution]
-        parts = {
-            f.name: getattr(given, f.name) for f in fields(given) if f.name not in _NO_PARAMETERS
-        }
-        for part, value in parts.items():
+        for part in _PARAMETER_NAMES:
+            value = getattr(given, part)
             if value is None and part in needs:
                 raise SceneError(
                     f"{key}.{part}",

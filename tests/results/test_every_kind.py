@@ -60,7 +60,7 @@ def kinds(tmp_path_factory):
     assert step("studies.grid.life.study_life", files["wear life"], **made_from) == 0
     plan = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text(encoding="utf-8"))
     reference = plan["references"]["steady"]
-    plan |= {"repeats": 1, "references": {"steady": reference}, "table": []}
+    plan |= {"repeats": 1, "references": {"steady": reference}, "table": [], "effects": []}
     plan["scenes"] = {"gyro_fresh": {"file": "gyro_s1", "references": ["steady"]}}
     plan["sweeps"] = {"gauss": plan["sweeps"]["gauss"] | {"grid": {"rule": ["gauss 20"]}}}
     accuracy = record(AccuracyPlan, plan)

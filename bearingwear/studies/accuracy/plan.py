@@ -164,6 +164,10 @@ class AccuracyPlan:
     scenes: Annotated[Mapping[str, TradeScene], Key("Scenes, by a name of their own")]
     sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps")]
     table: Annotated[tuple[TableRow, ...], Key("Rows of the table in docs/accuracy.md")]
+    effects: Annotated[
+        tuple[TableRow, ...],
+        Key("Rows of its tables of single effects on each scene, over the sweep's first point"),
+    ] = ()
 
     def __post_init__(self) -> None:
         for name, scene in self.scenes.items():
@@ -176,10 +180,13 @@ class AccuracyPlan:
             for only in sweep.only:
                 _check_known(only, self.scenes, f"{where}.only")
             self.points(name)
-        for row in self.table:
-            _check_known(row.sweep, self.sweeps, "table.sweep")
-            labels = [point.label for point in self.points(row.sweep)]
-            _check_known(row.label, labels, f"table, {row.sweep}")
+        for table, rows in (("table", self.table), ("effects", self.effects)):
+            for row in rows:
+                _check_known(row.sweep, self.sweeps, f"{table}.sweep")
+                labels = [point.label for point in self.points(row.sweep)]
+                _check_known(row.label, labels, f"{table}, {row.sweep}")
+        for row in self.effects:
+            _check_known(self.sweeps[row.sweep].against, (FIRST,), f"sweeps.{row.sweep}.against")
 
     def check_scenes(self) -> None:
         """Read every scene as each of its points changes it.
@@ -217,6 +224,12 @@ class AccuracyPlan:
             for sweep in (*scene.references, *self.sweeps)
             if sweep in scene.references or self._takes_part(name, self.sweeps[sweep])
         ]
+
+    @property
+    def effect_jobs(self) -> list[tuple[str, str]]:
+        """Those of them that the tables of effects are made of."""
+        asked = {row.sweep for row in self.effects}
+        return [(scene, sweep) for scene, sweep in self.jobs() if sweep in asked]
 
     def _takes_part(self, scene: str, sweep: Sweep) -> bool:
         references = self.scenes[scene].references
@@ -269,7 +282,7 @@ class AccuracyPlan:
         return SweepPoint(
             label=label,
             value=numbers[0] if len(numbers) == 1 else float("nan"),
-            fidelity=special.pop("fidelity", self.references[reference].fidelity),
+            fidelity=special.pop("fidelity", "") or self.references[reference].fidelity,
             settings=settings,
             text=text,
             **special,

@@ -16,8 +16,12 @@ QUANTITIES = {
 EXTRA = {
     "wall_time": attrs("duration of the solve, warm, median of the repeats", "s"),
     "wall_time_least": attrs("duration of the fastest repeat", "s"),
+    "processor_time": attrs("processor time of the solve, warm, median of the repeats", "s"),
     "repeats": attrs("times that the solve was timed", "1"),
     "life_wall_time": attrs("duration of finding the life, warm, median of the repeats", "s"),
+    "life_processor_time": attrs(
+        "processor time of finding the life, warm, median of the repeats", "s"
+    ),
     "simulated_turns": attrs("shaft turns simulated until settled or used up", "1"),
     "steps": attrs("steps taken and repeated", "1"),
     "estimate_total_qv": attrs("estimated error of QV of the bearing, as the case has it", "1"),

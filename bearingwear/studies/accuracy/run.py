@@ -121,13 +121,14 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
     run = runner(scene, point)
     short = replace(scene, model=replace(scene.model, simulated_turns=0.25, evaluated_turns=None))
     runner(short, point)()  # compiles
-    values, wall = timed(run, repeats, seconds)
+    values, wall, processor = timed(run, repeats, seconds)
     row = {"status": float(values["status"])}
     if values["status"] != code.OK:
         return row
     row |= quantities(scene, values) | {
         "wall_time": statistics.median(wall),
         "wall_time_least": min(wall),
+        "processor_time": statistics.median(processor),
         "repeats": float(len(wall)),
         "steps": float(values.get("steps_accepted", np.nan) + values.get("steps_rejected", np.nan)),
     }
@@ -144,24 +145,29 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
     if fidelity in ("steady", "race_control") and symmetric and scene.wear.end_of_life:
         fresh = replace(grown, wear=replace(grown.wear, ball_diameter_loss_um=(0.0,)))
         fresh = on_a_rotor(fresh, point.machine)
-        lived, wall = timed(lambda: life(fresh, fidelity).values, repeats, seconds)
+        lived, wall, processor = timed(lambda: life(fresh, fidelity).values, repeats, seconds)
         if lived["status"] == code.OK:
             row["life"] = float(lived["life"][counted]) * HOURS_PER_SECOND
             if "life_error_estimate" in lived:
                 row["estimate_life"] = float(lived["life_error_estimate"][counted])
             row["life_wall_time"] = statistics.median(wall)
+            row["life_processor_time"] = statistics.median(processor)
     return row
 
 
-def timed(run: Callable[[], dict], repeats: int, seconds: float) -> tuple[dict, list[float]]:
-    """Answer of a solve, and the durations of its repeats [s]."""
+def timed(
+    run: Callable[[], dict], repeats: int, seconds: float
+) -> tuple[dict, list[float], list[float]]:
+    """Answer of a solve, and durations and processor times of its repeats [s]."""
     wall: list[float] = []
+    processor: list[float] = []
     values: dict = {}
     while len(wall) < repeats and sum(wall) < seconds:
-        started = time.perf_counter()
+        started, used = time.perf_counter(), time.process_time()
         values = run()
+        processor.append(time.process_time() - used)
         wall.append(time.perf_counter() - started)
-    return values, wall
+    return values, wall, processor
 
 
 def quantities(scene: Scene, values: dict) -> dict[str, float]:

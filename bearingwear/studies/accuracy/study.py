@@ -5,7 +5,7 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from bearingwear.scene.checking import read_record
@@ -17,6 +17,7 @@ _FOLDER = "results/accuracy"
 _TRADE = f"{_FOLDER}/accuracy.nc"
 _TABLES = (f"{_FOLDER}/tables/accuracy.csv", f"{_FOLDER}/tables/accuracy.md")
 _CHECK = f"{_FOLDER}/check.txt"
+_EFFECTS, _EFFECTS_TABLE = f"{_FOLDER}/effects.nc", f"{_FOLDER}/tables/effects.md"
 _DOCS = "docs/accuracy.md"
 
 PLOTS = {"accuracy against time": "bearingwear.studies.accuracy.figures:accuracy_plot"}
@@ -53,7 +54,7 @@ class AccuracyStudy(Study):
             Step(
                 name="gather",
                 run=f"{_RUN}.gather.gathered_sweeps",
-                inputs={"paths": self._points()},
+                inputs={"paths": self._points(plan.jobs())},
                 outputs=(_TRADE,),
                 label="accuracy against time: gather the sweeps",
             ),
@@ -80,17 +81,34 @@ class AccuracyStudy(Study):
                 result="table",
             ),
             Step(
+                name="gather_effects",
+                run=f"{_RUN}.gather.gathered_sweeps",
+                inputs={"paths": self._points(plan.effect_jobs)},
+                outputs=(_EFFECTS,),
+                label="accuracy against time: gather single effects",
+            ),
+            Step(
+                name="effects",
+                run=f"{_RUN}.effects.effects_table",
+                inputs={"trade": _EFFECTS, "plan": ACCURACY_FILE},
+                outputs=(_EFFECTS_TABLE,),
+                label="accuracy against time: single effects",
+                caption="accuracy",
+                category="accuracy against time",
+                result="single effects",
+            ),
+            Step(
                 name="check",
                 run=f"{_RUN}.tables.check_docs",
                 inputs={"trade": _TRADE, "plan": ACCURACY_FILE, "docs": _DOCS},
                 outputs=(_CHECK,),
                 label=f"accuracy against time: compare with {_DOCS}",
-                after=[*_TABLES, *self._figures()],
+                after=[*_TABLES, _EFFECTS_TABLE, *self._figures()],
             ),
         )
 
-    def _points(self) -> list[str]:
-        return [f"{_FOLDER}/points/{scene}-{sweep}.nc" for scene, sweep in self.plan.jobs()]
+    def _points(self, jobs: Sequence[tuple[str, str]]) -> list[str]:
+        return [f"{_FOLDER}/points/{scene}-{sweep}.nc" for scene, sweep in jobs]
 
     def _figures(self) -> list[str]:
         return [
@@ -98,7 +116,8 @@ class AccuracyStudy(Study):
         ]
 
     def targets(self) -> list[str]:
-        return [*self._points(), _TRADE, *self._figures(), *_TABLES, _CHECK]
+        tables = (*_TABLES, _EFFECTS_TABLE)
+        return [*self._points(self.plan.jobs()), _TRADE, *self._figures(), *tables, _CHECK]
 
     def inputs(self) -> list[str]:
         return list(dict.fromkeys(map(self.plan.scene_file, self.plan.scenes)))

@@ -13,6 +13,7 @@ from bearingwear.plotting.markdown import cell_text
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.checking import read_record
+from bearingwear.studies.accuracy.effects import effect_differences
 from bearingwear.studies.accuracy.figures import points_where
 from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
 from bearingwear.studies.dataset import loaded
@@ -238,7 +239,8 @@ def check_docs(trade: Path, plan: Path, docs: Path) -> str:
     NotSolved
         A line for each number that differs beyond the tolerance.
     """
-    lines = differences(loaded(trade, point=()), read_record(AccuracyPlan, plan), docs)
+    points, read = loaded(trade, point=()), read_record(AccuracyPlan, plan)
+    lines = differences(points, read, docs) + effect_differences(points, read, docs)
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
     return f"{docs}: agrees\n"

@@ -17,6 +17,7 @@ from bearingwear.results.quantiles import (
     OF_BATCHES,
     RECOMMENDED,
     Quantile,
+    causes_told,
     load_quantiles,
     quantiles_of,
 )
@@ -86,7 +87,7 @@ _COUNTED_WORDS = ("the balls alone", "balls and races")
 
 SPREAD_TOLD = (
     " One bearing in ten fails before L10, half of them before L50, over all that the scene calls "
-    "uncertain."
+    "uncertain. "
 )
 
 Spread = dict[str, Sequence[Quantile]]
@@ -293,6 +294,9 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
     for name in ("L10", "L50") if any(spread.values()) else ():
         known = [{q.name: q.hours for q in found}.get(name, math.nan) for found in spread.values()]
         rows.append([f"{name} (h)", *map(digits, known)])
+        if name == "L10":
+            ends = [{q.name: q.ends for q in found}.get(name, "–") for found in spread.values()]
+            rows.append(["interval of L10 (h)", *ends])
     rows.append([f"life, counting {_COUNTED_WORDS[1 - basis]} (h)", *hours("life", 1 - basis)])
     for name, (label, shown) in _SHOWN.items():
         values = recommendation[name]
@@ -304,7 +308,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
         columns=["", *(_words(recommendation, name) for name, _ in methods(recommendation))],
         rows=rows,
         note="Stiffness, power, pressure and slip are the worst from new to the end of life."
-        + (SPREAD_TOLD if any(spread.values()) else ""),
+        + (SPREAD_TOLD + causes_told(scene_of(recommendation)) if any(spread.values()) else ""),
     )
 
 

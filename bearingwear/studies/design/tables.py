@@ -20,8 +20,10 @@ from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BATCHES,
+    CONFIDENCE,
     QUANTILES_TEXT,
     RECOMMENDED,
+    interval_text,
     quantiles_of,
     quantiles_text,
 )
@@ -230,7 +232,8 @@ def _quantiles(uncertainty: xr.Dataset) -> list[str]:
             rows,
         ),
         f"L10 and L50 are over the bearings of a batch, and lie between these ends for "
-        f"{100 * BATCHES:g} % of batches: what is the same for a batch is not known. A 10 % "
+        f"{100 * BATCHES:g} % of batches: what is the same for a batch is not known. ± is the "
+        f"error of an end by the size of the sample, {100 * CONFIDENCE:g} % confidence. A 10 % "
         "credible life mixes both kinds of not knowing; it is no batch's.",
         *_with_grooves(uncertainty),
     ]
@@ -250,10 +253,9 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
 
 def _of_batches(one: xr.Dataset) -> list[str]:
     """L10 and L50 over the bearings of a batch, by what is not known of it."""
-    of_batch = one["batch_life_quantile"].values
-    return [
-        f"{digits(low)} to {digits(high)}" for low, high in zip(*of_batch[[0, -1], :2], strict=True)
-    ]
+    ends = one["batch_life_quantile"].values[[0, -1]]
+    errors = one["batch_life_quantile_error"].values[[0, -1]]
+    return [interval_text(ends[:, k], errors[:, k]) for k in range(2)]
 
 
 def _quantile_cells(one: xr.Dataset, where: str, way: str) -> list[str]:

@@ -16,6 +16,7 @@ from bearingwear.results.quantiles import (
     NO_QUANTILES,
     SEE,
     Quantiles,
+    causes_told,
     load_quantiles,
     quantiles_of,
 )
@@ -125,7 +126,7 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
         title=f"Lives of {name} at a preload of {preload:g} N",
         columns=list(rows[0]),
         rows=[list(row.values()) for row in rows],
-        note=_note(here),
+        note=_note(here, scene),
     )
     return Answer(
         scene=name,
@@ -216,14 +217,14 @@ def _at_once(lives: Sequence[Life]) -> str:
     return _sentence(text) if found else ""
 
 
-def _note(lives: Sequence[Life]) -> str:
+def _note(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
     counts = f"Life counts the wear of {WORDS[lives[0].counts]}."
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}, {SEE}')}"
     return (
         f"{counts} L10 is the life that one bearing in ten does not reach, L50 the one that half "
-        "of them do not, with all that the scene calls uncertain."
+        f"of them do not, with all that the scene calls uncertain. {causes_told(scene)}"
     )
 
 
@@ -259,14 +260,16 @@ def _sentence(text: str) -> str:
 def _row(life: Life) -> dict[str, str]:
     """A life, its spread and its end."""
     counts = life.counts
-    spread = {one.name: digits(one.hours) for one in (life.spread or {}).get(counts, ())}
+    spread = {one.name: one for one in (life.spread or {}).get(counts, ())}
+    hours = {name: digits(one.hours) for name, one in spread.items()}
     other = next(way for way in COUNTS if way != counts)
     return {
         "friction": f"{life.friction:g}",
         "preload method": in_words(life.method),
         "life (h)": digits(life.counted),
-        "L10 (h)": spread.get("L10", "–"),
-        "L50 (h)": spread.get("L50", "–"),
+        "L10 (h)": hours.get("L10", "–"),
+        "interval of L10 (h)": spread["L10"].ends if "L10" in spread else "–",
+        "L50 (h)": hours.get("L50", "–"),
         f"life if {WORDS[other]} count (h)": digits(life.hours[other]),
         "ended by": life.end,
         "numerical error": percent_in_text(life.error),

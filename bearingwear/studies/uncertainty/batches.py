@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import qmc
 
 from bearingwear.kernels.status import OK
+from bearingwear.results.quantiles import CONFIDENCE
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
@@ -27,6 +29,16 @@ BATCH_PROBABILITIES = (0.05, 0.5, 0.95)
 
 WEAR_DRAWS = 256
 """Values of wear coefficient and hardness that each batch is taken with."""
+
+RESAMPLED = 128
+"""How often batches and bearings are drawn anew from those sampled."""
+
+
+class BatchQuantiles(NamedTuple):
+    """(batch_probability, probability, 2) each [h]; NaN where no life was solved."""
+
+    quantile: np.ndarray
+    error: np.ndarray  # half of its confidence interval
 
 
 def names_of(scene: Scene, of_batch: bool) -> list[str]:
@@ -47,14 +59,8 @@ def sizes(samples: int) -> tuple[int, int]:
     return 2 ** (power // 2), 2 ** (power - power // 2)
 
 
-def batch_quantiles(scene: Scene, plan: Sampling, workers: int = 1) -> np.ndarray:
-    """Quantiles over the bearings of a batch, and of these over what is not known of the batch.
-
-    Returns
-    -------
-    (batch_probability, probability, 2) ndarray
-        [h]; NaN where no life was solved.
-    """
+def batch_quantiles(scene: Scene, plan: Sampling, workers: int = 1) -> BatchQuantiles:
+    """Quantiles over the bearings of a batch, and of these over what is not known of the batch."""
     names = list(scene.uncertainty or {})
     fixed = [name for name in names_of(scene, True) if name in WORN]
     unknown = [name for name in names_of(scene, True) if name not in WORN]
@@ -70,13 +76,48 @@ def batch_quantiles(scene: Scene, plan: Sampling, workers: int = 1) -> np.ndarra
     found = lives(scene, rows, workers)
     hours = np.where((found.status == OK)[:, None], found.life, np.nan) * HOURS_PER_SECOND
     hours = hours.reshape(len(outer), len(inner), -1)
+    return quantiles_with_error(hours, wear_factor(scene, fixed, wear), plan.seed)
+
+
+def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> BatchQuantiles:
+    """Quantiles of lives (batches, bearings, 2) [h] that have the same bearings in every batch.
+
+    The error is that of a bootstrap, which draws batches and bearings anew, each with replacement.
+    It takes them for independent; a Sobol sequence is spread more evenly, so it is rather large.
+
+    Parameters
+    ----------
+    hours : ndarray
+        NaN where a life was not solved.
+    factor : ndarray (draws,)
+        Of the lives of a batch, which has each of them.
+    seed : int
+    """
     solved = hours[np.isfinite(hours).any(axis=(1, 2))]
     if not len(solved):
-        return np.full((len(BATCH_PROBABILITIES), len(PROBABILITIES), 2), np.nan)
-    of_each = np.nanquantile(solved, PROBABILITIES, axis=1)  # (probability, batch, 2)
-    factor = wear_factor(scene, fixed, wear)
+        nothing = np.full((len(BATCH_PROBABILITIES), len(PROBABILITIES), 2), np.nan)
+        return BatchQuantiles(nothing, nothing)
+    random, (batches, bearings) = np.random.default_rng(seed), solved.shape[:2]
+    copies = [
+        _of_lives(
+            solved[
+                random.integers(batches, size=(batches, 1)),
+                random.integers(bearings, size=bearings),
+            ],
+            factor,
+        )
+        for _ in range(RESAMPLED)
+    ]
+    ends = np.nanquantile(copies, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0)
+    return BatchQuantiles(_of_lives(solved, factor), 0.5 * (ends[1] - ends[0]))
+
+
+def _of_lives(hours: np.ndarray, factor: np.ndarray) -> np.ndarray:
+    """Quantiles over bearings (the second axis), and of these over batches and factors."""
+    over = np.nanquantile if np.isnan(hours).any() else np.quantile
+    of_each = over(hours, PROBABILITIES, axis=1)  # (probability, batch, 2)
     every = (of_each[:, :, None] * factor[:, None]).reshape(len(PROBABILITIES), -1, 2)
-    return np.quantile(every, BATCH_PROBABILITIES, axis=1)
+    return over(every, BATCH_PROBABILITIES, axis=1)
 
 
 def sobol_values(scene: Scene, names: Sequence[str], count: int, seed: int) -> np.ndarray:

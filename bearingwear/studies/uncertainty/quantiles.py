@@ -95,6 +95,13 @@ ANALYSED = table(
         comment="L10 at probability 0.1; its interval lies between the ends of batch_probability",
     ),
     Variable(
+        "batch_life_quantile_error",
+        (BATCH, PROBABILITY, BASIS),
+        "h",
+        "half the confidence interval of that quantile, by the sample",
+        comment="batches and bearings drawn anew from those sampled",
+    ),
+    Variable(
         "life_quantile",
         QUANTILE,
         "h",
@@ -268,7 +275,7 @@ def _quantiles_at(
             "nominal_life": nominal,
             "followed_lives": found.followed,
             "groove_error": found.groove_error,
-            "batch_life_quantile": batch_quantiles(of, plan, workers),
+            **_of_batches(of, plan, workers),
         }
         table.append([analysed | _quantiles_of(np.array(hours), found.wear_factor[1:])])
     return _dataset(scene, plan, list(preloads), [choice], table)
@@ -347,9 +354,14 @@ def _analysed(
                 for name, values in indices(scene, y, plan.seed).items():
                     found[name][k, :, c] = values
     at_preload = with_preload(scene, method, found["preload"])
-    found["batch_life_quantile"] = batch_quantiles(at_preload, plan)
+    found |= _of_batches(at_preload, plan)
     found["class_index"] = class_indices(at_preload, plan)
     return found | _one_at_a_time(at_preload)
+
+
+def _of_batches(scene: Scene, plan: Sampling, workers: int = 1) -> dict[str, np.ndarray]:
+    found = batch_quantiles(scene, plan, workers)
+    return {"batch_life_quantile": found.quantile, "batch_life_quantile_error": found.error}
 
 
 def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:

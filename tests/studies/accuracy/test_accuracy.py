@@ -15,6 +15,7 @@ from bearingwear.cli import main
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking import read_record, record
+from bearingwear.studies.accuracy.effects import effect_differences, effect_rows, factor_texts
 from bearingwear.studies.accuracy.figures import FRONT, integration_figure, steady_figure
 from bearingwear.studies.accuracy.gather import gathered_sweeps
 from bearingwear.studies.accuracy.plan import (
@@ -62,6 +63,8 @@ def made_up(plan, scene, name, failed=()):
     status = np.array([NOT_CONVERGED if p.label in failed else 0 for p in points], dtype=np.int8)
     numbers = {"wall_time": 1e-3 * 2.0 ** np.arange(n), "simulated_turns": np.full(n, 4.0)}
     numbers["life_wall_time"] = 10.0 * numbers["wall_time"]
+    numbers["processor_time"] = numbers["wall_time"]
+    numbers["life_processor_time"] = numbers["life_wall_time"]
     sizes = {"total_qv": 0.6, "qv_inner": 0.01, "qv_outer": 0.05, "residual_preload": 7.0}
     sizes |= {"wear_rate": 1e-10, "life": 1.3, "cage_wear_rate": 1e-15}
     numbers |= {key: size * (1.0 + share) for key, size in sizes.items()}
@@ -154,6 +157,7 @@ def test_presets_are_those_of_the_scenes(plan):
         ({"sweeps": {"a": {"from": "steady", "grid": {}}}}, "sweeps.a.title: got nothing"),
         ({"scenes": {"a": {"file": "gyro_s1", "references": ["x"]}}}, "references: got x"),
         ({"table": [{"sweep": "strips", "label": "x", "text": "y"}]}, "table, strips: got x"),
+        ({"effects": [{"sweep": "gauss", "label": "gauss 4", "text": "y"}]}, "against: got steady"),
         ({"scenes": 3}, "accuracy.yaml: scenes: got 3, expected"),
     ],
 )
@@ -263,7 +267,8 @@ def test_figure_marks_front_and_presets(trade):
 
 def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     docs = tmp_path / "accuracy.md"
-    docs.write_text("# Accuracy\n\nBefore.\n\n## Later\n", encoding="utf-8")
+    effects = "<!-- effects: begin -->\n<!-- effects: end -->\n"
+    docs.write_text(f"# Accuracy\n\n{effects}\n## Later\n", encoding="utf-8")
     outputs = [tmp_path / "a.csv", tmp_path / "a.md"]
     given = [f"trade={trade}", f"plan={PLAN_FILE}"]
     assert step("tables.accuracy_tables", *given, outputs=outputs) == 0
@@ -277,7 +282,8 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     given.append(f"docs={docs}")
 
     def renew():
-        return step("tables.docs_with_block", *given, outputs=[docs])
+        first = step("effects.docs_with_effects", *given, outputs=[docs])
+        return first or step("tables.docs_with_block", *given, outputs=[docs])
 
     def check():
         return step("tables.check_docs", *given, outputs=[tmp_path / "check.txt"])
@@ -286,7 +292,8 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     assert renew() == 0 and check() == 0
     assert (tmp_path / "check.txt").read_text().endswith("accuracy.md: agrees\n")
     once = docs.read_text(encoding="utf-8")
-    assert once.startswith("# Accuracy\n\nBefore.\n\n## Later\n") and table in once
+    assert once.startswith("# Accuracy\n\n<!-- effects: begin -->\nMade by") and table in once
+    assert once.index("<!-- effects: end -->\n\n## Later\n") < once.index(table)
     assert renew() == 0 and docs.read_text(encoding="utf-8") == once  # not a second time
 
     capsys.readouterr()
@@ -297,6 +304,10 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     assert "50 equal strips: QV, median: says 0.03, a run gives 0.01" in said
     docs.write_text(once.replace("| 50 equal strips | 5 | 0.01 ", "| 50 equal strips | 5 | 0.019 "))
     assert check() == 0
+    docs.write_text(once.replace("| `gyro_worn` | 0.918 |", "| `gyro_worn` | 0.94 |", 1))
+    assert check() == 3
+    said = "growth and temperature, fixed position: growth at speed, gyro_worn: preload: says 0.94"
+    assert said in capsys.readouterr().err
     docs.write_text(once.replace("| 50 equal strips |", "| 51 equal strips |"))
     assert check() == 3
     assert "50 equal strips: missing" in capsys.readouterr().err
@@ -325,3 +336,19 @@ def test_the_docs_hold_every_row_of_the_plan(plan):
     rows = {(SECTIONS[section(plan, row)], row.text) for row in plan.table}
     assert rows <= set(said)
     assert all(len(said[row]) == 8 for row in rows)
+
+
+def test_the_docs_hold_every_effect_of_the_plan(trade, plan):
+    """Each row, on each scene; of the numbers made up here the docs say others."""
+    found = effect_differences(load(trade), plan, ROOT / "docs" / "accuracy.md")
+    assert found and not [line for line in found if line.endswith("missing")]
+
+
+def test_effects_are_factors_over_the_first_point(trade, plan):
+    rows = list(effect_rows(load(trade), plan))
+    assert len(rows) == 5 * len(plan.effects) and len(plan.effects) == 14
+    for (_, text, _, factors), k in zip(rows[:15:5], (1, 2, 3), strict=True):
+        share = 1.0 + 0.1 ** (k + 1)
+        assert text in ("growth at speed", "that, inner ring +5 K", "that, warm by friction")
+        assert_allclose(factors, [*3 * [share / 1.1], 2.0**k, 2.0**k], rtol=1e-12)
+    assert factor_texts([1.23456, 0.0, math.nan, 1.2345, 7.77]) == ["1.23", "0", "–", "1.2", "7.8"]

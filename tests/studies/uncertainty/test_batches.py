@@ -4,18 +4,28 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy import stats
+from scipy.stats import qmc
 from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import load
+from bearingwear.results.quantiles import OF_BATCHES, Quantile, causes_told
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.uncertain import UNCERTAIN, Distribution, is_same_for_batch
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty import grooves
-from bearingwear.studies.uncertainty.batches import batch_quantiles, names_of, of_class, sizes
+from bearingwear.studies.uncertainty.batches import (
+    BATCH_PROBABILITIES,
+    PROBABILITIES,
+    batch_quantiles,
+    names_of,
+    of_class,
+    quantiles_with_error,
+    sizes,
+)
 from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
 from bearingwear.studies.uncertainty.indices import class_indices
 from bearingwear.studies.uncertainty.perturbed import perturbed
@@ -54,16 +64,68 @@ def test_l10_of_a_batch_scales_with_what_is_not_known():
     wear = {"distribution": "lognormal", "factor": 2.0}
     hardness = {"distribution": "uniform", "low": 5.0, "high": 8.0, "same_for_batch": False}
     scene = with_spread(wear_coefficient=wear, brinell_hardness_GPa=hardness)
-    found = batch_quantiles(scene, Sampling(samples=1024, chunks=1, seed=1))
+    found, error = batch_quantiles(scene, Sampling(samples=1024, chunks=1, seed=1))
     nominal = life(scene).values["life"] * HOURS_PER_SECOND / scene.nominal("brinell_hardness_GPa")
     of_bearings = 5.0 + 3.0 * np.array([0.1, 0.5, 0.9])
     of_batches = 2.0 ** stats.norm.ppf([0.05, 0.5, 0.95])
     exact = of_batches[:, None, None] * of_bearings[:, None] * nominal
     assert_allclose(found, exact, rtol=0.03)
+    assert (np.abs(found - exact) <= error + 0.03 * exact).all() and (error > 0.0).all()
     # with nothing but scatter all batches are alike
-    alone = batch_quantiles(with_spread(brinell_hardness_GPa=hardness), PLAN)
+    alone, _ = batch_quantiles(with_spread(brinell_hardness_GPa=hardness), PLAN)
     assert_allclose(alone, np.broadcast_to(alone[0], alone.shape), rtol=1e-12)
     assert sizes(1024) == (32, 64) and sizes(64) == (8, 16)
+
+
+def made_up_lives(batches, bearings, seed):
+    """Lives exp(0.4 x + 0.3 y) h of batches x and bearings y, of two and four normal values."""
+    x, y = (
+        stats.norm.ppf(qmc.Sobol(k, seed=seed + k).random(n)).sum(axis=1) / np.sqrt(k)
+        for k, n in ((2, batches), (4, bearings))
+    )
+    hours = np.exp(0.4 * x[:, None] + 0.3 * y)
+    factor = np.exp(stats.norm.ppf(qmc.Sobol(1, seed=seed).random(256)[:, 0]))
+    return np.stack([hours, 2.0 * hours], axis=-1), factor
+
+
+def test_error_of_the_interval_of_l10_covers_it():
+    """Closed form: quantiles of batches, 0.4 and 1.0 in quadrature, times those of bearings."""
+    of_batches = np.exp(np.hypot(0.4, 1.0) * stats.norm.ppf(BATCH_PROBABILITIES))
+    exact = of_batches[:, None] * np.exp(0.3 * stats.norm.ppf(PROBABILITIES))
+    covered, size = [], {}
+    for seed in range(12):
+        found, error = quantiles_with_error(*made_up_lives(8, 16, seed), seed)
+        covered.append(np.abs(found[..., 0] - exact) <= error[..., 0])
+        assert_allclose([found[..., 1], error[..., 1]], [2.0 * found[..., 0], 2.0 * error[..., 0]])
+        size[seed] = (error[..., 0] / exact)[[0, -1], 0]
+    assert np.mean(covered) > 0.95
+    assert 0.1 < np.mean(list(size.values())) < 0.5  # and says something
+    _, fewer = quantiles_with_error(*made_up_lives(32, 64, 0), 0)
+    assert (fewer[[0, -1], 0, 0] / exact[[0, -1], 0] < 0.7 * size[0]).all()
+
+
+def test_error_of_the_interval_with_lives_that_were_not_solved():
+    hours, factor = made_up_lives(8, 16, 0)
+    hours[2, 5:9], hours[3] = np.nan, np.nan
+    found, error = quantiles_with_error(hours, factor, 0)
+    assert np.isfinite(found).all() and np.isfinite(error).all()
+    found, error = quantiles_with_error(np.nan * hours, factor, 0)
+    assert np.isnan(found).all() and np.isnan(error).all()
+    alone, error = quantiles_with_error(hours[:1], np.ones(1), 0)
+    assert_allclose(alone[0], alone[-1]) and (error > 0.0).all()
+
+
+def test_page_and_sheet_tell_the_interval_and_its_causes():
+    one = Quantile("L10", 1.2, 0.5, 3.0, errors=(0.0612, 0.4), between=OF_BATCHES)
+    assert one.ends == "0.5 ± 0.061 to 3 ± 0.4"
+    assert Quantile("L10", 1.2, 0.5, 3.0).ends == "0.5 to 3"
+    told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
+    batch = "brinell hardness, wear coefficient, ball race, drag density"
+    assert f"one unknown number for each: {batch}. " in told
+    assert "Its bearings differ in ball diameter, contact angle, inner groove factor, " in told
+    assert "± is the error of its ends by the size of the sample, 95 % confidence." in told
+    scattered = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.3})
+    assert causes_told(scattered.to_dict()).startswith("Bearings differ in preload; the interval")
 
 
 def test_indices_within_a_class_are_among_their_own():
