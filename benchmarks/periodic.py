@@ -62,7 +62,7 @@ def main() -> None:
         if system.update() != code.OK:
             continue
         begun, turn = (system.packed(), system.time), system.turn
-        motion = periodic_motion(system, TOLERANCE, system.control().method)
+        motion = periodic_motion(system, TOLERANCE, system.control().method, linear=start.linear)
         if motion is None:
             print(f"{told:62s} none found")
             continue

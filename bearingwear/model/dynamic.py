@@ -52,6 +52,7 @@ from bearingwear.scene.scene import Scene
 
 CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
 _FIRST_STEP = 1e-4  # of a shaft turn
+HARDLY_SQUEEZED = 0.01  # of the cage's elastic energy in its usual place
 STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
 TOLERANCE = 1e-3  # of the mean slip, see step_control.step_error
 _ONLY_READY = -1  # intervals to simulate: none, but buffers and rates are brought to the state
@@ -82,6 +83,7 @@ class DynamicSystem:
         self.stages = stages(n, self.layout)
         self.dy = np.zeros(self.y.size)
         self.h = _FIRST_STEP * self.turn
+        self.cage_has_room = True
 
     @classmethod
     def of(cls, scene: Scene, u: np.ndarray) -> "DynamicSystem":
@@ -122,7 +124,8 @@ class DynamicSystem:
 
         Its centre hangs below the axis by half of its clearance. A cage that floats in the middle
         and turns with the balls would touch nothing, ever. Where that place squeezes it, because
-        load or tilt moves the balls out of their plane, it starts where it is squeezed least.
+        load or tilt moves the balls out of their plane, it starts where it is squeezed least; a
+        cage that is squeezed there hardly less has no room.
         """
         balls, contacts, z = self.buffers.balls, self.buffers.cage, self.cage_state
         cage = self.bearing.cage
@@ -145,7 +148,8 @@ class DynamicSystem:
         if energy > 0.0:
             scale[:] = contacts.approach.max()
             scale[3:] /= cage.radius
-            squeezed(minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x)
+            least = minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x
+            self.cage_has_room = squeezed(least) <= HARDLY_SQUEEZED * energy
         momentum = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, OMEGA].mean()
         z[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
 
@@ -188,6 +192,8 @@ class DynamicSystem:
         From the last state that had an equilibrium: balls and race alone, without the cage, from a
         safe start.
         """
+        if status == code.TOO_STIFF and not self.cage_has_room:
+            return code.CAGE_JAMMED
         if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
             return status
         bearing, buf, n = self.bearing, self.buffers, len(self.bearing.D)

@@ -143,7 +143,7 @@ def run_of(
     slow = start.scales.get("slow_time_scale", 0.0) / system.turn
     motion = grid = None
     if is_found_periodic(scene):
-        motion = found_periodic(scene, system, tolerance)
+        motion = found_periodic(scene, system, tolerance, linear=start.linear)
         if motion is not None:
             grid = RunGrid.of_orbit(scene, motion, system.turn)
             attrs["start"] = f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
@@ -299,11 +299,15 @@ def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: fl
 
 
 def found_periodic(
-    scene: Scene, system: DynamicSystem, tolerance: float, near: PeriodicMotion | None = None
+    scene: Scene,
+    system: DynamicSystem,
+    tolerance: float,
+    near: PeriodicMotion | None = None,
+    linear: np.ndarray | None = None,
 ) -> PeriodicMotion | None:
     """The periodic motion from where a system is, which moves to it if there is one."""
-    begun = system.packed(), system.time
-    motion = periodic_motion(system, tolerance, INTEGRATORS[scene.model.integrator], near)
+    begun, method = (system.packed(), system.time), INTEGRATORS[scene.model.integrator]
+    motion = periodic_motion(system, tolerance, method, near, linear)
     system.unpack(*begun)
     if motion is not None:
         system.balls[:] = motion.balls

@@ -10,6 +10,7 @@ from.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import expm
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.integrators import Tableau
@@ -116,24 +117,50 @@ class Passing:
         Like shifts of all balls at once give it, five runs for all of them.
         """
         n, m = self.n, self.n * BALL
-        J = np.zeros((m + 1, m + 1))
-        ball = np.arange(n)
+        own = np.tile(np.eye(BALL), (n, 1, 1))
         for q in range(BALL):
-            J[ball * BALL + q, (ball + self.ahead) % n * BALL + q] -= 1.0
             shifted = states.copy()
             shifted[q:m:BALL] += _SHIFT
             after = self.change(shifted)
             if after is None:
                 return None
-            own = ((after - change)[:m] / _SHIFT).reshape(n, BALL) + np.eye(BALL)[q]
-            for j in range(n):
-                J[j * BALL : (j + 1) * BALL, j * BALL + q] += own[j]
+            own[:, :, q] += ((after - change)[:m] / _SHIFT).reshape(n, BALL)
         longer = states.copy()
         longer[m] *= 1.0 + _SHIFT
         after = self.change(longer)
         if after is None:
             return None
-        J[:, m] = (after - change) / (_SHIFT * states[m])
+        return self.assembled(own, (after - change) / (_SHIFT * states[m]))
+
+    def thrust_slope(self, linear: np.ndarray) -> np.ndarray:
+        """`slope` if each ball returned to its motion as under the thrust alone; no run for it.
+
+        Parameters
+        ----------
+        linear : ndarray (4, 4)
+            Derivative of the rates of (w_x, w_y, w_z, Omega) by these [1/s].
+        """
+        k = OMEGA + 1
+        with_integral = np.zeros((2 * k, 2 * k))
+        with_integral[:k, :k], with_integral[k:, :k] = linear, np.eye(k)
+        moved = expm(self.passing * with_integral)
+        own = np.eye(BALL)
+        own[:k, :k] = moved[:k, :k]
+        own[PSI, :k] = self.speed * moved[k + OMEGA, :k]
+        m = self.n * BALL
+        by_time = np.zeros(m + 1)
+        by_time[PSI:m:BALL] = (self.system.balls[:, OMEGA] - self.load_rate) * self.system.turn
+        return self.assembled(np.tile(own, (self.n, 1, 1)), by_time)
+
+    def assembled(self, own: np.ndarray, by_time: np.ndarray) -> np.ndarray:
+        """Derivative of `change` from that of each ball's states (n, 5, 5), and by the passing."""
+        n, m = self.n, self.n * BALL
+        J, ball = np.zeros((m + 1, m + 1)), np.arange(n)
+        for q in range(BALL):
+            J[ball * BALL + q, (ball + self.ahead) % n * BALL + q] -= 1.0
+        for j in range(n):
+            J[j * BALL : (j + 1) * BALL, j * BALL : (j + 1) * BALL] += own[j]
+        J[:, m] = by_time
         J[m, PSI:m:BALL] = 1.0 / n
         return J
 
@@ -151,15 +178,12 @@ class Passing:
             return nothing
         if inverse is None:
             J = self.slope(states, change)
-            if J is None or not np.isfinite(J).all():
-                return nothing
-            try:
-                inverse = np.linalg.inv(J)
-            except np.linalg.LinAlgError:
+            inverse = None if J is None else inverse_of(J)
+            if inverse is None:
                 return nothing
         best, size, inverse = states, float(np.abs(change).max()), inverse.copy()
         since = 0
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MOST_STEPS if size > CONVERGED else 0):
             step = -inverse @ change
             states = states + step
             new = self.change(states)
@@ -176,8 +200,22 @@ class Passing:
         return best, size, inverse
 
 
+def inverse_of(J: np.ndarray) -> np.ndarray | None:
+    """Inverse of a matrix; None where it has none."""
+    if not np.isfinite(J).all():
+        return None
+    try:
+        return np.linalg.inv(J)
+    except np.linalg.LinAlgError:
+        return None
+
+
 def periodic_motion(
-    system: DynamicSystem, tolerance: float, method: Tableau, near: PeriodicMotion | None = None
+    system: DynamicSystem,
+    tolerance: float,
+    method: Tableau,
+    near: PeriodicMotion | None = None,
+    linear: np.ndarray | None = None,
 ) -> PeriodicMotion | None:
     """The periodic motion that the balls of a system come to; None where none is found.
 
@@ -189,12 +227,18 @@ def periodic_motion(
         See `DynamicSystem.control`.
     near : PeriodicMotion, optional
         Of much the same system, where the balls are already.
+    linear : ndarray (4, 4), optional
+        See `Passing.thrust_slope`.
     """
     passing = Passing(system, tolerance, method)
     tries: list[tuple[float, np.ndarray | None]] = [(orbits, None) for orbits in MARCHED]
     if near is not None:
         passing.passing = near.passing
         tries.insert(0, (0.0, near.inverse))
+    elif linear is not None and passing.passing <= LONGEST_PASSING * system.turn:
+        inverse = inverse_of(passing.thrust_slope(linear))
+        if inverse is not None:
+            tries.insert(0, (0.0, inverse))
     for orbits, inverse in tries:
         if passing.passing > LONGEST_PASSING * system.turn:
             return None

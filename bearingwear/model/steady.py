@@ -130,11 +130,15 @@ class ThrustProblem:
             return code.PRELOAD_GONE
         return code.OK
 
-    def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
-        """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
+    def linear_motion(self, D: float, case: ThrustCase) -> np.ndarray:
+        """Derivative (4, 4) of the rates of (w_x, w_y, w_z, Omega) by these, at the state [1/s]."""
         m = ball_mass(self.g.rho, D)
         inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
-        return np.linalg.eigvals(case.jacobian / inertia[:, None])
+        return case.jacobian / inertia[:, None]
+
+    def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
+        """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
+        return np.linalg.eigvals(self.linear_motion(D, case))
 
     def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
         """Whether a small disturbance of the state decays.
