@@ -251,7 +251,9 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
 
 SIMPLER = (
     ("fidelity_steady", "race control", "race control for the steady state"),
+    ("across", "1", "slip on the centre line of the ellipse"),
     ("normal_balance", "with traction", "traction in the normal balance"),
+    ("micro_slip", "micro slip", "elastic micro-slip"),
     ("fidelity", "race control", "race control for the motion in time"),
     ("fidelity", "steady", "steady, thrust alone"),
     ("fidelity", "three balls", "three balls in time, thrust alone"),
@@ -267,7 +269,7 @@ _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 def models_figure(trade: xr.Dataset) -> Figure:
     """Differences of model rather than of numerics."""
-    figure, panels = new_figure(1, 3, 8.6, 4.2, sharey=True)
+    figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
     scenes = names(trade, "scene")
     rows = [text for *_, text in SIMPLER] + [text for _, text in BOOKED]
     marks = {
