@@ -26,8 +26,8 @@ def lives_table(lives: Sequence[Path]) -> str:
             rows,
         ),
         "±: error bound from the steps and the scatter of the runs. Balls' wear: lost by each "
-        "since the start. The steady life is that of the same scene under its thrust alone, without "
-        "the cage, at the mean loss.",
+        "since the start. The steady life is that of the same scene under its thrust alone, "
+        "without the cage, at the mean loss.",
     ]
     return "\n\n".join(parts) + "\n"
 
