@@ -67,7 +67,7 @@ def solve_dynamic(
         tolerance /= TIGHTER
         if progress is not None:
             error = values["energy_account_error"]
-            progress(f"energy account {error:.1e} of the heat: anew with tolerance {tolerance:g}")
+            progress(f"energy account {error:.1e} of the heat: again, with tolerance {tolerance:g}")
 
 
 def begin(

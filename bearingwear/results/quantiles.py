@@ -50,7 +50,7 @@ SAMPLING, OF_BATCHES = f"{100 * CONFIDENCE:g} % confidence", f"{100 * BATCHES:g}
 QUANTILES_TEXT = (
     "Spread: L10 is the life that 10 % of the bearings of a batch do not reach, L50 the one that "
     f"half of them do not; in brackets what {100 * BATCHES:g} % of batches have, since wear "
-    "coefficient, friction and drag are the same for a batch and not known. Where nothing but "
+    "coefficient, friction and drag are common to a batch and unknown. Where nothing but "
     f"scatter is uncertain, {100 * CONFIDENCE:g} % confidence by the size of the sample."
 )
 

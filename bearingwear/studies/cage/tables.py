@@ -41,8 +41,8 @@ def cage_table(motions: Path) -> str:
             f"{OF_MEAN.label('wear over the mean of the starts')}",
             rows,
         ),
-        f"{found.attrs['turns']} turns each; the motion is told for every {stretch} turns, and all "
-        "else is the mean over the evaluated turns at the end. The balls go round at "
+        f"{found.attrs['turns']} turns each; the motion is named for every {stretch} turns, and "
+        "all else is the mean over the evaluated turns at the end. The balls orbit at "
         f"{digits(float(found['ball_ratio'].mean()))} of the shaft's rate. Power: normal force "
         "times slip. Where starts end in one motion the last column says how well wear is "
         "reproduced.",

@@ -250,8 +250,8 @@ def _about_cage(there: bool) -> str:
     if not there:
         return "The scene has no cage."
     return (
-        "The dynamic cases have the cage, which the steady tier has not: its pockets slow the "
-        "balls and wear them, which counts in the loss of ball diameter (counting ball above all)."
+        "Only the dynamic cases have the cage: its pockets slow the balls and wear them, "
+        "which counts in the loss of ball diameter (counting ball above all)."
     )
 
 

@@ -72,10 +72,10 @@ def recommendation_sheet(file: Any) -> Sheet:
 
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_TOLD = (
-    "Between these the method with the longer life stays the same. A dash: as far as lives were "
-    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times all else. A limit "
-    "moves with preloads chosen anew between those of the map, all else with the preloads above. "
-    "Lives by both methods go with one over the wear coefficient."
+    "Between these values the same method lasts longer. A dash: as far as lives were found, at "
+    f"most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times all else. For another limit "
+    "the preloads are chosen again, between those of the map; otherwise they stay as above. Both "
+    "lives are inversely proportional to the wear coefficient."
 )
 
 

@@ -232,9 +232,9 @@ def _quantiles(uncertainty: xr.Dataset) -> list[str]:
             rows,
         ),
         f"L10 and L50 are over the bearings of a batch, and lie between these ends for "
-        f"{100 * BATCHES:g} % of batches: what is the same for a batch is not known. ± is the "
+        f"{100 * BATCHES:g} % of batches, because values common to a batch are unknown. ± is the "
         f"error of an end by the size of the sample, {100 * CONFIDENCE:g} % confidence. A 10 % "
-        "credible life mixes both kinds of not knowing; it is no batch's.",
+        "credible life mixes this with the scatter, and is that of no batch.",
         *_with_grooves(uncertainty),
     ]
 
@@ -245,9 +245,9 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
     if not bool((followed > 0).any()):
         return []
     return [
-        f"Grooves are followed as they wear in {int(followed.sum())} of the sampled lives; of the "
-        f"others they change the life by an interpolated ratio, whose rms error is at most "
-        f"{100.0 * float(error.max()):.2g} %, found on lives that it was not fitted to."
+        f"Grooves are followed as they wear in {int(followed.sum())} of the sampled lives. The "
+        "others are scaled by an interpolated ratio, with an rms error of at most "
+        f"{100.0 * float(error.max()):.2g} % on lives left out of its fit."
     ]
 
 

@@ -42,8 +42,8 @@ HELD = table(
         "whether one method can be said to last longer than the other",
         dtype="i1",
         flags=VERDICTS,
-        comment="neither: an assumption that moves by 5 %, or the other track of a ball, turns it "
-        "round, or the numerical errors do not tell the lives apart",
+        comment="neither: a change of 5 % in one assumption, or the other ball track, reverses the "
+        "order, or the lives differ by less than their numerical errors",
     ),
 )
 """How far a choice holds; `holds_from`, `holds_to`: NaN where it does as far as was looked."""

@@ -57,8 +57,8 @@ def candidates_table(candidates: Path) -> str:
                 for name, number in zip(FIT_RESULTS, count, strict=True)
             ],
         ),
-        "That a ball slips in the rolling direction above 0.6 µm is not asked for: at the drags "
-        "that fit, the largest skid ratio stands below.",
+        "Slip of the whole ball in the rolling direction above 0.6 µm is not required. The table "
+        "has the largest skid ratio at the drags that fit.",
         markdown_table(
             "pitch diameter (mm) | balls | inner groove factor | contact angle (°) | "
             f"drag density that fits ({in_print('kg/m3')}) | {_SKID.label('largest skid ratio')} | "

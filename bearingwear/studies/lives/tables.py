@@ -25,9 +25,9 @@ def lives_table(lives: Sequence[Path]) -> str:
             f"mean | {VOLUME.label('pockets and land')}",
             rows,
         ),
-        "±: bound of what steps and scatter of the runs do. Balls' wear: worn off each since the "
-        "start. The steady life is that of what of the scene has one: thrust alone, no cage, mean "
-        "loss.",
+        "±: error bound from the steps and the scatter of the runs. Balls' wear: lost by each "
+        "since the start. The steady life is that of the same scene under its thrust alone, "
+        "without the cage, at the mean loss.",
     ]
     return "\n\n".join(parts) + "\n"
 

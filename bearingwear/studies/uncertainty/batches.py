@@ -1,4 +1,4 @@
-"""Two kinds of not knowing: what is the same for all bearings of a batch, and what scatters.
+"""Two kinds of uncertainty: what is the same for all bearings of a batch, and what scatters.
 
 Theory: docs/theory.md, section 15.
 """

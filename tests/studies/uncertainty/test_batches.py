@@ -1,4 +1,4 @@
-"""Two kinds of not knowing, and grooves that are followed in sampled lives."""
+"""Two kinds of uncertainty, and grooves that are followed in sampled lives."""
 
 import numpy as np
 import pytest
