@@ -82,14 +82,14 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     if needs_cage and wanted in ("steady", "race_control"):
         raise _refusal(scene, wanted, "cage motion and wear need the dynamic model", "dynamic")
     if scene.pair is not None and (wanted == "dynamic" or needs_cage):
-        asked = (
-            "model.fidelity: got 'dynamic'"
+        asked, instead = (
+            ("model.fidelity: got 'dynamic'", "steady or race_control")
             if wanted == "dynamic"
-            else ("model.cage_results: got true")
+            else ("model.cage_results: got true", "false")
         )
         raise NotAvailable(
-            f"{scene.name}: {asked} with a {scene.pair.kind}, expected, in time, one bearing "
-            "(arrangement.kind single)"
+            f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; in time one "
+            "bearing is solved alone: set arrangement.kind single, the half of two bearings alike"
         )
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
