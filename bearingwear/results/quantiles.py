@@ -163,11 +163,11 @@ def causes_told(scene: Mapping[str, Any]) -> str:
         for of in (True, False)
     )
     if not of_batch:
-        return f"Bearings differ in {scatter}; the interval of L10 is of the size of the sample."
-    spread = f"Its bearings differ in {scatter}. " if scatter else ""
+        return f"Bearings differ in {scatter}; the interval of L10 is that of the sample."
+    spread = f"Bearings of a batch differ in {scatter}. " if scatter else ""
     return (
-        f"The interval of L10 holds {100 * BATCHES:g} % of batches, by what is one unknown number "
-        f"for each: {of_batch}. {spread}± is the error of its ends by the size of the sample, "
+        f"The interval of L10 covers {100 * BATCHES:g} % of batches, each with one unknown value "
+        f"of {of_batch}. {spread}± is the error of its ends from the size of the sample, "
         f"{100 * CONFIDENCE:g} % confidence."
     )
 
