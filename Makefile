@@ -6,6 +6,9 @@ BIN := .venv/bin
 ALL_CORES := -n auto --no-loadscope-reorder
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
+# each of a study's processes would do anew what Python makes of a hundred sources
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: study test quick docs gallery test-long test-slurm test-faults test-page fuzz always accuracy-docs effects-docs bench venv clean
 
 study: $(STAMP)

@@ -17,8 +17,13 @@ LONGEST_FIRST = "workflow", "studies", "model", "kernels"
 
 
 def pytest_configure():
-    """Let the programs that tests start heed Ctrl-C, also where pytest runs in the background."""
+    """Let the programs that tests start be as a user's.
+
+    They heed Ctrl-C, also where pytest runs in the background, and keep what Python makes of their
+    sources: each would do that anew, for a quarter of a second.
+    """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 def pytest_collection_modifyitems(items):

@@ -20,7 +20,7 @@ NEEDS_SLIP = frozenset({"gyroscopic_slip_share", "skid_ratio"})
 
 # What a shaft turn takes, per ball, in milliseconds (docs/accuracy.md, gyro_s1 at standard), for a
 # rough word on the effort before anything runs.
-TURN_MS, TURN_WITH_CAGE_MS = 0.25, 1.6
+TURN_MS, TURN_WITH_CAGE_MS = 0.3, 0.5
 LARGEST_KERNEL = {
     "race_control": "contact_summary",
     "steady": "thrust_case",
