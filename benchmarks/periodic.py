@@ -2,7 +2,8 @@
 
 Random radial, tilting and rotating loads on four bearings without their cages. Each motion is
 marched on until an orbit's QV changes by less than 1e-7 of it, or 300 turns have passed, from the
-steady state under the thrust alone. Turns are those simulated, the search with the orbit after it.
+steady state under the thrust alone. Turns are those simulated, the search with the three passings
+recorded after it.
 """
 
 import sys
@@ -15,6 +16,7 @@ from bearingwear.kernels import status as code
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.periodic import periodic_motion
 from bearingwear.model.start import start_of
+from bearingwear.model.time_run import FEWEST_OF_TREND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 
@@ -76,7 +78,10 @@ def main() -> None:
             last, now = now, orbit_power(system, orbit)
             if np.isnan(now) or abs(now - last) <= SETTLED * now:
                 break
-        turns, marched = motion.turns + orbit / turn, (system.time - begun[1]) / turn
+        turns, marched = (
+            motion.turns + FEWEST_OF_TREND * motion.passing / turn,
+            (system.time - begun[1]) / turn,
+        )
         print(
             f"{told:62s} {turns:6.1f} {marched:8.1f} {marched / turns:6.1f}  {now / found - 1:+.1e}"
         )

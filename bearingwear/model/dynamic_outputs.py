@@ -37,13 +37,18 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     now, then = system.snapshot(), run.opening
     time, integrals = now.time - then.time, now.integrals - then.integrals
     count = sums.count[0]
-    contacts = sums.contacts / count
+    contacts, loads = sums.contacts / count, run.loads
     contacts[:, :, QV] = integrals[: contacts[:, :, QV].size].reshape(-1, 2) / time
+    if run.grid.is_periodic:
+        contacts[:] = contacts.mean(axis=0)
+        sums.ball[:] = sums.ball.mean(axis=0)
+        sums.slip[:] = sums.slip.mean(axis=1, keepdims=True)
+        loads = loads.of_each_alike()
     values = averages(scene, bearing, sums, contacts) | {
-        "maximum_pressure": run.loads.largest_pressure(contacts[:, :, PRESSURE], count),
-        "maximum_contact_load": run.loads.largest,
-        "minimum_contact_load": run.loads.smallest,
-        "unloaded_share": run.loads.unloaded / count,
+        "maximum_pressure": loads.largest_pressure(contacts[:, :, PRESSURE], count),
+        "maximum_contact_load": loads.largest,
+        "minimum_contact_load": loads.smallest,
+        "unloaded_share": loads.unloaded / count,
     }
     change = {key: value - then.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])

@@ -316,7 +316,7 @@ def found_periodic(
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     """Sentence on how well a motion repeats itself."""
-    drift = "" if last.slopes is None else f"; over an orbit QV drifts {last.slopes[0]:+.1e} a turn"
+    drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} a turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
         f"{motion.error:.1e} of the largest speed{drift}"

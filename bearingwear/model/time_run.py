@@ -34,6 +34,7 @@ INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
 FAR_FROM_LAND = 200.0  # turns: a cage that takes longer to drift to its land is where it stays
 RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
+FEWEST_OF_TREND = 3  # turns, or passings of a periodic motion
 _SIGNIFICANT = 3.0  # standard errors of a slope
 SHORT = 16  # turns of the run for each that is run again
 RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns differ in cost
@@ -63,8 +64,8 @@ class Trend:
 
     @property
     def known(self) -> bool:
-        """Whether there are three turns or more, as a trend needs."""
-        return bool(self.sums[0] >= 3 and (self.values[0, :2] > 0.0).all())
+        """Whether there are as many turns as a trend needs."""
+        return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
         """Relative change a turn of each but the room (6,); None if not `known`."""
@@ -139,6 +140,15 @@ class LoadRange:
         self.unloaded += (loads == 0.0).sum(axis=0)
         self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
 
+    def of_each_alike(self) -> "LoadRange":
+        """The same where each does in turn what all do."""
+        alike = LoadRange(len(self.largest))
+        alike.largest[:] = self.largest.max(axis=0)
+        alike.smallest[:] = self.smallest.min(axis=0)
+        alike.unloaded[:] = self.unloaded.mean(axis=0)
+        alike.roots[:] = self.roots.mean(axis=0)
+        return alike
+
     def largest_pressure(self, mean: np.ndarray, count: int) -> np.ndarray:
         """Largest pressure (n, 2), given its mean over so many instants [Pa].
 
@@ -200,20 +210,26 @@ class RunGrid:
 
     @classmethod
     def of_orbit(cls, scene: Scene, motion: PeriodicMotion, turn: float) -> "RunGrid":
-        """One orbit of a periodic motion, passing by passing."""
+        """Passings of a periodic motion: an orbit for histories, else as many as show a trend."""
         turns, balls = motion.passing / turn, len(motion.balls)
         per_turn = scene.model.history_points_per_turn or STEPS_PER_TURN
         points = math.ceil(per_turn * turns)
-        whole = balls * points
+        passings = balls if scene.model.history_points_per_turn else min(balls, FEWEST_OF_TREND)
+        whole = passings * points
         return cls(points, motion.passing / points, motion.time, 0, whole, whole, turns)
 
     def short(self, scene: Scene, time: float, turn: float) -> "RunGrid":
         """Half a turn from that time, or less of a short run; of a periodic motion a passing."""
-        if self.turns != 1.0:
+        if self.is_periodic:
             return replace(self, origin=time, total=self.points, window=self.points)
         count = max(1, min(self.points // 2, self.total // SHORT))
         model = replace(scene.model, simulated_turns=count / self.points, evaluated_turns=None)
         return RunGrid.of(replace(scene, model=model), time, turn)
+
+    @property
+    def is_periodic(self) -> bool:
+        """Whether each ball does in turn what all of them do."""
+        return self.turns != 1.0
 
     @property
     def instants(self) -> TimeGrid:

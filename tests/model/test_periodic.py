@@ -43,13 +43,13 @@ def test_as_a_settled_march(scene, found, changes):
     direct = found(changes).values
     bare = scene("gyro_s1", changes).without_cage
     system = DynamicSystem.of(bare, start_of(bare).u)
-    orbit = direct["simulated_turns"] * system.turn
+    orbit = 3.0 * direct["simulated_turns"] * system.turn  # three of nine passings are recorded
     system.advance(12.0 * orbit, TIGHT)
     before = system.qv.copy()
     system.advance(orbit, TIGHT)
     marched = (system.qv - before).mean(axis=0) / orbit
     assert_allclose(direct["qv"].mean(axis=0), marched, rtol=1e-5)
-    assert direct["simulated_turns"] < 3.0
+    assert direct["simulated_turns"] < 1.0
 
 
 def test_every_ball_does_the_same(found):
