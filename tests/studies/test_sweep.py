@@ -15,6 +15,7 @@ from support import ROOT
 import bearingwear
 from bearingwear import SceneError
 from bearingwear.model.fidelity import NotAvailable
+from bearingwear.studies import pool
 from bearingwear.studies import sweep as module
 
 PRELOAD, FRICTION, METHOD = "operation.preload_N", "friction.ball_race", "operation.preload_method"
@@ -138,7 +139,7 @@ def parts(*lengths):
 
 def test_progress(monkeypatch, capsys):
     clock = iter(range(0, 100, 3))
-    monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(pool.time, "monotonic", lambda: next(clock))
     assert len(list(module._told_in_lines(iter(parts(1, 2, 2)), 5))) == 3
     assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
 
