@@ -1,8 +1,8 @@
 """What becomes of the paper's statements on wear where the groove is followed as it wears.
 
-Beside test_paper.py (its own model) and test_paper_hertz.py (a groove that keeps its shape). Loss of
-diameter is the even one that gives the same preload or rotor position. docs/verification.md says it
-in words.
+Beside test_paper.py (its own model) and test_paper_hertz.py (a groove that keeps its shape). The
+loss of diameter is the even one that gives the same preload or rotor position.
+docs/verification.md says it in words.
 """
 
 import numpy as np
@@ -58,7 +58,7 @@ def test_4_is_a_fit_to_the_line(worn):
 
 
 def test_5_constant_force_is_not_flat(worn):
-    """The groove that follows the ball makes QV rise by a third; with a held race it still falls."""
+    """The groove that wears makes QV rise by a third; with a held race it still falls."""
     spring, held = worn(FORCE, 0.08)[0], worn(POSITION, 0.08)[0]
     assert np.all(np.diff(spring) > 0.0) and 1.3 < spring[-1] / spring[0] < 1.4
     assert np.all(np.diff(held) < 0.0) and held[-1] < 0.52 * held[0]
