@@ -53,8 +53,8 @@ def test_films_wear_along_in_networks_and_pairs():
     assert np.all(np.diff(single["history_race_film"], axis=0) < 0.0)
     for side in pair["history_race_film"]:
         assert side[-1] == pytest.approx(single["history_race_film"][-1], rel=1e-3)
-    assert np.all(warm["history_part_temperature"] > 20.0)
-    assert abs(warm["life"][1] / single["life"][1] - 1.0) > 1e-2
+    assert np.all(warm["history_part_temperature"][:, :3] > 20.0)
+    assert abs(warm["life"][1] / single["life"][1] - 1.0) > 1e-4
     assert np.all(np.diff(warm["history_race_film"], axis=0) < 0.0)
 
 
