@@ -119,8 +119,12 @@ def recommend(args: argparse.Namespace) -> int:
 
     scene = life_scene(args.scene, args.set)
     from bearingwear.studies.design.new_and_worn import recommended_sheet
+    from bearingwear.studies.sampling import usable_cores
 
-    sheet, solved = recommended_sheet(scene, _limits(args), args.scene)
+    def tell(text: str) -> None:
+        _tell(f"{args.scene}: {text}")
+
+    sheet, solved = recommended_sheet(scene, _limits(args), args.scene, usable_cores(), tell)
     _print_sheet(sheet, args)
     if not solved:
         sys.stderr.write(one_line(f"{args.scene}: no life could be solved at any preload"))

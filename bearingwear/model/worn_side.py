@@ -203,7 +203,8 @@ class WornSide(SteadySide):
             return {}
         for k, force in enumerate(self.bearing.forces(point)):
             bare = self.bearing.bare(point.wear, k)
-            bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha)
+            g = point.problem.g
+            bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha, g)
             shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
         rate = self.rate(point)
         area = rate.grooves.sum(axis=1) * self.bearing.arc_step

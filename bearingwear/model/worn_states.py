@@ -11,6 +11,7 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.ellipse import most_points
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
+from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.profile import contact_approach, contact_load, middle_height, profile
 from bearingwear.kernels.summary import ANGLE, MAJOR
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
@@ -273,9 +274,16 @@ class WornBearing:
         assert self.films is not None
         return self.films.bare(wear.grooves[k], 0.5 * wear.ball, self.spread)
 
-    def at_cells(self, values: np.ndarray, k: int, x: np.ndarray, alpha: float) -> np.ndarray:
-        """Shares over the arc of groove k at places along its contact under an angle."""
-        g = self.problem.g
+    def at_cells(
+        self, values: np.ndarray, k: int, x: np.ndarray, alpha: float, g: Geometry
+    ) -> np.ndarray:
+        """Shares over the arc of groove k at places along its contact under an angle.
+
+        Parameters
+        ----------
+        g : Geometry
+            Of the state, which may be warmer than the start.
+        """
         shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], SIDES[k], alpha)
         there = CubicSpline(self.arc[k], values)(np.clip(x + shift, *self.arc[k][[0, -1]]))
         return np.clip(there, 0.0, 1.0)
@@ -313,7 +321,7 @@ class WornBearing:
                 depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
                 covered = self.films.cover_of_race(depth, self.spread)
                 _, factor = self.films.factors(covered, depth, on_ball)
-                covered = self.at_cells(covered, k, x, force.alpha)
+                covered = self.at_cells(covered, k, x, force.alpha, g)
                 there, _ = self.films.factors(covered, covered, on_ball)
                 qv = qv * (there / ball)
                 off_ball[k] *= qv.sum() / point.qv_along[k].sum()
@@ -374,7 +382,7 @@ class WornBearing:
                     *((op.S_i, op.mu_i), (op.S_o, op.mu_o))[k],
                     1.5 * Q / (np.pi * force.a * force.b),
                 )
-                bare = self.at_cells(self.bare(wear, k), k, race.x, force.alpha)
+                bare = self.at_cells(self.bare(wear, k), k, race.x, force.alpha, g)
                 found = friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without)
                 if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
                     return False

@@ -5,14 +5,9 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import multiprocessing
-import sys
-import time
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -20,6 +15,7 @@ from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lin
 from bearingwear.scene.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.pool import LINE_EVERY, in_processes, told_in_lines
 from bearingwear.studies.sampling import usable_cores
 
 if TYPE_CHECKING:
@@ -27,9 +23,6 @@ if TYPE_CHECKING:
 
 Job = tuple[Scene, str, str | None]
 """A scene, what is asked of it, and the fidelity."""
-
-LINE_EVERY = 5.0
-"""Seconds between two lines of progress, and before the first."""
 
 CHUNKS_PER_WORKER = 8
 """How finely points are dealt out; a process asks for more when it has solved its share."""
@@ -167,23 +160,7 @@ def _solved(jobs: Sequence[Job]) -> xr.Dataset:
 
 def _solved_by(chunks: Sequence[Any], workers: int) -> Iterator[xr.Dataset]:
     """Results of chunks of jobs, in their order."""
-    if workers <= 1:
-        yield from map(_solved, chunks)
-        return
-    pool = ProcessPoolExecutor(workers)
-    try:
-        yield from pool.map(_solved, chunks)
-    except BrokenProcessPool:
-        raise RuntimeError(
-            "sweep: a process has ended. A script calls this below `if __name__ == '__main__':`, "
-            f"since processes are started by {multiprocessing.get_start_method()}; or workers=1"
-        ) from None
-    except BaseException:  # Ctrl-C: nobody waits for what is still being solved
-        for process in list(pool._processes.values()):
-            process.terminate()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+    return in_processes(_solved, chunks, workers, "sweep")
 
 
 def _told(parts: Iterator[xr.Dataset], count: int, progress: bool) -> Iterator[xr.Dataset]:
@@ -205,16 +182,7 @@ def _told_by_bar(parts: Iterator[xr.Dataset], bar: Any) -> Iterator[xr.Dataset]:
 
 
 def _told_in_lines(parts: Iterator[xr.Dataset], count: int) -> Iterator[xr.Dataset]:
-    started = last = time.monotonic()
-    done = 0
-    for part in parts:
-        yield part
-        done += part.sizes[_POINT]
-        now = time.monotonic()
-        if now - last > LINE_EVERY and done < count:
-            left = (now - started) * (count - done) / done
-            print(f"sweep: {done} of {count} points, about {left:.0f} s left", file=sys.stderr)
-            last = now
+    return told_in_lines(parts, count, "sweep: {} of {} points", lambda one: one.sizes[_POINT])
 
 
 def _side_by_side(

@@ -107,7 +107,7 @@ def test_check_has_its_own_sums(marched):
         law = (op.S_i, op.mu_i, 1.5 * Q / (np.pi * force.a * force.b))
         films, spread = found.bearing.films, found.bearing.spread
         bare = films.bare(point.wear.grooves[k], 0.5 * point.wear.ball, spread)
-        at = found.bearing.at_cells(bare, k, point.x[k], force.alpha)
+        at = found.bearing.at_cells(bare, k, point.x[k], force.alpha, point.problem.g)
         plain = friction_of_cells(point.pressure[k], race.cells.fresh, law, at, 0.4)
         assert plain == pytest.approx(point.slip[k, 4], rel=1e-9)
         other = friction_of_cells(point.pressure[k], race.cells.fresh, law, at + 1e-3, 0.4)

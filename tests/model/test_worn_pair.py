@@ -8,6 +8,7 @@ from model.test_worn_life import scene_of
 from support import scene_file
 
 from bearingwear.kernels import status as code
+from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life
 from bearingwear.model.worn_life import WornLife
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
@@ -35,6 +36,26 @@ def test_two_alike_are_the_single_bearing_by_way_of_the_rotor():
     for name in ("history_residual_preload", "history_equivalent_loss", "history_deepest_groove"):
         for side in pair[name]:
             assert side[-1] == pytest.approx(single[name][-1], rel=1e-3)
+
+
+def test_films_wear_along_in_networks_and_pairs():
+    """Two alike are the single bearing, two that differ are refused; a network goes along."""
+    film = "{shear_strength_MPa: 24.8, pressure_coefficient: 0.001, thickness_um: 0.15, "
+    film += "wear_coefficient: 5.0e-6, bare_ball_race: 0.4}"
+    without = ("friction.ball_race=null", "uncertainty=null")
+    filmed = (FIXED, *without, f"friction.film={film}")
+    single, warm = life_of(*filmed), life_of(*filmed, NETWORK)
+    pair = life_of(*RIGID, *filmed[1:])
+    with pytest.raises(NotAvailable, match="two alike"):
+        life_of(*RIGID, *filmed[1:], "arrangement.external_axial_N=1.0")
+    assert single["status"] == warm["status"] == pair["status"] == code.OK
+    assert pair["life"] == pytest.approx(single["life"], rel=1e-5)
+    assert np.all(np.diff(single["history_race_film"], axis=0) < 0.0)
+    for side in pair["history_race_film"]:
+        assert side[-1] == pytest.approx(single["history_race_film"][-1], rel=1e-3)
+    assert np.all(warm["history_part_temperature"][:, :3] > 20.0)
+    assert abs(warm["life"][1] / single["life"][1] - 1.0) > 1e-4
+    assert np.all(np.diff(warm["history_race_film"], axis=0) < 0.0)
 
 
 def test_a_soft_spring_is_a_constant_force():

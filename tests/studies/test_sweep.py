@@ -15,6 +15,7 @@ from support import ROOT
 import bearingwear
 from bearingwear import SceneError
 from bearingwear.model.fidelity import NotAvailable
+from bearingwear.studies import pool
 from bearingwear.studies import sweep as module
 
 PRELOAD, FRICTION, METHOD = "operation.preload_N", "friction.ball_race", "operation.preload_method"
@@ -57,12 +58,12 @@ def test_processes_find_the_same(coarse):
 def test_warnings_of_a_sweep_are_counted(coarse):
     losses = {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.7]}
     for workers in (1, 2):
-        with pytest.warns(UserWarning, match="gyro_s1: 2 times, at worst: 0.7 um lost") as told:
+        with pytest.warns(UserWarning, match="2 times, at worst: a loss of 0.7 um") as told:
             made = bearingwear.sweep(coarse, losses, workers=workers)
         assert len(told) == 1 and told[0].filename == __file__
         (worn,) = json.loads(made.attrs["warnings"])
         assert worn["id"] == "groove_worn" and worn["cases"] == 2
-        assert worn["sentence"].startswith("0.7 um lost")
+        assert worn["sentence"].startswith("a loss of 0.7 um")
 
 
 def test_file_of_a_sweep(coarse, tmp_path):
@@ -138,7 +139,7 @@ def parts(*lengths):
 
 def test_progress(monkeypatch, capsys):
     clock = iter(range(0, 100, 3))
-    monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(pool.time, "monotonic", lambda: next(clock))
     assert len(list(module._told_in_lines(iter(parts(1, 2, 2)), 5))) == 3
     assert capsys.readouterr().err == "sweep: 3 of 5 points, about 4 s left\n"
 

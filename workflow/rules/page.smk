@@ -38,7 +38,7 @@ rule page:
         "bearingwear step page.page.page {params.inputs} --settings {params.settings} -o {output} > {log} 2>&1"
 
 
-# Comes last and fails, each time anew, if a case or a life could not be solved.
+# Comes last and fails, each time anew, if a case or a life could not be solved; or warns.
 rule verdict:
     """look for cases that could not be solved"""
     input:
@@ -52,7 +52,8 @@ rule verdict:
     localrule: True
     params:
         inputs=lambda wildcards, input: arguments({"paths": input.judged}),
+        settings=shlex.quote(json.dumps({"unsolved_is": config.get("unsolved", "error")})),
     message:
         "look for cases that could not be solved"
     shell:
-        "bearingwear step studies.grid.unsolved.verdict_text {params.inputs} -o {output} 2>&1 | tee {log}"
+        "bearingwear step studies.grid.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"

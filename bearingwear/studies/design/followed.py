@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,14 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.worn_courses import first_met, worn_history
+from bearingwear.model.worn_outputs import grooves_followed
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.studies.dataset import LOSS_BASIS
 from bearingwear.studies.design.map import SLIP_SHARE, gone_through, life_point, point_variables
+from bearingwear.studies.pool import Tell, in_processes, told_in_lines
 
 GROOVE_SHAPES = ("hertzian", "worn")
 HERTZIAN_GROOVE, WORN_GROOVE = range(len(GROOVE_SHAPES))
@@ -86,7 +89,13 @@ def _times_to_share(
     return np.array([ball, first_met(history, share, 1.0) if largest >= limit else np.inf])
 
 
-def followed_lines(scene: Scene, at_scene: xr.Dataset, slip_limit: float | None) -> xr.Dataset:
+def followed_lines(
+    scene: Scene,
+    at_scene: xr.Dataset,
+    slip_limit: float | None,
+    workers: int = 1,
+    tell: Tell | None = None,
+) -> xr.Dataset:
     """The lines of a map over preload, with the groove that the scene's life would follow.
 
     Parameters
@@ -95,6 +104,10 @@ def followed_lines(scene: Scene, at_scene: xr.Dataset, slip_limit: float | None)
     at_scene : Dataset
         The map over `preload_method` and `preload`, of Hertzian grooves.
     slip_limit : float, optional
+    workers : int
+        Processes that share the points.
+    tell : callable, optional
+        Given one line of text every few seconds.
 
     Returns
     -------
@@ -103,11 +116,14 @@ def followed_lines(scene: Scene, at_scene: xr.Dataset, slip_limit: float | None)
     """
     methods = [PRELOAD_METHODS[int(flag)] for flag in at_scene["preload_method"].values]
     preloads = at_scene["preload"].values.tolist()
-    points = [
-        followed_point(held_by(scene, method, preload), slip_limit)
-        for method in methods
-        for preload in preloads
-    ]
+    scenes = [held_by(scene, method, preload) for method in methods for preload in preloads]
+    solve = partial(followed_point, slip_limit=slip_limit)
+    if not any(grooves_followed(one, "steady")[0] for one in scenes):
+        return at_scene
+    solved = in_processes(solve, scenes, workers, "recommend")
+    if tell is not None:
+        solved = told_in_lines(solved, len(scenes), "{} of {} lives of the map", tell=tell)
+    points = list(solved)
     if all(point["groove"] == HERTZIAN_GROOVE for point in points):
         return at_scene
     sizes = {"preload_method": len(methods), "preload": len(preloads)}

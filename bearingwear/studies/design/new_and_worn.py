@@ -19,6 +19,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.studies.design.plan import DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
+from bearingwear.studies.pool import Tell
 
 SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
     "residual preload": (lambda s: s.preload, "N", ""),
@@ -31,7 +32,11 @@ SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
 
 
 def recommended_sheet(
-    scene: Scene, limits: DesignLimits, source: str = "scene"
+    scene: Scene,
+    limits: DesignLimits,
+    source: str = "scene",
+    workers: int = 1,
+    tell: Tell | None = None,
 ) -> tuple[Sheet, bool]:
     """The preload to take at the scene's own friction and speed, by each method.
 
@@ -44,10 +49,12 @@ def recommended_sheet(
     limits : DesignLimits
     source : str
         What error messages name.
+    workers, tell
+        As of `recommend.recommendation`.
     """
     limits.check(scene, source)
     axes = axes_around(scene, [scene.friction.coefficient], source)
-    design, found = mapped(scene, axes, limits)
+    design, found = mapped(scene, axes, limits, workers, tell)
     chosen = recommendation_sheet(found)
     states = [
         (f"{method_words(scene.to_dict(), method)}, {when}", state)

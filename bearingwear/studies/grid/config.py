@@ -23,6 +23,9 @@ Frictions = Annotated[
 ]
 
 
+UNSOLVED = ("error", "warning")
+
+
 @dataclass(frozen=True, kw_only=True)
 class GridBlock:
     """Scenes that share a grid."""
@@ -142,6 +145,14 @@ class Config:
             minimum=1,
         ),
     ] = None
+    unsolved: Annotated[
+        str,
+        Key(
+            "What a case or a life that could not be solved does to the study. Its page says so "
+            "and shows the rest; then it ends with an error, or with a line on standard error",
+            choices=UNSOLVED,
+        ),
+    ] = UNSOLVED[0]
     uncertain_lives: Annotated[
         UncertainLives, Key("Scenes whose lives are quoted with L10 and L50")
     ] = UncertainLives()

@@ -1,5 +1,6 @@
 """Whether every case and every life of a study was solved."""
 
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -17,13 +18,25 @@ from bearingwear.studies.grid.grid import Case
 from bearingwear.studies.run_step import NotSolved
 
 
-def verdict_text(paths: Sequence[Path] = ()) -> str:
-    """Step: says that all was solved, or fails. A map alone keeps the status of each life."""
+def verdict_text(paths: Sequence[Path] = (), unsolved_is: str = "error") -> str:
+    """Step: says that all was solved, or fails. A map alone keeps the status of each life.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        Study files and files of wear life.
+    unsolved_is : {"error", "warning"}
+        Whether the step fails, or says so on standard error.
+    """
     if not paths:
         return "no cases and lives but those of maps, which keep their status\n"
     checked, unsolved = verdict(paths)
     if unsolved:
-        raise NotSolved("\n  ".join([f"{len(unsolved)} of {checked} not solved:", *unsolved]))
+        said = "\n  ".join([f"{len(unsolved)} of {checked} not solved:", *unsolved])
+        if unsolved_is == "error":
+            raise NotSolved(said)
+        sys.stderr.write(f"warning: {said}\n")
+        return f"{said}\n"
     return f"all {checked} solved and verified\n"
 
 

@@ -42,6 +42,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
                 "ball_diameter_loss_um": losses,
             }
         ],
+        "unsolved": "warning",
         "figures": {
             "worn_loss_um": losses[len(losses) // 2],
             "friction": [scene.friction.coefficient],

@@ -8,7 +8,6 @@ to (docs/theory.md, section 15).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,13 +18,13 @@ from bearingwear.model.worn_courses import worn_history
 from bearingwear.model.worn_outputs import grooves_followed
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.studies.pool import in_processes
 
 FITTED, HELD_OUT = 192, 64
 """Lives that are followed where there are more: to fit the ratio, and to see its error."""
 
 _RACES = COUNTS.index("ball_and_races")
 _SEED = 0  # of the choice of those that are followed
-_AT_ONCE = 4  # lives that a process takes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +72,8 @@ def with_followed_grooves(
         return hertzian
     order = np.random.default_rng(_SEED).permutation(asked)
     followed = order if order.size <= FITTED + HELD_OUT else order[: FITTED + HELD_OUT]
-    found = np.array(_each([scenes[k] for k in followed], workers))
+    chosen = [scenes[k] for k in followed]
+    found = np.array(list(in_processes(_followed, chosen, workers, "uncertainty")))
     status, criterion = hertzian.status.copy(), hertzian.end_criterion.copy()
     status[followed], criterion[followed] = found[:, 0].astype(int), found[:, 1].astype(int)
     ratio = np.ones(len(scenes))
@@ -97,13 +97,6 @@ def with_followed_grooves(
 
 def _follows(scene: Scene | None) -> bool:
     return scene is not None and grooves_followed(scene, "steady")[0] is not None
-
-
-def _each(scenes: Sequence[Scene | None], workers: int) -> list[tuple[int, int, float]]:
-    if workers <= 1:
-        return [_followed(scene) for scene in scenes]
-    with ProcessPoolExecutor(workers) as pool:
-        return list(pool.map(_followed, scenes, chunksize=_AT_ONCE))
 
 
 def _followed(scene: Scene | None) -> tuple[int, int, float]:

@@ -1,6 +1,7 @@
 """A preload is chosen by lives with grooves that are followed as they wear, where `life` does."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -36,16 +37,27 @@ def scene():
     return load_scene(scene_file("gyro_s1"), SETTINGS)
 
 
+TOLD = []
+
+
 @pytest.fixture(scope="module")
 def found(scene):
-    """Map and recommendation."""
+    """Map and recommendation, by two processes."""
     axes = MapAxes(
         preload_method=METHODS,
         friction=RisingAxis([0.08]),
         shaft_speed_rpm=RisingAxis([30000.0]),
         preload_N=RisingAxis([4.0, 7.0, 10.0, 14.0]),
     )
-    return mapped(scene, axes, STIFF)
+    return mapped(scene, axes, STIFF, 2, TOLD.append)
+
+
+def test_what_takes_long_is_told(found):
+    """Lives of the map by time, each search when it begins."""
+    *lives, search, how_far = TOLD
+    assert all(re.fullmatch(r"[1-7] of 8 lives of the map, about \d+ s left", one) for one in lives)
+    assert search == "the best preloads between those of the map"
+    assert how_far == "how far the choice holds"
 
 
 def test_recommended_life_is_what_life_prints(scene, found, tmp_path, capsys):

@@ -299,6 +299,10 @@ def test_verdict(folder, tmp_path, capsys):
     assert step(VERDICT, tmp_path / "verdict.txt", paths=files) == 3
     assert capsys.readouterr().err.startswith("8 of 24 not solved:\n")
     assert not (tmp_path / "verdict.txt").exists()
+    warned = {"paths": files, "settings": {"unsolved_is": "warning"}}
+    assert step(VERDICT, tmp_path / "verdict.txt", **warned) == 0
+    assert capsys.readouterr().err.startswith("warning: 8 of 24 not solved:\n")
+    assert (tmp_path / "verdict.txt").read_text().startswith("8 of 24 not solved:\n")
 
 
 def test_a_case_has_no_verdict(cases, capsys):

@@ -1,0 +1,82 @@
+"""Work that is shared out among processes, and lines that say how far it is."""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any
+
+Tell = Callable[[str], None]
+"""What takes a line of progress."""
+
+LINE_EVERY = 5.0
+"""Seconds between two lines of progress, and before the first."""
+
+
+def one_by_one(result: Any) -> int:
+    """How much of the work a result is: all alike."""
+    return 1
+
+
+def to_stderr(text: str) -> None:
+    print(text, file=sys.stderr)
+
+
+def in_processes(
+    function: Callable[[Any], Any], jobs: Sequence[Any], workers: int, caller: str
+) -> Iterator[Any]:
+    """Results of a function for each of some jobs, in their order; with one worker in this process.
+
+    Parameters
+    ----------
+    caller : str
+        What has `workers`, for the message where processes cannot be started.
+    """
+    if workers <= 1:
+        yield from map(function, jobs)
+        return
+    pool = ProcessPoolExecutor(workers)
+    try:
+        yield from pool.map(function, jobs)
+    except BrokenProcessPool:
+        raise RuntimeError(
+            f"{caller}: a process has ended. A script calls this below `if __name__ == "
+            f"'__main__':`, since processes are started by {multiprocessing.get_start_method()}; "
+            "or workers=1"
+        ) from None
+    except BaseException:  # Ctrl-C: nobody waits for what is still being solved
+        for process in list(pool._processes.values()):
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def told_in_lines(
+    results: Iterator[Any],
+    count: int,
+    what: str,
+    size: Callable[[Any], int] = one_by_one,
+    tell: Tell = to_stderr,
+) -> Iterator[Any]:
+    """The same results, with a line every few seconds: so many of `count` done, time left.
+
+    Parameters
+    ----------
+    what : str
+        `CALLER: {} of {} THINGS`, filled with what is done and all there is.
+    """
+    started = last = time.monotonic()
+    done = 0
+    for result in results:
+        yield result
+        done += size(result)
+        now = time.monotonic()
+        if now - last > LINE_EVERY and done < count:
+            left = (now - started) * (count - done) / done
+            tell(f"{what.format(done, count)}, about {left:.0f} s left")
+            last = now
