@@ -46,9 +46,8 @@ def test_project_scene(path):
     assert "assumed" in scene.description
     model = yaml.safe_load(path.read_text()).get("model", {})
     assert model == ({"contact": "paper"} if path.stem in ("gyro_s1", "gyro_s2", "gyro_s3") else {})
-    assert scene.model.slip_is_over == (
-        "line" if path.stem.startswith("gyro") and "hertz" not in path.stem else "ellipse"
-    )
+    on_line = path.stem.startswith("gyro") and not path.stem.endswith(("_hertz", "_worn"))
+    assert scene.model.slip_is_over == ("line" if on_line else "ellipse")
     end = scene.wear.end_of_life.criteria
     loss = {"turbine": 10.0, "bearing218": 10.0, "turbopump": 4.0}.get(scene.name, 0.7)
     assert end.items() >= {"preload_fraction": 0.4, "ball_diameter_loss_um": loss}.items()

@@ -122,7 +122,9 @@ def test_page_and_sheet_tell_the_interval_and_its_causes():
     told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
     batch = "brinell hardness, wear coefficient, ball race, drag density"
     assert f"each with one unknown value of {batch}. " in told
-    assert "Bearings of a batch differ in ball diameter, contact angle, inner groove factor, " in told
+    assert (
+        "Bearings of a batch differ in ball diameter, contact angle, inner groove factor, " in told
+    )
     assert "± is the error of its ends from the size of the sample, 95 % confidence." in told
     scattered = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.3})
     assert causes_told(scattered.to_dict()).startswith("Bearings differ in preload; the interval")
