@@ -122,7 +122,7 @@ def test_life(tmp_path, capsys):
     argv = ["life", str(SCENE), "-o", str(tmp_path / "life.nc"), *QUICK]
     assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith("warning: 0.49") and err.count("\n") == 2
+    assert out == "" and err.startswith("warning: a loss of 0.49") and err.count("\n") == 2
     assert "\nwarning: temperature is left out" in err
     life = load(tmp_path / "life.nc")
     assert int(life["status"]) == code.OK
@@ -510,7 +510,7 @@ def test_a_terminal_has_warnings_once(monkeypatch, capsys):
     told, error = capsys.readouterr()
     assert told.count("gap between ball and groove") == 1 and error == ""
     assert main([*worn, "--quiet"]) == 0
-    assert capsys.readouterr().err.startswith("warning: 0.3 um lost")
+    assert capsys.readouterr().err.startswith("warning: a loss of 0.3 um")
 
 
 def test_a_new_folder_is_told(tmp_path, capsys):
@@ -541,7 +541,7 @@ def test_recommend_at_a_cliff(capsys):
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
     (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
     assert re.search(r"held by +a change in what ends the life", told)
-    assert "warning: 2 times, at worst: 0.7 um lost" in told
+    assert "warning: 2 times, at worst: a loss of 0.7 um" in told
     lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
     counted = float(lived.life.sel(counts="ball_and_races"))
     assert counted == pytest.approx(float(hours), rel=0.01)

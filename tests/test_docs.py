@@ -13,7 +13,6 @@ from support import ROOT
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 READ = [*PAGES, *ROOT.glob("*.md"), *(ROOT / f"{at}/README.md" for at in ("config", "results"))]
-SHORT = [page for page in READ if page.name != "CHANGELOG.md"]
 CITED = re.compile(r"\bEqs?\.\s*\(?(\d+a?)\)?(?:\s*(?:-|to|and)\s*\(?(\d+a?)\)?)?")
 SECTION = re.compile(r"theory(?:\.md)?\W{0,3}\s*sections?\s+(\d+)")
 LINK = re.compile(r"\]\(([^)#\s]+)?(?:#([\w-]+))?\)")
@@ -71,7 +70,7 @@ def test_the_site_builds_without_a_warning_or_a_network(tmp_path):
         assert not re.search(r'(?:<script[^>]*src|<link[^>]*stylesheet[^>]*href)="https?:', text)
 
 
-@pytest.mark.parametrize("page", SHORT, ids=lambda page: page.relative_to(ROOT).as_posix())
+@pytest.mark.parametrize("page", READ, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_no_line_is_over_100_columns(page):
     lines = page.read_text(encoding="utf-8").splitlines()
     assert not [f"{k}: {line}" for k, line in enumerate(lines, 1) if len(line) > 100]
