@@ -52,7 +52,9 @@ rule verdict:
     localrule: True
     params:
         inputs=lambda wildcards, input: arguments({"paths": input.judged}),
-        settings=shlex.quote(json.dumps({"unsolved_is": config.get("unsolved", "error")})),
+        settings=shlex.quote(
+            json.dumps({"unsolved_is": config.get("unsolved", "error")})
+        ),
     message:
         "look for cases that could not be solved"
     shell:
