@@ -138,6 +138,7 @@ class WornSide(SteadySide):
         if self._offset is None:
             self._offset = 0.0
             self._offset = self.even_loss(point) - self.loss
+            return self.loss
         g, held, seat = point.problem.g, point.problem.preload, point.seat
         preload = self.preload(point)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)

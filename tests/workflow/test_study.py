@@ -54,8 +54,8 @@ def test_the_whole_study_is_planned():
     )
     assert done.returncode == 0, done.stdout + done.stderr
     jobs = dict(re.findall(r"^(\w+) +(\d+)$", done.stdout + done.stderr, re.M))
-    assert int(jobs["grid_solve"]) == 4 * 8 + 3 * 2  # a job for each method and friction
-    assert int(jobs["grid_wear_life"]) == 7
+    assert int(jobs["grid_solve"]) == 5 * 8 + 3 * 2  # a job for each method and friction
+    assert int(jobs["grid_wear_life"]) == 8
     assert int(jobs["grid_quantiles"]) == 3 * 4 + 3
     assert int(jobs["grid_solve_dynamic"]) == 12 + 1
 
