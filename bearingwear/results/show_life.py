@@ -58,7 +58,7 @@ _UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3, "N/um": 1e-6, "GPa": 1e-9}
 """From a history of the file to the unit of `CRITERION_ROWS`."""
 
 
-ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
+_ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
 
 OF_BOTH = ("wear counted", "life")
 """Blocks that are shown once for two bearings."""
@@ -108,7 +108,7 @@ def _life_blocks(file: Any) -> list[Block]:
 def _ends(file: Any, name: str) -> list[Row]:
     """A row of a history at start and end, or one for each race."""
     found = np.atleast_1d(values(file, name))[[0, -1]]
-    found = np.where(np.abs(found) < ROUNDING * np.abs(found).max(initial=0.0), 0.0, found)
+    found = np.where(np.abs(found) < _ROUNDING * np.abs(found).max(initial=0.0), 0.0, found)
     if found.ndim == 1:
         return [row_of(name, found)]
     rows = zip(RACES, found.T, strict=True)
