@@ -26,6 +26,19 @@ CASES = [
 ]
 
 
+def scene_keys(turns: int, tolerance: float, cage: bool = True) -> list[str]:
+    """What the benchmarks of the motion in time change in gyro_s1: averaged over all its turns."""
+    keys = [
+        "operation.rotating_load_N=1.0",
+        "model.quadrature=strips",
+        "model.strips=50",
+        f"model.simulated_turns={turns}",
+        f"model.evaluated_turns={turns}",
+        f"model.dynamic_tolerance={tolerance:.7f}",
+    ]
+    return keys if cage else [*keys, "cage=null"]
+
+
 def answer() -> None:
     """Run the cases that standard input asks for; one line of JSON each."""
     from bearingwear.kernels.status import OK
@@ -39,15 +52,7 @@ def answer() -> None:
     start = None
     for line in sys.stdin:
         cage, turns, tolerance = json.loads(line)
-        keys = [
-            "operation.rotating_load_N=1.0",
-            "model.quadrature=strips",
-            "model.strips=50",
-            f"model.simulated_turns={turns}",
-            f"model.evaluated_turns={turns}",
-            f"model.dynamic_tolerance={tolerance:.7f}",
-        ]
-        scene = load_scene("config/scenes/gyro_s1.yaml", keys + ["cage=null"] * (not cage))
+        scene = load_scene("config/scenes/gyro_s1.yaml", scene_keys(turns, tolerance, cage))
         start = start_of(scene).u if start is None else start
         system = DynamicSystem.of(scene, start)
         assert system.update() == OK

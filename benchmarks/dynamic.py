@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 import plain_dynamic
 import plain_scipy
+from before import scene_keys
 
 from bearingwear.kernels.ball_friction import BallForces, race_friction
 from bearingwear.kernels.block_solve import solve_factorised
@@ -58,16 +59,8 @@ PROFILE_STRETCHES = 40
 
 def scene_of(turns, tolerance, integrator="rosenbrock", cage=True):
     """The benchmark's scene, averaged over all its turns."""
-    keys = [
-        "operation.rotating_load_N=1.0",
-        "model.quadrature=strips",
-        "model.strips=50",
-        f"model.simulated_turns={turns}",
-        f"model.evaluated_turns={turns}",
-        f"model.dynamic_tolerance={tolerance:.7f}",
-        f"model.integrator={integrator}",
-    ]
-    return load_scene(SCENE, keys if cage else [*keys, "cage=null"])
+    keys = [*scene_keys(turns, tolerance, cage), f"model.integrator={integrator}"]
+    return load_scene(SCENE, keys)
 
 
 def table(header, rows):

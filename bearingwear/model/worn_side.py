@@ -1,5 +1,6 @@
 """One bearing whose grooves are followed as they wear: alone, or a side of a pair (section 21)."""
 
+import functools
 from dataclasses import replace
 from typing import Any
 
@@ -142,14 +143,10 @@ class WornSide(SteadySide):
         g, held, seat = point.problem.g, point.problem.preload, point.seat
         preload = self.preload(point)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
-        state, known = cold_start(), dict[float, float]()
+        state = cold_start()
 
+        @functools.cache
         def away(loss: float) -> float:
-            if loss not in known:
-                known[loss] = farther(loss)
-            return known[loss]
-
-        def farther(loss: float) -> float:
             nonlocal state
             delta_a, state = thrust_equilibrium(
                 g, g.D0 - loss, load, held.F_x, seat.delta_a, held.constant_force, state

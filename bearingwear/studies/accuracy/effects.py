@@ -12,10 +12,11 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.units import digits
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.figures import names, points_where
+from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import AccuracyPlan
 from bearingwear.studies.dataset import loaded
 
-_BEGIN, _END = "<!-- effects: begin -->", "<!-- effects: end -->"
+_PART = MarkedPart("effects")
 EFFECT_COLUMNS = {
     "preload": "residual_preload",
     "QV": "total_qv",
@@ -71,7 +72,7 @@ def factor_texts(factors: Sequence[float]) -> list[str]:
 
 def effects_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
-    return f"""{_BEGIN}
+    return f"""{_PART.begin}
 Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not to be edited here.
 Each number is a factor over the first point of its sweep (`config/accuracy.yaml`): the bearing as
 mounted, or alone, or without traction, always with slip over the whole ellipse. Preload and QV are
@@ -81,7 +82,7 @@ the median of {plan.repeats}. A run of the study compares: answers agree within
 {100.0 * (_ANSWER - 1.0):.0f} %, times within a factor {plan.tolerance.time:g}.
 
 {effect_tables(trade, plan)}
-{_END}"""
+{_PART.end}"""
 
 
 def effects_table(trade: Path, plan: Path) -> str:
@@ -94,26 +95,16 @@ def docs_with_effects(trade: Path, plan: Path, docs: Path) -> str:
 
     Raises
     ------
-    ValueError
+    CaseFileError
         Where they have no such block.
     """
-    text = docs.read_text(encoding="utf-8")
-    before, old, after = _parts(text, docs)
+    before, _, after = _PART.split(docs)
     return before + effects_block(loaded(trade, point=()), read_record(AccuracyPlan, plan)) + after
-
-
-def _parts(text: str, docs: Path) -> tuple[str, str, str]:
-    """The text before the block, the block, and the text after it."""
-    found = re.fullmatch(f"(.*?)({_BEGIN}.*?{_END})(.*)", text, re.DOTALL)
-    if found is None:
-        raise ValueError(f"{docs}: has no part between {_BEGIN} and {_END}")
-    before, old, after = found.groups()
-    return before, old, after
 
 
 def effect_differences(trade: xr.Dataset, plan: AccuracyPlan, docs: Path) -> list[str]:
     """Where the block of the docs differs from a run; a line each."""
-    _, old, _ = _parts(docs.read_text(encoding="utf-8"), docs)
+    _, old, _ = _PART.split(docs)
     said, title = {}, ""
     for line in old.splitlines():
         if bold := re.fullmatch(r"\*\*(.+)\*\*", line):

@@ -10,16 +10,16 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.plotting.markdown import cell_text
-from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.effects import effect_differences
 from bearingwear.studies.accuracy.figures import points_where
+from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 
-_BEGIN, _END = "<!-- accuracy: begin -->", "<!-- accuracy: end -->"
+_PART = MarkedPart("accuracy")
 _PERCENT = display("1", shown="%")
 _HEADER = (
     "| what | scenes | QV, median | total QV | contact QV | preload | wear rate | life "
@@ -106,7 +106,7 @@ def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
     tolerance = plan.tolerance
     scenes = ", ".join(f"`{name}`" for name in plan.scenes)
-    return f"""{_BEGIN}
+    return f"""{_PART.begin}
 ## Accuracy against time
 
 Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here.
@@ -138,7 +138,7 @@ included; what the reference itself is not sure of (its own estimate, and its ch
 "Over error": the median of the estimate over the error
 
 {estimates(trade)}
-{_END}
+{_PART.end}
 """
 
 
@@ -225,9 +225,9 @@ def docs_with_block(trade: Path, plan: Path, docs: Path) -> str:
     """Step: the docs with the block of this run in the place of the old one, or at the end."""
     text = block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
     old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
-    if _BEGIN in old and _END in old:
-        before, _, rest = old.partition(_BEGIN)
-        return before + text.rstrip("\n") + rest.partition(_END)[2]
+    if _PART.stands_in(old):
+        before, _, after = _PART.split(docs)
+        return before + text.rstrip("\n") + after
     return old.rstrip("\n") + "\n\n" + text
 
 
@@ -255,10 +255,7 @@ def differences(trade: xr.Dataset, plan: AccuracyPlan, docs: str | Path) -> list
         Where the file has no such block.
     """
     docs = Path(docs)
-    text = docs.read_text(encoding="utf-8") if docs.exists() else ""
-    if _BEGIN not in text or _END not in text:
-        raise CaseFileError(f"{docs}: has no part between {_BEGIN} and {_END}")
-    said = table_rows(text.partition(_BEGIN)[2].partition(_END)[0])
+    said = table_rows(_PART.split(docs)[1])
     found = []
     for row in plan.table:
         part = section(plan, row)

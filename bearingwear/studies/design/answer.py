@@ -182,8 +182,8 @@ def _words(found: xr.Dataset, method: str) -> str:
 
 
 def _headline(recommendation: xr.Dataset) -> str:
-    name = scene_of(recommendation)["name"]
     scene = scene_of(recommendation)
+    name = scene["name"]
     taken = [
         TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
         for method, one, _ in _lives(recommendation)
