@@ -43,7 +43,7 @@ test-page: $(STAMP)
 test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
 	$(BIN)/python -m pytest -m faults
 
-# 107 000 steady and race-control solves, pairs among them, and 340 short runs in time of random scenes, half an hour;
+# 107 000 steady and race-control solves, pairs among them, and 340 short dynamic runs of random scenes, half an hour;
 # exit 3 if one is wrong.
 # A few that are drawn in time are no bearing, hence 306.
 FUZZ := steady:25000 steady_stress:35000 race_control:20000 race_control_stress:20000 dynamic:153 dynamic_stress:153 \

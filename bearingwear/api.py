@@ -106,7 +106,7 @@ def life(
     fidelity : {"auto", "race_control", "steady", "dynamic"}, optional
         Overrides `model.fidelity` of the scene.
     progress : callable, optional
-        Given one line of text at each step of a life in time.
+        Given one line of text at each step of a dynamic life.
 
     Returns
     -------

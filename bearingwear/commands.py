@@ -65,7 +65,7 @@ def check(args: argparse.Namespace) -> int:
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
-    print(f"{args.scene}: valid; {scene.name} would be solved with {chosen.tier}")
+    print(f"{args.scene}: valid; {scene.name} would be solved with {chosen.fidelity}")
     for reason in chosen.reasons:
         print(f"  {reason}")
     print(f"  {accuracy_told(scene, chosen)}")

@@ -63,7 +63,7 @@ def steady_trial(random: np.random.Generator) -> tuple[str, list[str], float]:
 
 
 def trial_in_time(random: np.random.Generator) -> tuple[str, list[str], float]:
-    """The same for a run in time with a rotating load, half of them with the scene's cage."""
+    """The same for a dynamic run with a rotating load, half of them with the scene's cage."""
     name = str(random.choice(IN_TIME))
     load = {"turbine": 4000.0, "turbopump": 200.0}.get(name, 1.0) * random.uniform(0.2, 1.0)
     settings = [
@@ -112,7 +112,7 @@ def steady_rows(trials: int, seed: int = 1) -> list[tuple[str, float, float]]:
 
 
 def rows_in_time(trials: int, seed: int = 2, turns: int = 150) -> list[tuple[str, float, float]]:
-    """Estimates and errors of random runs in time."""
+    """Estimates and errors of random dynamic runs."""
     random, rows = np.random.default_rng(seed), []
     long = [f"model.simulated_turns={turns}", "model.settled_drift=1.0e-6"]
     for _ in range(trials):

@@ -39,14 +39,14 @@ class Mechanics(NamedTuple):
 
     @property
     def touch(self) -> float:
-        """Axial displacement at which balls at rest have no load any more [m]."""
+        """Axial displacement at which balls at rest lose their load [m]."""
         g = self.g
         free, across = g.r_i + g.r_o - self.D, g.BD * math.cos(g.alpha0)
         return math.sqrt(max(free * free - across * across, 0.0)) - g.BD * math.sin(g.alpha0)
 
 
 def lift_off_rigid(first: Mechanics, second: Mechanics, closed: float) -> float:
-    """Least axial force, either way, that takes a bearing of a rigid pair out of contact [N].
+    """Least axial force, either way, that lifts off a bearing of a rigid pair [N].
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def lift_off_rigid(first: Mechanics, second: Mechanics, closed: float) -> float:
 def lift_off_spring(
     first: Mechanics, second: Mechanics, mounted: tuple[float, float], F_s: float, k_s: float
 ) -> float:
-    """Axial force, away from it, that takes the first bearing of a spring pair out of contact [N].
+    """Axial force away from the first bearing of a spring pair that lifts it off [N].
 
     Parameters
     ----------

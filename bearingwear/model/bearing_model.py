@@ -53,7 +53,7 @@ def cage_of(scene: Scene) -> CageModel:
     land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[c.guiding_race]
     E_star = parameters.contact_modulus(race, material)
     k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
-    # A light impact, to say what is deep in such a contact.
+    # A light impact sets the scale of depth in such a contact.
     operation = scene.operation
     speed = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm)) * parameters.RPM
     impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
@@ -94,8 +94,8 @@ def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple
 def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
     """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
 
-    They follow the angle so weakly that the spline is exact to rounding; solving Hertz' equation
-    anew would be a third of the time of a step.
+    They depend on the angle so weakly that the spline is exact to rounding. Solving Hertz' equation
+    each time would take a third of a step's time.
 
     Parameters
     ----------

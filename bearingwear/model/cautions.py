@@ -1,8 +1,8 @@
-"""Warnings beside a result: solved, but beyond what bearings bear or the model describes.
+"""Warnings beside a result: solved, but beyond what bearings withstand or the model covers.
 
-`CAUTIONS` is the one table: what is looked at, the limit, the sentence, the advice. A limit is
-sourced, or said to be assumed. None is an error. A result carries what is said in its attribute
-`warnings`; `bearingwear.results.warnings` reads it.
+`CAUTIONS` is the one table: the value, its limit, the sentence and the advice. Each limit has a
+source or is called assumed. No warning is an error. A result has its warnings in the attribute
+`warnings`, which `bearingwear.results.warnings` reads.
 """
 
 import math
@@ -24,10 +24,10 @@ STEEL_YIELD = 4.2
 """Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
 
 LONG_LIVED = 2.0 / STEEL_YIELD
-"""Share of the yield pressure beyond which practice expects no long life: 2 GPa of steel."""
+"""Share of the yield pressure up to which a long life is usual: 2 GPa for steel."""
 
 SHOULDER_DEG, SHOULDER_ROOM_DEG = 55.0, 15.0
-"""Angle of an unknown shoulder, assumed; of steep bearings so much above the contact angle."""
+"""Assumed angle of an unknown shoulder, and its least margin over the contact angle."""
 
 FASTEST = 4.0
 """Speed times pitch diameter [million mm r/min] of the fastest steel bearings on rigs: bore times
@@ -36,44 +36,44 @@ speed of 3 million, Bamberger, Zaretsky and Signer, J. Lubr. Technol. 98 (1976) 
 HOOP_MPA = 200.0
 """Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
 
-LIGHTESTINNER = 0.05
-"""Least load of an inner contact over its outer one: below it the shaft hardly drives a ball;
-assumed"""
+LIGHTEST_INNER = 0.05
+"""Least load of an inner contact over its outer one, assumed: below it the shaft hardly drives a
+ball."""
 
 LONGEST_LIFTED = 0.05
-"""Share of time off the inner race up to which it is only the cage that knocks, assumed."""
+"""Share of time off the inner race that knocks of the cage explain, assumed."""
 
 LEAST_PRELOAD = 1.5e-3
-"""Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa of steel at rest, assumed."""
+"""Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa at rest in steel, assumed."""
 
 FLAT_GROOVE = 0.1
-"""Loss over the gap at the ellipse's edge above which a worn groove is no Hertzian contact."""
+"""Loss over the gap at the ellipse's edge above which a worn groove's contact is not Hertzian."""
 
 ROUNDED_SLIP = 0.25
-"""Slip below which friction is rounded, over the balls' mean slip: from here on it takes a few per
-cent off the friction torque (docs/warnings.md)."""
+"""Slip below which friction is rounded, over the balls' mean slip. Above this ratio the rounding
+takes a few per cent off the friction torque (docs/warnings.md)."""
 
 SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
-"""Part of the description of a scene whose speed nobody gave; true until another speed is given."""
+"""Part of a scene's description while its speed is the one that `new` assumed."""
 
 JUST_MET = math.nextafter(1.0, 2.0)
-"""Excess of a criterion that is met exactly, which ends a life as well."""
+"""Excess of a criterion that is met exactly; that ends a life too."""
 
 LARGEST_EXCESS = 1e6
-"""Stated for a ratio with a denominator of zero."""
+"""Stands for a ratio whose denominator is zero."""
 
 _GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
 
 Finding = tuple[float | None, Mapping[str, Any]]
-"""How many times the value is its limit (None for a fact), and the words of the sentence."""
+"""The value over its limit (None for a fact), and what fills the sentence."""
 
 
 @dataclass(frozen=True)
 class Caution:
     """A warning: its id, what it looks at, its sentence, and what to do.
 
-    `look` returns nothing where there is nothing to look at. It is warned of a fact, and of a value
-    beyond its limit.
+    `look` returns None where the warning does not apply. A fact is always warned of, a value beyond
+    its limit.
     """
 
     id: str
@@ -83,7 +83,7 @@ class Caution:
 
 
 def _yield_pressure(e: Evidence) -> tuple[float, str]:
-    """Of the weaker one of balls and races [GPa], and where that comes from."""
+    """Yield pressure of the weaker of balls and races [GPa], and its source."""
     b = e.scene.bearing
     known = []
     for name in (b.race_material, b.ball_material):
@@ -102,7 +102,7 @@ def _yield(e: Evidence) -> Finding:
 def _practice(e: Evidence) -> Finding | None:
     limit, _ = _yield_pressure(e)
     value = e.pressure / _GPA
-    if value > limit:  # which is said already
+    if value > limit:  # another warning says so
         return None
     return value / (LONG_LIVED * limit), {"value": value, "limit": LONG_LIVED * limit}
 
@@ -138,7 +138,7 @@ def _speed(e: Evidence) -> Finding:
 
 
 def _hoop(e: Evidence) -> Finding | None:
-    """At the bore of a turning annulus that reaches to the shoulder, or to the groove's bottom."""
+    """Hoop stress at the bore of a rotating annulus, out to the shoulder or the groove's bottom."""
     b = e.scene.bearing
     if b.bore_mm is None:
         return None
@@ -159,8 +159,8 @@ def _inner(e: Evidence) -> Finding | None:
     if e.lifted > LONGEST_LIFTED:
         said = f"a ball is off the inner race {e.lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
         return e.lifted / LONGEST_LIFTED, {"said": said}
-    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTESTINNER:g}"
-    return LIGHTESTINNER / share, {"said": said}
+    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
+    return LIGHTEST_INNER / share, {"said": said}
 
 
 def _preload(e: Evidence) -> Finding | None:
@@ -195,7 +195,7 @@ def _rounded(e: Evidence) -> Finding | None:
 
 def _unwatched(e: Evidence) -> Finding | None:
     names = [IN_WORDS[name].words for name in unwatched(e.scene, e.chosen)]
-    return (None, {"names": ", ".join(names), "tier": e.chosen.tier}) if names else None
+    return (None, {"names": ", ".join(names), "fidelity": e.chosen.fidelity}) if names else None
 
 
 def _assumed(e: Evidence) -> Finding | None:
@@ -209,7 +209,7 @@ def _weightless(e: Evidence) -> Finding | None:
 
 
 def _when_new(e: Evidence) -> Finding | None:
-    """The criterion of a life that ends where it begins."""
+    """The criterion that ends a life at its start."""
     if e.life is None or len(e.life.get("history_ball_diameter_loss", ())) != 1:
         return None
     met = criterion_met(e.scene, e.life)
@@ -234,7 +234,7 @@ CAUTIONS = (
     Caution(
         "criterion_not_watched",
         _unwatched,
-        "the model {tier} does not watch the end of life by {names}",
+        "the model {fidelity} does not watch the end of life by {names}",
         "fidelity dynamic watches all",
     ),
     Caution(
@@ -288,7 +288,7 @@ CAUTIONS = (
         "groove_worn",
         _groove,
         "a loss of {loss:.3g} um is {value:.2g} times the gap between ball and groove at the edge "
-        "of the ellipse; above {limit:g} the worn groove is no Hertzian contact",
+        "of the ellipse; above {limit:g} the contact is no longer Hertzian",
         "pressure, slip and wear are estimates",
     ),
     Caution(

@@ -1,4 +1,4 @@
-"""Many lives by the steady model: of a bearing, or of a pair as its worse half."""
+"""Many lives by the steady model, of a bearing or of the worse half of a pair."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -17,7 +17,7 @@ WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a
 
 
 class WearCourses:
-    """Lives of a scene that differ in their end alone: states that are known are not solved anew.
+    """Lives of a scene with different ends; known states are not solved again.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class WearCourses:
 
 
 def worse_halves(states: Iterable[tuple[WearState, WearState]], scene: Scene) -> list[WearState]:
-    """For each state of a pair, what limits look at, of the bearing that is worse in it.
+    """What limits look at in each state of a pair: the values of its worse bearing.
 
     The preload is that of the worse side, with all its bearings in tandem.
     """

@@ -1,7 +1,6 @@
 """Estimates of the creep at which friction saturates, and of the QV that micro-slip takes.
 
-No kernel is needed for them, so that they are there before any solve. `micro_slip.py` has the
-thing itself.
+They need no kernel, so they are known before any solve. `micro_slip.py` solves micro-slip itself.
 """
 
 import functools
@@ -68,7 +67,7 @@ def _at_poisson(poisson: float) -> tuple[np.ndarray, ...]:
 
 
 def shear_of_pair(first: Material, second: Material) -> tuple[float, float]:
-    """Shear modulus [Pa] and Poisson's ratio of two bodies as if they were alike."""
+    """Shear modulus [Pa] and Poisson's ratio of the two like bodies that stand for these."""
     yielding = [
         2.0 * (1.0 + m.poisson_ratio) / (m.youngs_modulus_GPa * GPA) for m in (first, second)
     ]
@@ -105,8 +104,7 @@ def saturation_slip(scene: Scene, sigma: float, load: float, major: float) -> fl
 def saturation_share(scene: Scene) -> float:
     """Slip at saturation over the mean slip of a ball, before any solve; NaN without preload.
 
-    By the preload at rest, with all the spin in the outer contact and no other slip, so rather too
-    large.
+    Takes the preload at rest, all spin in the outer contact and no other slip: rather too large.
     """
     alpha, relative = _sizes(scene)[2], _relative_speed(scene)
     preload = scene.operation.preload_N
@@ -139,7 +137,7 @@ def _sizes(scene: Scene) -> tuple[float, float, float]:
 
 
 def _relative_speed(scene: Scene) -> float:
-    """Of the races to each other [rad/s]."""
+    """Speed of one race against the other [rad/s]."""
     o = scene.operation
     return abs(o.shaft_speed_rpm - o.outer_speed_rpm) * RPM
 

@@ -113,7 +113,7 @@ class DynamicSystem:
         return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
-        """The same bearing, some fields of its model replaced; to be unpacked into."""
+        """The same bearing with some fields of its model replaced; `unpack` gives it a state."""
         other = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
         other.buffers.rest[:] = self.buffers.rest
         other.buffers.balls.delta[:] = other.buffers.rest
@@ -122,10 +122,10 @@ class DynamicSystem:
     def place_cage(self) -> None:
         """The cage at the start: every ball in the middle of its pocket, the cage slower.
 
-        Its centre hangs below the axis by half of its clearance. A cage that floats in the middle
-        and turns with the balls would touch nothing, ever. Where that place squeezes it, because
-        load or tilt moves the balls out of their plane, it starts where it is squeezed least; a
-        cage that is squeezed there hardly less has no room.
+        Its centre hangs below the axis by half of its clearance. A cage that is centred
+        and turns with the balls would never touch anything. Load or tilt may move the balls out of
+        their plane, so that they squeeze a cage in that place. It then starts where it is squeezed
+        least; if that is hardly less, the cage has no room.
         """
         balls, contacts, z = self.buffers.balls, self.buffers.cage, self.cage_state
         cage = self.bearing.cage
@@ -187,10 +187,10 @@ class DynamicSystem:
         return status
 
     def diagnose(self, status: int) -> int:
-        """The status; where it gives no reason, one that does, if there is one.
+        """The status, or one that gives a reason where it gives none.
 
-        From the last state that had an equilibrium: balls and race alone, without the cage, from a
-        safe start.
+        It is found at the last state that had an equilibrium: balls and race without the cage, from
+        a safe start.
         """
         if status == code.TOO_STIFF and not self.cage_has_room:
             return code.CAGE_JAMMED
@@ -249,7 +249,7 @@ class DynamicSystem:
         )
 
     def advance(self, duration: float, *options, **named) -> Tally:
-        """Move on in time, with options of `control`; the tally's status says if that went well."""
+        """Integrate, with options of `control`; the status of the tally says if that went well."""
         tally = self.simulate(self.control(*options, **named), duration)
         self.time, self.h = tally.time, tally.h
         return tally
@@ -262,7 +262,7 @@ class DynamicSystem:
 
     @functools.cached_property
     def _unread(self) -> Recorder:
-        """Takes what nobody reads: one kernel serves all runs, and takes half a minute to make."""
+        """For records that nobody reads: one kernel, half a minute to compile, serves all runs."""
         n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
         sums = empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
         return Recorder(sums=sums, history=empty_history(1, n), keep=False)
@@ -287,7 +287,7 @@ class DynamicSystem:
             part[...] = state[at : at + part.size].reshape(part.shape)
             at += part.size
         self.h, self.time = float(h[0]), time
-        # Known: the equilibrium goes on from the places.
+        # Kept, because the equilibrium starts from the last positions.
         self.buffers.balls.factors[:] = 0.0
 
     def cage_momentum(self) -> float:

@@ -23,8 +23,8 @@ SCATTER = 2.0  # standard errors
 def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
     """Bound on the error of a trapezoidal integral by steps and by scatter of the runs.
 
-    A third of what twice the step would change, and twice the standard error that the nodes'
-    scatter about smooth curves (parabolas through neighbours) makes of the sum.
+    A third of the change by steps twice as long, plus twice the standard error of the sum. The
+    latter comes from the scatter of the nodes about parabolas through their neighbours.
     """
     last = len(time) - 1
     if last < 2:
@@ -47,7 +47,7 @@ def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
 def solve_dynamic_life(
     scene: Scene, progress: Callable[[str], None] | None = None
 ) -> tuple[dict, dict]:
-    """Wear life of a scene with a run in time at every step, and the steady life beside it.
+    """Wear life of a scene with a dynamic run at every step, and the steady life beside it.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def ends(integrator: DynamicWear, course: DynamicCourse) -> dict:
 
 
 def life_histories(integrator: DynamicWear, course: DynamicCourse) -> dict:
-    """What has worn, and what was found, at each node; NaN where a node was not solved."""
+    """Wear and results at each node; NaN where a node was not solved."""
     p, nodes = integrator.parts.layout, course.nodes
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)
@@ -168,7 +168,7 @@ def steady_life(scene: Scene) -> dict:
 
 
 def steady_time_to_loss(scene: Scene, loss: float) -> dict:
-    """Time that the steady model takes to lose what the life in time lost in all."""
+    """Time that the steady model takes to lose what the dynamic life lost in all."""
     end = EndOfLife(ball_diameter_loss_um=loss / parameters.UM)
     if not loss > float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM:
         return {}

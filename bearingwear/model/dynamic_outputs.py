@@ -104,7 +104,7 @@ def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]
     """
     supplied = change.pop("supplied")
     lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
-    # Where nothing rubs there is no heat to compare with: what rounding makes of the motion's own.
+    # Without friction there is no heat to compare with; rounding goes by the kinetic energy.
     scale = max(lost, 1e-6 * kinetic)
     return {
         "energy_account_error": (supplied - sum(change.values())) / scale,

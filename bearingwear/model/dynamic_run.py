@@ -22,13 +22,13 @@ from bearingwear.model.steady import ThrustProblem, steady_answers
 from bearingwear.model.time_run import FAR_FROM_LAND, INTEGRATORS, RunGrid, TimeRun
 from bearingwear.scene.scene import Scene
 
-_LARGEST_RESIDUAL = 1e-6  # of the contact load: what balls and pockets are agreed to, and more
-LOOSER = 10.0  # tolerance of a step, to see what it costs
-TIGHTEST = 1e-4  # tolerance of a step of such a run
-DRIFT = 4.0  # times the drift of one process: slower ones stand behind it
-_SCATTER = 4.0  # standard errors of a mean: the turns are few and not independent
+_LARGEST_RESIDUAL = 1e-6  # of the contact load; the solver leaves less
+LOOSER = 10.0  # times the tolerance of a step, to see its error
+TIGHTEST = 1e-4  # tolerance of a step: no looser in such a run
+DRIFT = 4.0  # times the observed drift, because slower processes hide behind it
+_SCATTER = 4.0  # standard errors of a mean; many, as the turns are few and not independent
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
-TIGHTER = 100.0  # tolerance of a step over that of a run whose account does not close
+TIGHTER = 100.0  # times as tight, after a run whose energy account does not close
 TIGHTEST_RUN = 1e-7  # no run is tightened further from here
 MOST_TRIES = 50_000  # steps: longer runs are not repeated
 
@@ -38,7 +38,7 @@ def solve_dynamic(
     restart: Mapping[str, Any] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[dict, dict]:
-    """Values and attributes of a run in time.
+    """Values and attributes of a dynamic run.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def solve_dynamic(
         `state` and `time` where another run of the same scene ended (its `final_state`,
         `final_time`).
     progress : callable, optional
-        Told in one line every few seconds how far the run has come.
+        Called every few seconds with a line that says how far the run has come.
 
     Returns
     -------
@@ -62,8 +62,8 @@ def solve_dynamic(
         tries = values.get("steps_accepted", 0) + values.get("steps_rejected", 0)
         if not open_account or tries > MOST_TRIES or tolerance < TIGHTEST_RUN:
             return values, attrs
-        # Where friction is next to nothing, or balls part from the inner race, errors that do not
-        # matter to the slip do to the heat.
+        # With next to no friction, or balls off the inner race, errors that hardly change the slip
+        # change the heat.
         tolerance /= TIGHTER
         if progress is not None:
             error = values["energy_account_error"]
@@ -160,7 +160,7 @@ def run_of(
             stopped = {"status": system.diagnose(last.status), "final_time": system.time}
             attrs["residual"] = f"not solved; the run stopped at {system.time:.6g} s"
             return values | stopped | run.counts(0.0), attrs
-        # Before anything else looks at the end: it would not change the answer, but its last bits.
+        # First of all, because whatever else looks at the end changes the last bits.
         final_state = system.packed()
     values |= window_values(scene, run) | start.scales | run.counts(last.turns)
     if last.slopes is not None:
@@ -195,12 +195,12 @@ def dynamic_error_estimates(
     turns: float,
     motion: PeriodicMotion | None,
 ) -> dict[str, Any]:
-    """Estimated numerical errors of a dynamic run; empty where they cannot be had.
+    """Estimated numerical errors of a dynamic run; empty where none can be found.
 
-    The end of the last window is run once more with each setting of accuracy changed. That misses
-    what a ball's spin axis takes hundreds of turns for, so the steady state under the thrust alone
-    is asked as well where there is one, and the larger change counts. A periodic motion is found
-    anew with each setting, which misses nothing.
+    The end of the last window is run again with each setting of accuracy changed. That misses what
+    a ball's spin axis takes hundreds of turns to do. So the steady state under the thrust alone is
+    solved with that setting as well, if there is one, and the larger change counts. A periodic
+    motion is found anew with each setting, which misses nothing.
     """
     slopes = run.trend.slopes()
     if slopes is None:
@@ -212,7 +212,7 @@ def dynamic_error_estimates(
         "cage": bearing.cage._replace(v_r=v_r),
     }
     twice = {"rule": parameters.quadrature(scene, refined=2)}
-    # A change of the regularisation upsets every ball: tight steps through that would take long.
+    # A new regularisation disturbs every ball; tight steps through that would take long.
     tolerance = max(run.tolerance, TIGHTEST)
     other = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER
     settings: tuple[tuple[dict, float], ...] = (
@@ -246,7 +246,7 @@ def dynamic_error_estimates(
 
 
 def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
-    """What half the regularisation changes in the steady state under the thrust alone (6,)."""
+    """Change of the steady state under the thrust alone by half the regularisation (6,)."""
     if case is None or case.status != code.OK:
         return np.zeros(MEASURED)
     thrust = thrust_alone(scene)
@@ -305,7 +305,7 @@ def found_periodic(
     near: PeriodicMotion | None = None,
     linear: np.ndarray | None = None,
 ) -> PeriodicMotion | None:
-    """The periodic motion from where a system is, which moves to it if there is one."""
+    """The periodic motion near a system's state; the system moves to it, if there is one."""
     begun, method = (system.packed(), system.time), INTEGRATORS[scene.model.integrator]
     motion = periodic_motion(system, tolerance, method, near, linear)
     system.unpack(*begun)

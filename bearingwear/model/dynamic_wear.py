@@ -2,7 +2,7 @@
 
 What wears (each ball, races, pockets, land) is integrated over the running time by a predictor and
 the trapezoidal rule (theory.md section 13). The rates at each node are those of a dynamic run at
-the wear predicted for it, which goes on from where the run of the node before ended.
+the predicted wear, continued from the end of the run before.
 """
 
 import math
@@ -22,14 +22,14 @@ from bearingwear.model.worn_parts import WornParts
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
 OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm")
-_MOST_STEPS = 20  # times those asked for: rates may fall on the way
-END = 1e-3  # of a step: how well the end is found
+_MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
+END = 1e-3  # of a step: tolerance of the end
 _MOST_TRIALS = 8  # runs to find the end
 
 
 @dataclass
 class Node:
-    """A point of the life: what has worn, and what a run in time found there."""
+    """A point of the life: what has worn, and what a dynamic run found there."""
 
     time: float  # [s]
     worn: np.ndarray
@@ -54,7 +54,7 @@ class DynamicWear:
     scene : Scene
         As it is solved: without its cage where that is not asked for.
     progress : callable, optional
-        Told in one line how far the life has come.
+        Called with a line that says how far the life has come.
     """
 
     def __init__(self, scene: Scene, progress: Callable[[str], None] | None = None):
@@ -111,7 +111,7 @@ class DynamicWear:
         return solve_dynamic(scene, restart=restart)
 
     def step(self, nodes: list[Node], time: float) -> Node:
-        """The node at that time, from all before."""
+        """The node at that time, from all earlier ones."""
         last, h = nodes[-1], time - nodes[-1].time
         ahead = last.rates
         if len(nodes) > 1:
@@ -187,7 +187,7 @@ class DynamicWear:
         return found
 
     def first_crossing(self, a: Node, b: Node) -> tuple[float, int, float] | None:
-        """Time, criterion and margin lost per second where the first is met between two nodes."""
+        """First criterion met between two nodes: time, index, loss of margin per second."""
         before, after = self.margins(a), self.margins(b)
         found = []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
@@ -196,7 +196,7 @@ class DynamicWear:
         return min(found, default=None)
 
     def locate_end(self, nodes: list[Node], beyond: Node) -> tuple[Node, int, float]:
-        """The node where the first criterion is met, which, and how well that is known [s]."""
+        """The node where the first criterion is met, which one, and the error of the time [s]."""
         a, b = nodes[-1], beyond
         step = b.time - a.time
         best: tuple[Node, int, float] | None = None
@@ -281,7 +281,7 @@ class DynamicWear:
 
 @dataclass
 class DynamicCourse:
-    """The way to the end of life; the last node is the end, or the one that could not be solved."""
+    """Nodes up to the end of life; the last is the end, or the one that could not be solved."""
 
     nodes: list[Node]
     criterion: int  # index into CRITERIA

@@ -1,15 +1,14 @@
 """Numerical error of an answer, estimated by a few more solves.
 
-Each setting of accuracy is changed on its own, and what that does to the answer is taken for what
-the setting costs:
+Each setting of accuracy is changed on its own. The change of the answer tells its error:
 
 - the points are doubled: an error that falls at least in proportion to them is at most twice the
   difference; the regularisation is halved: where it is coarse its error falls with the square root;
 - the tolerance of a step is ten times as loose: the difference is above the error as it was;
-- what drift is left in time is followed to where the slow time scale ends.
+- the drift that a dynamic run still has is extrapolated over the slow time scale.
 
-The parts are added without sign. Differences of model (race control, the cage left out, ...) are no
-part of it. How often the estimate is above the true error is measured (docs/accuracy.md).
+The parts are added without sign. Errors of the model (race control, no cage, ...) are not included.
+docs/accuracy.md says how often the estimate exceeds the true error.
 """
 
 from collections.abc import Iterable, Mapping
@@ -50,8 +49,8 @@ def changed(now: np.ndarray, other: np.ndarray) -> np.ndarray:
 def halved_part(now: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Error by the regularisation, from the answer (6,) with half of it.
 
-    Where slip is far below it the torque goes by its inverse, and a half says nothing of the limit:
-    infinite.
+    Infinite where slip is far below it: the torque then goes with its inverse, and half of it says
+    nothing of the limit.
     """
     change = changed(now, other)
     friction = change[4:]

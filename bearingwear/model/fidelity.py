@@ -18,8 +18,8 @@ ASKED_FOR = "asked for by the scene or the command"
 NEEDS_SLIP = frozenset({"gyroscopic_slip_share", "skid_ratio"})
 """Criteria that need a balance of friction, which race control does without."""
 
-# What a shaft turn takes, per ball, in milliseconds (docs/accuracy.md, gyro_s1 at standard), for a
-# rough word on the effort before anything runs.
+# Milliseconds per ball and shaft turn (docs/accuracy.md, gyro_s1 at standard), for a rough estimate
+# of the effort before anything runs.
 TURN_MS, TURN_WITH_CAGE_MS = 0.3, 0.5
 LARGEST_KERNEL = {
     "race_control": "contact_summary",
@@ -33,7 +33,7 @@ COMPILING = "up to a minute to compile the solver, once on this machine; then "
 class Choice:
     """A model, the sentences that say why, and whether the scene's cage is solved with it."""
 
-    tier: str
+    fidelity: str
     reasons: tuple[str, ...]
     cage: bool = False
 
@@ -70,7 +70,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     Raises
     ------
     NotAvailable
-        Where the tier asked for cannot solve this scene, or is none.
+        Where the fidelity asked for cannot solve this scene, or does not exist.
     """
     wanted = fidelity or scene.model.fidelity
     if wanted not in FIDELITIES:
@@ -88,8 +88,8 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
             else ("model.cage_results: got true", "false")
         )
         raise NotAvailable(
-            f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; in time one "
-            "bearing is solved alone: set arrangement.kind single, the half of two bearings alike"
+            f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; the "
+            "dynamic model takes one bearing: set arrangement.kind single (half of a like pair)"
         )
     if wanted == "steady" and found:
         problem = f"a scene with {found} has no steady state"
@@ -106,7 +106,7 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     if found and stands_still(scene):
         return _chosen(scene, "race_control", f"{found}, and both races at rest: nothing moves")
     if found and scene.pair is not None:
-        why = f"{found}: no steady state exists, and a pair has no model in time"
+        why = f"{found}: no steady state exists, and a pair has no dynamic model"
         return _chosen(scene, "race_control", why)
     if found:
         return _chosen(scene, "dynamic", f"{found}: no steady state exists")
@@ -114,15 +114,15 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
 
 
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Decide the tier of a wear life: that of a solve, if it watches any criterion of the scene.
+    """Choose the model of a wear life: that of a solve, if it watches any criterion of the scene.
 
     Raises
     ------
     NotAvailable
-        Where the tier asked for cannot solve this scene, or sees no end of its life.
+        Where the fidelity asked for cannot solve this scene, or watches no end of its life.
     """
     chosen = choice(scene, fidelity)
-    if refused := films_refused(scene, chosen.tier):
+    if refused := films_refused(scene, chosen.fidelity):
         raise NotAvailable(f"{scene.name}: {refused}")
     unseen = unwatched(scene, chosen)
     if not unseen:
@@ -132,16 +132,16 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     if scene.wear.end_of_life and unseen.keys() == scene.wear.end_of_life.criteria.keys():
         raise NotAvailable(
             f"{scene.name}: wear.end_of_life: got {names} alone, which a life of fidelity "
-            f"{chosen.tier} does not watch, expected another criterion, or {other}"
+            f"{chosen.fidelity} does not watch, expected another criterion, or {other}"
         )
     return replace(chosen, reasons=(*chosen.reasons, f"criteria: {names} not watched"))
 
 
 def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
-    """The criteria of a scene that a life of this tier does not watch, with their limits."""
+    """The criteria of a scene that a life of this fidelity does not watch, with their limits."""
     end = scene.wear.end_of_life or EndOfLife()
     blind = set() if chosen.cage else end.criteria.keys() - end.without_cage.criteria.keys()
-    if chosen.tier == "race_control" and not stands_still(scene):
+    if chosen.fidelity == "race_control" and not stands_still(scene):
         blind |= NEEDS_SLIP
     return {name: limit for name, limit in end.criteria.items() if name in blind}
 
@@ -152,22 +152,22 @@ def _refusal(scene: Scene, wanted: str, problem: str, others: str) -> NotAvailab
     )
 
 
-def _chosen(scene: Scene, tier: str, why: str) -> Choice:
+def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
     told = {"race_control": _race_control, "steady": _steady, "dynamic": _dynamic}
-    contact = [_slip(scene), _traction(scene, tier)]
-    # who asks for the dynamic model by its name asks for all of it
-    cage = tier == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
-    chosen = Choice(tier, (), cage and scene.cage is not None)
+    contact = [_slip(scene), _traction(scene, fidelity)]
+    # whoever asks for the dynamic model by name gets the cage too
+    cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
+    chosen = Choice(fidelity, (), cage and scene.cage is not None)
     motion: tuple[str, ...] = ()
-    if tier == "dynamic":
+    if fidelity == "dynamic":
         check_solution(chosen.reduced(scene))
         motion = (solution_told(chosen.reduced(scene)),)
     cage_told = [] if chosen.cage else _no_cage(scene)
     reasons = (
-        f"{tier}: {why}",
+        f"{fidelity}: {why}",
         *_pair(scene),
         *films_told(scene),
-        *told[tier](chosen.reduced(scene)),
+        *told[fidelity](chosen.reduced(scene)),
         *growth_told(scene),
         *cage_told,
         *motion,
@@ -179,8 +179,8 @@ def _chosen(scene: Scene, tier: str, why: str) -> Choice:
 def centrifugal_share(scene: Scene) -> float:
     """Centrifugal force on a ball over its contact load under the preload alone, estimated.
 
-    An estimate by the kinematics at the free contact angle [1]; NaN where the preload presses no
-    ball. Friction and what it holds depend on the angles at speed: no estimate of them is given.
+    Estimated by the kinematics at the free contact angle [1]; NaN without a preload. Friction and
+    what it holds depend on the angles at speed and are not estimated.
     """
     b, operation = scene.bearing, scene.operation
     D, dm = 1e-3 * b.ball_diameter_mm, 1e-3 * b.pitch_diameter_mm
@@ -249,7 +249,7 @@ def accuracy_told(scene: Scene, chosen: Choice) -> str:
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
         f", slip rounded below {scene.friction.slip_regularisation_m_s:g} m/s"
     )
-    if chosen.tier != "dynamic":
+    if chosen.fidelity != "dynamic":
         return told
     return (
         f"{told}, step tolerance {model.dynamic_tolerance:g}, at most {model.simulated_turns:g} "
@@ -259,8 +259,8 @@ def accuracy_told(scene: Scene, chosen: Choice) -> str:
 
 def effort(scene: Scene, chosen: Choice) -> str:
     """A rough estimate of what a solve costs, in words."""
-    before = "" if is_compiled(LARGEST_KERNEL[chosen.tier]) else COMPILING
-    if chosen.tier != "dynamic":
+    before = "" if is_compiled(LARGEST_KERNEL[chosen.fidelity]) else COMPILING
+    if chosen.fidelity != "dynamic":
         return f"effort: {before}milliseconds"
     if is_found_periodic(chosen.reduced(scene)):
         return f"effort: {before}a tenth of a second"
@@ -290,10 +290,10 @@ def _slip(scene: Scene) -> str:
     return f"slip: over the whole ellipse; its centre line alone would leave out {size}"
 
 
-def _traction(scene: Scene, tier: str) -> str:
+def _traction(scene: Scene, fidelity: str) -> str:
     share = _percent(gyroscopic_share(scene))
     size = f"up to about {share} of a ball's axial load carry the gyroscopic moment"
-    if tier == "race_control":
+    if fidelity == "race_control":
         return f"traction: in the balance of normal forces at the controlling race; {size}"
     if scene.model.traction_bears:
         return f"traction: in the balance of normal forces; {size}"
@@ -320,7 +320,7 @@ def _race_control(scene: Scene) -> list[str]:
 
 def _steady(scene: Scene) -> list[str]:
     return [
-        "balls: one represents all, because every ball does the same",
+        "balls: one represents all, because all move alike",
         *_forces(scene),
         *filter(None, (micro_slip_told(scene),)),
     ]
@@ -341,7 +341,7 @@ def _pair(scene: Scene) -> list[str]:
     if a is None:
         return []
     if a.is_symmetric:
-        told = "two bearings alike and no external force: solved as one"
+        told = "two identical bearings, no external force: solved as one"
     else:
         told = "each bearing at its own place, the rotor in balance between them"
     held = "their distance is kept" if a.kind == "rigid_pair" else "a spring loads the second"

@@ -5,8 +5,8 @@ over the loss L that is counted,
 
     d(loss of a ball, depths of the grooves, t)/dL = their rates over that of L,
 
-which an explicit Runge-Kutta method of SciPy follows from one film worn through to the next. Ways
-of counting wear take different paths.
+which SciPy's explicit Runge-Kutta method integrates from one film that wears through to the next.
+Each way of counting wear takes its own path.
 """
 
 from collections.abc import Callable
@@ -93,7 +93,7 @@ class FilmLife:
 
     @property
     def thickness(self) -> np.ndarray:
-        """Of the films on them, 0 where there is none (any more) (3,) [m]."""
+        """Thickness left of the films on them, 0 where there is none (3,) [m]."""
         race, ball = self.films.race.thickness, self.films.ball.thickness
         return np.where(self.cover, [race, race, ball], 0.0)
 
@@ -239,7 +239,7 @@ def film_history(scene: Scene, states: States, margins: Margins) -> LifeHistory:
     if len(times):
         times[-1] = ends
     error = np.full(len(COUNTS), np.nan)
-    # in other steps, or an error that is far below the tolerance would not be seen at all
+    # in other steps; the same ones would hide an error far below the tolerance
     loose = path(own, min(_LOOSER * tolerance, 1e-2), _UNLIKE * FIRST_STEP)
     if loose.times and ends[own] == ends[own]:
         error[own] = abs(loose.times[-1] - ends[own])

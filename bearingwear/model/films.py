@@ -1,4 +1,4 @@
-"""Solid films and running in: what a part rubs and wears as, at the depth worn off it.
+"""Solid films and running in: friction and wear of a part at the depth worn off it.
 
 Depths are radial, of the surface: half of what a ball loses of its diameter (theory.md section 23).
 """
@@ -23,7 +23,7 @@ COVERED: Bare = (False, False)
 
 
 class Archard(NamedTuple):
-    """What Archard's law takes of a part; a number, or one for each place."""
+    """What Archard's law needs of a part: numbers, or one for each place."""
 
     K_s: float | np.ndarray  # wear coefficient [1]
     H: float | np.ndarray  # Brinell hardness as a pressure [Pa]
@@ -53,10 +53,10 @@ class Surface:
 
 
 def worn_as(part: Surface, partner: Surface, depth, covered, partner_covered) -> Archard:
-    """What a part wears as: numbers, or one for each place where the others are that.
+    """Wear properties of a part: numbers, or one for each place.
 
-    As its own film; without one, or where it is worn through, as that of its partner, which covers
-    it (assumed); where neither is left, as what lies below.
+    Those of its own film. Without one, or where it is worn through, those of its partner's film,
+    which covers the part (assumed). Where neither is left, those of what lies below.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Films:
         return not (cover.inner or cover.ball), not (cover.outer or cover.ball)
 
     def wearing(self, cover: Cover, ball_depth=0.0, race_depths=0.0) -> tuple[Archard, Archard]:
-        """What a ball wears as in both of its contacts, and what both races do.
+        """Wear properties of a ball in both of its contacts, and of both races.
 
         Parameters
         ----------

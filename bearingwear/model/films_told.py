@@ -1,4 +1,4 @@
-"""What is said of films and running in before a solve, and warned of after it."""
+"""Sentences and warnings on films and running in."""
 
 import math
 from collections.abc import Mapping
@@ -39,15 +39,15 @@ def films_told(scene: Scene) -> list[str]:
     return told
 
 
-def films_refused(scene: Scene, tier: str) -> str:
+def films_refused(scene: Scene, fidelity: str) -> str:
     """Why a life cannot follow the films of a scene; nothing where it can."""
     unlike = scene.pair is not None and not scene.pair.is_symmetric
-    if not changes_as_it_wears(scene) or not (unlike or tier == "dynamic"):
+    if not changes_as_it_wears(scene) or not (unlike or fidelity == "dynamic"):
         return ""
-    which = "fidelity dynamic" if tier == "dynamic" else "two bearings that differ"
+    which = "fidelity dynamic" if fidelity == "dynamic" else "two bearings that differ"
     return (
         f"friction.film, materials: got films that wear through, or running in, with {which}; "
-        "expected, for a life, fidelity steady and one bearing, or two alike"
+        "expected, for a life, fidelity steady and one bearing, or two identical ones"
     )
 
 

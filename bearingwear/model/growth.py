@@ -48,7 +48,7 @@ class Expansion(NamedTuple):
     inner_ring: float
     balls: float
     outer_ring: float
-    shaft: float  # as it sets axial places: 0 where they are as mounted
+    shaft: float  # of axial positions: 0 where they are as mounted
     housing: float
 
 

@@ -30,7 +30,7 @@ WARMER = 5.0
 """Inner ring above the rest [K] in the warning, assumed."""
 
 Told = tuple[float | None, Mapping[str, Any]]
-"""How many times a change is the negligible one (None for a fact), and the words of a warning."""
+"""A change over the negligible one (None for a fact), and what fills a warning."""
 
 _STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
 _COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)

@@ -44,7 +44,7 @@ def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
 
 @dataclass
 class SteadyHeat:
-    """Heat of the steady state of a scene at any temperatures, each solve from the last one."""
+    """Heat of a scene's steady state at any temperatures; each solve starts from the last one."""
 
     loss: float  # of ball diameter [m]
     like: ThrustProblem | None = None  # whose accuracy and preload are taken, not the scene's
@@ -77,11 +77,11 @@ def race_control_heat(
     return status, heat_of_values(scene, values) if status == code.OK else NOTHING
 
 
-def warmed_for(scene: Scene, tier: str) -> tuple[Warmed, SteadyHeat]:
+def warmed_for(scene: Scene, fidelity: str) -> tuple[Warmed, SteadyHeat]:
     """A scene with a thermal network at the temperatures of its own friction heat.
 
-    In time they are those of the steady state under the thrust alone, of race control where there
-    is none: warming takes a million turns.
+    The dynamic model takes those of the steady state under the thrust alone, or of race control
+    where there is none: warming takes a million turns.
 
     Returns
     -------
@@ -90,10 +90,10 @@ def warmed_for(scene: Scene, tier: str) -> tuple[Warmed, SteadyHeat]:
         With the steady state that was last solved, if that model made the heat.
     """
     heat = SteadyHeat(float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM)
-    if tier == "race_control":
+    if fidelity == "race_control":
         return warmed(scene, race_control_heat), heat
     found = warmed(thrust_alone(scene), heat)
-    if tier == "dynamic" and found.status not in (
+    if fidelity == "dynamic" and found.status not in (
         code.OK,
         code.WARM_SEIZURE,
         code.NO_HEAT_BALANCE,
@@ -116,13 +116,13 @@ def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:
 
 
 def network_values(
-    scene: Scene, found: Warmed, values: Mapping[str, Any], tier: str
+    scene: Scene, found: Warmed, values: Mapping[str, Any], fidelity: str
 ) -> dict[str, Any]:
     """Result variables of the network; the heat flows are those of the solved values."""
     t = found.scene.temperature
     assert scene.thermal is not None and t is not None
-    # in time the temperatures are those of another model
-    heat = found.heat if tier == "dynamic" else heat_of_values(scene, values)
+    # the dynamic model takes its temperatures from another model
+    heat = found.heat if fidelity == "dynamic" else heat_of_values(scene, values)
     residual = heat_flow_residual(scene.thermal, t, heat)
     made = {"heat_flow_residual": residual, "thermal_solves": found.solves}
     if values["status"] == code.OK and not residual <= LARGEST_HEAT_RESIDUAL:

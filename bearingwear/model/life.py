@@ -1,6 +1,6 @@
 """Wear life: follow the loss of ball diameter to the first end-of-life criterion.
 
-Contact state, slip and preload are solved anew at every loss that the integral asks for.
+Contact state, slip and preload are solved anew at every loss that the integral needs.
 """
 
 import time
@@ -55,7 +55,7 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
     if scene.pair is not None:
         if not scene.pair.is_symmetric:
             raise NotAvailable(
-                f"{scene.name}: got two bearings that differ, expected one, or two alike"
+                f"{scene.name}: got two bearings that differ, expected one, or two identical ones"
             )
         scene = scene.sides[0]
     covered = (problem or ThrustProblem.of(scene)).without_finer
@@ -127,9 +127,9 @@ def steady_wear_state(
 def in_half_of_pair(scene: Scene, mounted: float, state: WearState, **more: Any) -> WearState:
     """A state with its values in a symmetric pair, of which the bearing is one half, and `more`.
 
-    At a fixed position both bearings hold the rotor, and it stays where it is. A spring's stiffness
-    is not there, and the rotor goes where the bearing lets it from the axial displacement `mounted`
-    [m].
+    At a fixed position both bearings hold the rotor, and it stays where it is. A spring has
+    no stiffness here, and the rotor goes where the bearing lets it from the axial displacement
+    `mounted` [m].
     """
     if scene.operation.preload_method == "fixed_position":
         return replace(state, system_stiffness=2.0 * state.stiffness, shift=0.0, **more)
@@ -239,7 +239,7 @@ def life(
     fidelity : str, optional
         Overrides `model.fidelity` of the scene.
     progress : callable, optional
-        Given one line of text at each step of a life in time; others are done by then.
+        Given one line of text at each step of a dynamic life; others are done by then.
 
     Returns
     -------
@@ -258,8 +258,8 @@ def life(
     chosen = choice_for_life(scene, fidelity)
     end = scene.wear.end_of_life or EndOfLife()
     started = time.perf_counter()
-    if chosen.tier == "dynamic":
-        # its kernels take long to load, and the others do without
+    if chosen.fidelity == "dynamic":
+        # its kernels take long to load, and the other models need none of them
         from bearingwear.model.dynamic_life import solve_dynamic_life
 
         _check_depth(scene, end)
@@ -268,7 +268,7 @@ def life(
         # needs what this module has
         from bearingwear.model.worn_outputs import grooves_followed, solve_worn_life
 
-        followed, why = grooves_followed(scene, chosen.tier)
+        followed, why = grooves_followed(scene, chosen.fidelity)
         if why:
             chosen = replace(chosen, reasons=(*chosen.reasons, why))
         if followed is None:
@@ -276,16 +276,16 @@ def life(
         with Interrupt():
             if followed is not None:
                 values, attrs = solve_worn_life(followed)
-                if followed is not scene:  # one of two alike
+                if followed is not scene:  # one of two identical ones
                     from bearingwear.model.pair_life import of_both
 
                     values = of_both(values, values)
             elif scene.pair is not None:
                 from bearingwear.model.pair_life import pair_life
 
-                values, attrs = pair_life(scene, chosen.tier)
+                values, attrs = pair_life(scene, chosen.fidelity)
             else:
-                values, attrs = solve_life_over_loss(scene, chosen.tier)
+                values, attrs = solve_life_over_loss(scene, chosen.fidelity)
     elapsed = time.perf_counter() - started
     if scene.thermal is None and scene.pair is None:  # or each bearing has its own
         values |= growth_values(scene)
@@ -294,7 +294,7 @@ def life(
 
 
 def _check_depth(scene: Scene, end: EndOfLife) -> None:
-    """Refuse a limit on what a life does not see: the depth of grooves that it does not follow."""
+    """Refuse a limit on the depth of grooves where the life does not follow them."""
     if end.groove_depth_um is not None:
         raise NotAvailable(
             f"{scene.name}: wear.end_of_life.groove_depth_um: got {end.groove_depth_um:g} with "
@@ -308,20 +308,20 @@ def _check_end(scene: Scene) -> None:
     if end is None or not end.criteria:
         raise SceneError(
             "wear.end_of_life",
-            "got nothing; a life needs at least one criterion",
+            "got nothing, expected at least one criterion",
             source=scene.name,
         )
     if end.preload_fraction is not None and scene.operation.preload_N == 0.0:
         raise SceneError(
             "wear.end_of_life.preload_fraction",
-            "got a fraction of preload_N 0; a fraction needs a preload",
+            "got a fraction of preload_N 0, expected a preload > 0",
             source=scene.name,
         )
 
 
-def solve_life_over_loss(scene: Scene, tier: str) -> tuple[dict, dict]:
+def solve_life_over_loss(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Values and attributes of a life that depends on the loss alone."""
-    if tier == "steady":
+    if fidelity == "steady":
         history = life_history(scene, steady_states(scene))
         values = life_values(scene, history) | error_estimate(scene, history)
     else:

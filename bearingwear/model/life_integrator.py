@@ -21,7 +21,7 @@ FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
 SHORTEST_STEP = 1e-6  # of the first step
 ROOT = 1e-9  # of the step in which the criterion is met
 _MOST_STEPS = 2000
-WELL_WITHIN = 0.02  # share of the error allowed, below which the next step is twice as long
+WELL_WITHIN = 0.02  # share of the allowed error below which the next step is twice as long
 ENOUGH = 1e3  # shortest steps; a step as short as this is taken whatever its error
 TINY_TIME = 1e-300  # [s], so that nothing is no scale
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
@@ -190,8 +190,8 @@ class LifeIntegrator:
                 largest = ended[0]  # integrate up to the criterion and no further
                 continue
             if failed:
-                # What ends the solver's range lies within this step; a physical reason beyond
-                # tells more than a solve that rounding spoils just before it.
+                # The solver's range ends within this step. A physical reason beyond it
+                # says more than a solve that rounding spoils just before.
                 if history.status in REASONLESS:
                     history.status = failed[-1]
                 step = 0.5 * h

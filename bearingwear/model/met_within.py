@@ -1,4 +1,4 @@
-"""What is met within a step of SciPy's Runge-Kutta method, as wear lives are followed with it."""
+"""Criteria met within a step of SciPy's Runge-Kutta method, which integrates wear lives."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ def within(solver: RK45, s: float) -> np.ndarray:
 def first_crossing(
     solver: RK45, margin: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[float, int] | None:
-    """Where the first margin falls to zero in the last step, and which; looks at its middle too.
+    """Where the first margin falls to zero in the last step, and which; checks its middle too.
 
     A solve that fails in between counts as met there. Raises `Unsolved` if one fails at the ends
     or in the middle.

@@ -79,8 +79,8 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
-    if max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:  # or friction holds nothing
-        # of one coefficient no mean is taken, which would round it
+    if max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:  # without friction nothing holds the moment
+        # a mean would round a single coefficient
         one = np.array([op.mu_i, op.mu_o])
         mu = rows[..., FRICTION] if max(op.S_i, op.S_o) > 0.0 else one
         used = friction_used(mu, D, gyroscopic, rows[..., LOAD])
@@ -150,7 +150,7 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
     """
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv)
-    on = a.min(axis=1) > 0.0  # those off a race loosen no fit
+    on = a.min(axis=1) > 0.0  # balls off a race loosen no fit
     each = D, ball_rate, race_rate, a, track
     losses = diameter_loss_rates(n, *(each if on.all() else (one[on] for one in each)))
     return {
@@ -215,5 +215,5 @@ def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: n
 
 @functools.cache
 def strip_centres(n: int) -> np.ndarray:
-    """Positions x/a of the middles of n equal strips; shared, so never to be written to."""
+    """Positions x/a of the middles of n equal strips; shared, so do not write to it."""
     return (2.0 * np.arange(n) + 1.0) / n - 1.0

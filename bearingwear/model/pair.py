@@ -1,8 +1,7 @@
 """Two bearings on one rotor: the rotor's place, and the load of each bearing.
 
 A rigid pair keeps the distance of its bearings, a spring pair the spring's force. Each side is a
-single bearing, solved by the same model as ever at the place or under the force that is its own
-(theory.md section 19).
+single bearing, solved as usual at its own position or under its own force (theory.md section 19).
 """
 
 import contextlib
@@ -51,7 +50,7 @@ class Side(Protocol):
 
     scene: Scene
     tandem: int
-    """Bearings that are this one; forces and stiffness are those of all of them."""
+    """Like bearings in tandem on this side; forces and stiffness are those of all."""
     mounted: float
     """Axial displacement when mounted: at rest, unworn, under the preload [m]."""
     loss: float
@@ -59,7 +58,7 @@ class Side(Protocol):
     unsteady: int
     """Status where the rotor finds no place in which it stays."""
     kept_warm: bool
-    """Whether the temperatures that a network has found last are kept."""
+    """Whether the temperatures that a network found last are kept."""
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         """The bearing without friction, its balls orbiting as they roll or at `Omega` [rad/s]."""
@@ -252,8 +251,8 @@ class Pair:
     nearby: Nearby = field(default_factory=Nearby)
 
     @classmethod
-    def of(cls, scene: Scene, tier: str, tolerance: float = ROTOR_BALANCED) -> "Pair":
-        made = SteadySide if tier == "steady" else RaceControlSide
+    def of(cls, scene: Scene, fidelity: str, tolerance: float = ROTOR_BALANCED) -> "Pair":
+        made = SteadySide if fidelity == "steady" else RaceControlSide
         assert scene.pair is not None
         sides = tuple(made(one, n) for one, n in zip(scene.sides, scene.pair.tandem, strict=True))
         return cls(scene, sides, tolerance)
@@ -275,7 +274,7 @@ class Pair:
             return balance(losses, self.tolerance)
         found = balance(losses, max(self.tolerance, WARM_BALANCED))
         if found.status in USABLE:
-            # what is left is balanced at temperatures that are known as well as they need to be
+            # the last steps, at temperatures that are known well enough
             with self._kept_warm():
                 found = balance(losses, self.tolerance)
         return found
@@ -358,7 +357,7 @@ class Pair:
         return 0.0
 
     def _spring(self, losses: tuple[float, float], tolerance: float) -> PairState:
-        """The spring's extension e is what both bearings give way; F_2 = F_s - k_s e."""
+        """The spring extends by e, as far as both bearings give way; F_2 = F_s - k_s e."""
         a, F_s = self.scene.pair, float(self.scene.operation.preload_N)
         assert a is not None
         one, two = self.sides
@@ -383,7 +382,7 @@ class Pair:
         return self._state(losses, e, found, system)
 
     def lift_off(self, losses: tuple[float, float]) -> float:
-        """Least axial force on the rotor that takes a bearing at rest out of contact [N]."""
+        """Least axial force on the rotor that lifts off a bearing at rest [N]."""
         a, (one, two) = self.scene.pair, self.sides
         assert a is not None
         first, second = one.mechanics(losses[0], 0.0), two.mechanics(losses[1], 0.0)

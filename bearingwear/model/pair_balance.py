@@ -69,7 +69,7 @@ class Nearby:
         return self.place + float(self.slope @ (losses - self.losses))
 
     def found(self, losses: tuple[float, float], place: float) -> None:
-        """Learn a place; its slope by Broyden's rule."""
+        """Remember a place, and its slope by Broyden's rule."""
         moved = losses - self.losses
         if self.known and moved.any():
             self.slope += (place - self.at(losses)) / (moved @ moved) * moved
@@ -84,8 +84,8 @@ class Nearby:
 class _Secants:
     """Steps of the rotor towards its balance.
 
-    What is left rises with the place where the rotor stays. Orbits that follow it make it rise more
-    steeply than held ones, or fall: then the rotor runs away, and the steps run with it.
+    The force left rises with the position of a rotor that stays. Orbits that follow the rotor make
+    it rise more steeply than held ones, or fall: the rotor then runs away, and so do the steps.
     """
 
     nearby: Nearby
@@ -129,7 +129,7 @@ def balanced(
 ) -> tuple[float, RotorTrial | int]:
     """The place of balance: Newton's method with the slope of a trial, then secants.
 
-    Light loads round before they are balanced; the check afterwards knows by how much.
+    Light loads reach rounding before they balance; the check afterwards says by how much.
 
     Parameters
     ----------

@@ -23,14 +23,14 @@ Solved = tuple[tuple[dict, dict], ...]
 
 
 def solve_pair(
-    scene: Scene, tier: str, alike: tuple[dict, dict] | None = None
+    scene: Scene, fidelity: str, alike: tuple[dict, dict] | None = None
 ) -> tuple[dict, dict]:
     """Values and attributes of a scene of two bearings, those of each along `bearing`.
 
     `alike` is the single bearing solved, which is each side of a symmetric pair.
     """
-    pair = Pair.of(scene, tier)
-    state, solved = _balanced(pair, tier) if alike is None else _symmetric(scene, pair, alike)
+    pair = Pair.of(scene, fidelity)
+    state, solved = _balanced(pair, fidelity) if alike is None else _symmetric(scene, pair, alike)
     if not solved:
         return {"status": state.status}, {"residual": "not solved"}
     each = [values for values, _ in solved]
@@ -40,11 +40,11 @@ def solve_pair(
     return values, _attributes([attrs for _, attrs in solved])
 
 
-def _balanced(pair: Pair, tier: str) -> tuple[PairState, Solved]:
+def _balanced(pair: Pair, fidelity: str) -> tuple[PairState, Solved]:
     """Two bearings that differ, or under a force.
 
-    A case may prefer another steady state than the one that was balanced, a stable one: then the
-    rotor is balanced anew, from that motion.
+    A case may take a stable steady state instead of the one that was balanced. The rotor is then
+    balanced again from that motion.
     """
     for _ in range(_MOST_BALANCES):
         state = pair.solve(pair.losses)
@@ -55,7 +55,7 @@ def _balanced(pair: Pair, tier: str) -> tuple[PairState, Solved]:
             values, attrs = side.values(one)
             moved |= side.starts_from(one, values)
             if one.warmed is not None:
-                values = values | network_values(side.scene, one.warmed, values, tier)
+                values = values | network_values(side.scene, one.warmed, values, fidelity)
             solved.append((values | growth_values(warm_scene(side.scene, one)), attrs))
         if not moved:
             break
@@ -63,7 +63,7 @@ def _balanced(pair: Pair, tier: str) -> tuple[PairState, Solved]:
 
 
 def _symmetric(scene: Scene, pair: Pair, alike: tuple[dict, dict]) -> tuple[PairState, Solved]:
-    """Two bearings alike and without any other force: each is the single bearing."""
+    """Two identical bearings without any other force: each is the single bearing."""
     values, a = alike[0], scene.pair
     assert a is not None
     if "axial_stiffness" not in values:

@@ -4,7 +4,7 @@ The state depends on both losses, so the life is an initial-value problem over t
 
     dL_k/ds = r_k/(r_1 + r_2),   dt/ds = 1/(r_1 + r_2),
 
-which an explicit Runge-Kutta method of SciPy follows. Ways of counting wear take different paths.
+which SciPy's explicit Runge-Kutta method integrates. Each way of counting wear takes its own path.
 """
 
 from collections.abc import Sequence
@@ -93,7 +93,7 @@ class PairStates:
 
 
 class PairLife:
-    """The way of a pair through its life by one way of counting wear.
+    """The path of a pair through its life by one way of counting wear.
 
     Parameters
     ----------
@@ -221,32 +221,32 @@ def _ended(criterion: int) -> tuple[int, int]:
     return criterion, code.CRITERION_NOT_REACHED if criterion == NO_CRITERION else code.OK
 
 
-def pair_life(scene: Scene, tier: str) -> tuple[dict, dict]:
-    """Values and attributes of a life of two bearings whose contacts stay Hertz'."""
+def pair_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
+    """Values and attributes of a life of two bearings whose contacts stay Hertzian."""
     a = scene.pair
     assert a is not None
     if a.is_symmetric:
         side = scene.sides[0]
-        states = steady_states if tier == "steady" else race_control_states
+        states = steady_states if fidelity == "steady" else race_control_states
         history = life_history(side, states(side))
         values = life_values(side, history)
-        values |= error_estimate(side, history) if tier == "steady" else {}
+        values |= error_estimate(side, history) if fidelity == "steady" else {}
         return of_both(values, values), {"solves": history.solves}
-    return _unequal_life(scene, tier)
+    return _unequal_life(scene, fidelity)
 
 
-def pair_states(scene: Scene, tier: str, balance: float = LIFE_BALANCED) -> PairStates:
+def pair_states(scene: Scene, fidelity: str, balance: float = LIFE_BALANCED) -> PairStates:
     """States of a pair, balanced as well as a life needs."""
-    pair = Pair.of(scene, tier, balance)
+    pair = Pair.of(scene, fidelity, balance)
     for side in pair.sides:
         if isinstance(side, SteadySide):
             side.problem = side.problem.without_finer
     return PairStates(pair)
 
 
-def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:
+def _unequal_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     tolerance, own = scene.model.tolerance, COUNTS.index(scene.wear.counts)
-    state = pair_states(scene, tier)
+    state = pair_states(scene, fidelity)
     runs = [PairLife(state, scene, c, tolerance).integrate() for c in range(len(COUNTS))]
     history = runs[own]
     values: dict = {"status": history.status, "end_criterion": history.criterion}
@@ -272,7 +272,7 @@ def _unequal_life(scene: Scene, tier: str) -> tuple[dict, dict]:
         for k in range(2)
     ]
     values |= of_both(*each)
-    if tier == "steady" and history.status == code.OK and lives[own] > 0.0:
+    if fidelity == "steady" and history.status == code.OK and lives[own] > 0.0:
         values |= _error_estimate(scene, own, history, bound[own] / lives[own])
     return values, {"solves": state.solves}
 

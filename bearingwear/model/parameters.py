@@ -76,9 +76,9 @@ def worn_diameters(scene: Scene, g: Geometry) -> np.ndarray:
 
 @functools.cache
 def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
-    """A rule with so many strips (split: at the most) and points across each of them.
+    """A rule with so many strips (split: at most) and points across each of them.
 
-    Shared, so never to be written to.
+    Shared by callers, who must not write to it.
     """
     if name == "split":
         return Rule(True, *gathered(-(-points // SEGMENTS)), *chebyshev_halves(across))
@@ -101,7 +101,7 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
 
 
 def search_rule(scene: Scene) -> Rule:
-    """The rule by which other steady states are sought: a coarse one, which slip does not move."""
+    """The rule for the search of other steady states: coarse, with points that do not move."""
     rule = quadrature(scene)
     is_coarse = not rule.split and rule.t.size <= SEARCH_POINTS
     across = min(rule.across.size, SEARCH_ACROSS)

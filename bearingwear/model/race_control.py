@@ -42,7 +42,7 @@ from bearingwear.model.outputs import contact_values, stiffness_matrix, wear_val
 from bearingwear.scene.scene import Scene
 
 LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced
-LIGHT_LOAD = 0.01  # of the largest load of a ball: so lightly seated are balls almost off
+LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost off
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ def geometric_status(states: list[BallState], D: np.ndarray) -> int:
 
 
 def load_rounding(g: Geometry, state: BallState) -> float:
-    """Share of its loads that the last bits of a ball's place make; 0 where it has none [1].
+    """Relative error of a ball's loads by the rounding of its position; 0 without loads [1].
 
     A light load's deformation is a small difference of large lengths.
     """
@@ -288,7 +288,7 @@ def checked_status(
     """OK, or why a solved equilibrium must not be used."""
     if not residual <= allowed:
         return code.UNVERIFIED
-    # Beside loads a million times as large a spring's force is lost.
+    # Rounding of loads a million times as large swallows a spring's force.
     if problem.constant_force and not (
         balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]
     ):
@@ -297,7 +297,7 @@ def checked_status(
 
 
 def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
-    """The torque that the estimated heat would take [N m], as there is no balance of power."""
+    """The torque that makes the estimated heat [N m]; race control has no power balance."""
     heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
     slip_speed = abs(problem.op.omega_i - problem.op.omega_o)
     return heat / slip_speed if slip_speed > 0.0 else 0.0

@@ -6,7 +6,7 @@ from functools import lru_cache
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-LARGEST_LAND, LARGEST_POCKET = 0.99, 3.0  # damping at which an impact gives hardly anything back
+LARGEST_LAND, LARGEST_POCKET = 0.99, 3.0  # damping at which an impact returns hardly anything
 
 
 def land_restitution(ratio: float) -> float:

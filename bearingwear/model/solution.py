@@ -1,4 +1,4 @@
-"""How a motion in time is found: marched until it settles, or directly as a periodic one."""
+"""How the dynamic model finds a motion: marched until it settles, or directly as a periodic one."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def why_not_periodic(scene: Scene) -> str:
 
 
 def is_found_periodic(scene: Scene) -> bool:
-    """Whether the periodic motion is sought: as asked for, or where no history is."""
+    """Whether a periodic motion is looked for: on request, or where no history is asked for."""
     asked = scene.model.dynamic_solution
     if asked == "auto":
         return not (scene.model.history_points_per_turn or why_not_periodic(scene))

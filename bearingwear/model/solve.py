@@ -45,64 +45,64 @@ def solve(
     Raises
     ------
     NotAvailable
-        Where the fidelity asked for cannot solve this scene, or does not go on from a state.
+        Where the fidelity asked for cannot solve this scene, or cannot continue from a state.
     """
     chosen = choice(scene, fidelity)
     if restart is not None:
         check_restart(scene, chosen)
     started = time.perf_counter()
     with Interrupt():
-        values, attrs = solved(chosen.reduced(scene), chosen.tier, restart, progress)
+        values, attrs = solved(chosen.reduced(scene), chosen.fidelity, restart, progress)
     elapsed = time.perf_counter() - started
     return Result(values, attrs | provenance(scene, chosen, values), elapsed)
 
 
 def solved(
-    scene: Scene, tier: str, restart: Mapping[str, Any] | None, progress: Progress | None
+    scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
 ) -> tuple[dict, dict]:
-    """Values and attributes of a scene solved with the model of that tier."""
+    """Values and attributes of a scene solved with the model of that fidelity."""
     if scene.pair is not None:
         from bearingwear.model.pair_case import solve_pair
 
-        alike = solved(scene.sides[0], tier, None, None) if scene.pair.is_symmetric else None
-        return solve_pair(scene, tier, alike)
+        alike = solved(scene.sides[0], fidelity, None, None) if scene.pair.is_symmetric else None
+        return solve_pair(scene, fidelity, alike)
     if scene.thermal is None:
-        values, attrs = solved_as_given(scene, tier, restart, progress)
+        values, attrs = solved_as_given(scene, fidelity, restart, progress)
         return values | growth_values(scene), attrs
-    found, heat = warmed_for(scene, tier)
+    found, heat = warmed_for(scene, fidelity)
     if found.status != code.OK:
         return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}
-    if tier == "steady":  # the state whose heat it is, where there are others nearby
+    if fidelity == "steady":  # the state whose heat it is, where there are others nearby
         values, attrs = solve_steady(found.scene, heat.problem, heat.case)
     else:
-        values, attrs = solved_as_given(found.scene, tier, restart, progress)
+        values, attrs = solved_as_given(found.scene, fidelity, restart, progress)
     if "friction_heat" in values:
-        values |= network_values(scene, found, values, tier)
+        values |= network_values(scene, found, values, fidelity)
     return values | growth_values(found.scene), attrs
 
 
 def solved_as_given(
-    scene: Scene, tier: str, restart: Mapping[str, Any] | None, progress: Progress | None
+    scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
 ) -> tuple[dict, dict]:
     """The same, no temperatures left to find."""
-    if tier == "dynamic":
-        # its kernels take long to load, and the others do without
+    if fidelity == "dynamic":
+        # its kernels take long to load, and the other models need none of them
         from bearingwear.model.dynamic_run import solve_dynamic
 
         return solve_dynamic(scene, restart=restart, progress=progress)
-    return solve_steady(scene) if tier == "steady" else solve_race_control(scene)
+    return solve_steady(scene) if fidelity == "steady" else solve_race_control(scene)
 
 
 def check_restart(scene: Scene, chosen: Choice) -> None:
-    """Refuse a state to go on from where nothing moves in time.
+    """Refuse to continue from a state with a model that has none.
 
     Raises
     ------
     NotAvailable
     """
-    if chosen.tier != "dynamic":
+    if chosen.fidelity != "dynamic":
         raise NotAvailable(
-            f"{scene.name}: restart: got a scene solved with {chosen.tier}, expected one "
+            f"{scene.name}: restart: got a scene solved with {chosen.fidelity}, expected one "
             "solved with fidelity dynamic"
         )
 
@@ -111,7 +111,7 @@ def provenance(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> dict[
     """Global attributes that any result of a scene carries."""
     return {
         "scene": json.dumps(scene.to_dict()),
-        "fidelity": chosen.tier,
+        "fidelity": chosen.fidelity,
         "modelled": json.dumps(list(chosen.reasons)),
         "warnings": json.dumps(warnings_of(scene, chosen, values)),
     }

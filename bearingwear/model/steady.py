@@ -31,7 +31,7 @@ from bearingwear.model.outputs import (
 )
 from bearingwear.scene.scene import Scene
 
-FRICTION_TOLERANCE = 1e-14  # of the friction forces: below rounding, so that Newton ends there
+FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
 STABILITY_POINTS = 512
 LIKE_STATE = 1e-2  # share of the speeds by which one state may differ between two rules
@@ -88,7 +88,7 @@ class ThrustProblem:
         )
 
     def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
-        """Steady state with balls of diameter D [m], from a state nearby or from nothing."""
+        """Steady state with balls of diameter D [m], from a state nearby or without one."""
         case = self._solve(D, start, self.rule, self.fine_rule)
         if self.rule.split and case.status in UNSETTLED:
             # With a tiny v_r the sums jump where points gather anew: no state may fit them.
@@ -112,7 +112,7 @@ class ThrustProblem:
 
     @property
     def without_finer(self) -> "ThrustProblem":
-        """The problem where nobody asks what finer points would say."""
+        """The problem without the finer copies that the checks compare with."""
         return replace(self, fine_rule=self.rule)
 
     def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
@@ -143,8 +143,8 @@ class ThrustProblem:
     def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
         """Whether a small disturbance of the state decays.
 
-        With a tiny v_r the slowest motions are damped in narrow places where the slip turns round,
-        which few points may miss. What seems unstable is looked at again with many.
+        With a tiny v_r the slowest motions are damped in narrow places where the slip reverses,
+        which few points may miss. A state that seems unstable is checked again with many.
 
         Parameters
         ----------
@@ -161,9 +161,9 @@ class ThrustProblem:
         )
 
     def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
-        """Steady states other than `case` (`stable` or not), sought over the orbit rate.
+        """Steady states other than `case` (`stable` or not), searched for over the orbit rate.
 
-        The ball settles from so many motions at the most. Those nearest to rolling come first.
+        At most so many motions are tried as a start, those nearest to rolling first.
         """
         if most == 0:
             return []
@@ -251,7 +251,7 @@ def solve_steady(
 
 
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Estimated numerical errors of a solved state; empty where they cannot be had."""
+    """Estimated numerical errors of a solved state; empty where none can be found."""
     cases = [case]
     for other in problem.perturbed(scene):
         near = other.solve(D, start=case.u)

@@ -14,11 +14,11 @@ from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Temperature, Thermal
 
-HEAT_BALANCED = 1e-7  # of the heat: how far what is made may be from what is carried away
-LARGEST_HEAT_RESIDUAL = 1e-5  # the same, of a solve that is verified
+HEAT_BALANCED = 1e-7  # of the heat: largest difference of heat made and carried away
+LARGEST_HEAT_RESIDUAL = 1e-5  # the same, for a verified solve
 MOST_SOLVES = 40
 LAST_BITS = 2.0**-49  # of a temperature
-RUNAWAY = 0.999  # heat that a watt of heat brings about, from which on nothing bounds it [W/W]
+RUNAWAY = 0.999  # heat that one more watt of heat makes, above which it grows without bound [W/W]
 MOST_HALVED = 6  # of a step at whose end the bearing has no state
 
 
@@ -124,7 +124,7 @@ def balance_status(scene: Scene, warm: Scene, heat: HeatFlow) -> int:
 
 
 def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
-    """The scene with the temperatures that this heat brings about; None where that cannot be."""
+    """The scene at the temperatures that this heat makes; None where it cannot be so warm."""
     assert scene.thermal is not None
     t = network_temperatures(scene.thermal, heat)
     try:
@@ -136,10 +136,10 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
 def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
     """Find the temperatures of a scene with a thermal network, from cold upwards.
 
-    The heat h is where what the bearing makes at the temperatures of h is h again. Broyden's
-    method, whose first step takes the heat as it was found. While a watt more of heat brings about
-    a watt or more, no balance is near, and the heat is followed upwards as it grows: to a balance,
-    or to where the bearing has none (`warm_seizure`).
+    The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
+    finds it, and takes the heat as found for its first step. While one more watt of heat makes a
+    watt or more, no balance is near. The heat is then followed upwards, to a balance or to where
+    the bearing has none (`warm_seizure`).
 
     Parameters
     ----------

@@ -32,12 +32,12 @@ from bearingwear.scene.scene import Scene
 
 INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
 REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
-FAR_FROM_LAND = 200.0  # turns: a cage that takes longer to drift to its land is where it stays
+FAR_FROM_LAND = 200.0  # turns: a cage that drifts to its land more slowly counts as settled
 RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
 FEWEST_OF_TREND = 3  # turns, or passings of a periodic motion
 _SIGNIFICANT = 3.0  # standard errors of a slope
 SHORT = 16  # turns of the run for each that is run again
-RECENT_REPORTS = 3  # lines of progress that the time left is told from: turns differ in cost
+RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ in cost
 
 
 class Trend:
@@ -187,7 +187,7 @@ class _Progress:
 class RunGrid:
     """Instants of a run: origin + k dt.
 
-    A run that goes on from another keeps to its grid, so that both take the steps of a single one.
+    A continued run keeps to the grid of the first, so both take the steps of a single run.
     """
 
     points: int  # a shaft turn, or a passing of a periodic motion

@@ -94,7 +94,7 @@ def wandering(
 
 
 def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:
-    """Where a ball stands whose contacts bear what those of a Hertzian state do.
+    """Position of a ball whose contacts bear the loads of a Hertzian state.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from bearingwear.model.films import Films, Surface
 from bearingwear.scene.scene import Scene
 
 FILM_EDGE = 0.05
-"""Of its thickness: the last of a film, assumed, that does not cover all of its place any more."""
+"""Share of its thickness below which a film no longer covers all of its place, assumed."""
 
 LEAST_WANDER = 0.1
 """rms of a track over the edge of a film at the least, in semi-major axes: about a cell."""

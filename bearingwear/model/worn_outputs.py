@@ -46,7 +46,7 @@ def wear_over_gap(scene: Scene) -> float:
     return min(losses) / min(gaps)
 
 
-def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
+def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
     """Whether a life follows the grooves as they wear, and why.
 
     Raises
@@ -57,7 +57,7 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
     ball = scene.materials[scene.bearing.ball_material]
     in_bands = scene.wear.ball_track == "bands" and bool(ball.film or ball.running_in)
     obstacles = {
-        f"model.fidelity {tier}": tier != "steady",
+        f"model.fidelity {fidelity}": fidelity != "steady",
         "wear.counts ball": scene.wear.counts != "ball_and_races",
         "model.slip_over line": scene.model.slip_is_over == "line",
         "films or running in of balls in bands": in_bands,
@@ -81,11 +81,11 @@ def follows_grooves(scene: Scene, tier: str) -> tuple[bool, str]:
         size = "the loss at the end of life is not known before"
     if share > REQUIRED:
         return True, f"grooves: followed as they wear; {size}"
-    return False, f"grooves: not followed, the contact stays Hertz'; {size}"
+    return False, f"grooves: not followed, the contact stays Hertzian; {size}"
 
 
-def grooves_followed(scene: Scene, tier: str) -> tuple[Scene | None, str]:
-    """The scene whose grooves a life follows, of two alike one; None if it follows none. And why.
+def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
+    """The scene whose grooves a life follows, one of two identical ones; None without; and why.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def grooves_followed(scene: Scene, tier: str) -> tuple[Scene | None, str]:
     """
     alike = scene.pair is not None and scene.pair.is_symmetric
     alone = scene.sides[0] if alike else scene
-    worn, why = follows_grooves(alone, tier)
+    worn, why = follows_grooves(alone, fidelity)
     return (alone if worn else None), why
 
 

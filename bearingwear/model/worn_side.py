@@ -39,7 +39,7 @@ class WornSide(SteadySide):
     scene : Scene
         Of this bearing alone.
     tandem : int
-        Bearings that are this one.
+        Like bearings in tandem on this side.
     problem : ThrustProblem
     case : ThrustCase
         Its unworn state.

@@ -1,4 +1,4 @@
-"""States of a bearing whose grooves are worn as they are worn (theory.md section 21).
+"""States of a bearing with its grooves as worn (theory.md section 21).
 
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
@@ -408,7 +408,7 @@ class WornBearing:
         return float(g.n_balls * series[0, 0])
 
     def _widened(self, races: tuple[WornRace, ...]) -> bool:
-        """Give contacts that have grown to the ends of their cells more of them."""
+        """Add cells to contacts that have grown to the ends of theirs."""
         wider = False
         kept = list(self.races)
         for k, race in enumerate(races):

@@ -47,8 +47,8 @@ GLOSSARY = {
     "bearing as much.",
     "wear life": "Hours until the first limit is met: residual preload, gyroscopic slip, skidding, "
     "or loss of diameter.",
-    "in time, steady": "Dynamic: solved as motion in time, with the cage if there is one. "
-    "Steady: solved as the motion in which forces and friction balance.",
+    "dynamic, steady": "Dynamic: the motion is followed through time, with the cage if there is "
+    "one. Steady: the motion in which all forces balance, friction included.",
 }
 """Words that a reader of the page may not know."""
 
@@ -238,10 +238,10 @@ def _what(dataset: xr.Dataset) -> str:
     """What the file of a scene holds many of."""
     if _is_life(dataset):
         return "lives"
-    return "cases in time" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
+    return "dynamic cases" if dataset.attrs.get("fidelity") == "dynamic" else "cases"
 
 
-_ONE = {"lives": "life", "cases": "case", "cases in time": "case in time"}
+_ONE = {"lives": "life", "cases": "case", "dynamic cases": "dynamic case"}
 
 
 def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:

@@ -95,10 +95,10 @@ LIFE = table(
         scale=DEGREE),
     Variable("band_depth", ("groove_state", "band_place"), "m",
         "depth worn off the balls in bands"),
-    # of a life in time alone
-    Variable("history_status", _STEP, "", "whether the run in time was solved", "i1",
+    # of a dynamic life alone
+    Variable("history_status", _STEP, "", "whether the dynamic run was solved", "i1",
         flags=STATUS_NAMES),
-    Variable("history_start", _STEP, "", "where the run in time began", "i1",
+    Variable("history_start", _STEP, "", "where the dynamic run began", "i1",
         flags=("start_anew", "end_of_the_step_before")),
     Variable("history_simulated_turns", _STEP, "1", "shaft turns simulated"),
     Variable("history_worn_diameter", _STEP_BALL, "m",

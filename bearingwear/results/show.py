@@ -229,7 +229,7 @@ def _limits(scene: Mapping[str, Any]) -> dict[str, float]:
 def _dynamics(file: Any) -> list[Block]:
     """Blocks that only a dynamic case has."""
     settled = (str(file.settled),) if hasattr(file, "settled") else ()
-    blocks = [Block("in time", (), mean_rows(file, RUN), settled)]
+    blocks = [Block("dynamic run", (), mean_rows(file, RUN), settled)]
     cage = mean_rows(file, CAGE_MEANS)
     if "cage_speed" in file.variables:
         ratio = mean(values(file, "cage_speed")) / mean(values(file, "orbit_speed"))

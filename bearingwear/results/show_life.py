@@ -79,7 +79,7 @@ def life_blocks(file: Any) -> list[Block]:
 def _life_blocks(file: Any) -> list[Block]:
     scene = json.loads(getattr(file, "scene", "{}"))
     counted = COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
-    # a life in time follows one way of counting
+    # a dynamic life follows one way of counting
     followed = [k for k in range(len(COUNTS)) if k == counted or np.isfinite(_life_of(file, k))]
     lives = tuple(
         row_of(n, np.atleast_1d(values(file, n))[followed]) for n in LIVES if n in file.variables

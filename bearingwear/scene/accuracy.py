@@ -249,9 +249,9 @@ class Model:
     dynamic_solution: Annotated[
         str,
         Key(
-            "How a motion in time is found, marched until it settles, or directly as a periodic "
-            "one (like balls without a cage under a load that stands still or turns, auto where no "
-            "history is asked for)",
+            "How the dynamic model finds a motion: march runs until it settles, periodic solves "
+            "for it (like balls, no cage, one load that stands still or turns), auto takes "
+            "periodic where it applies and no history is asked for",
             choices=("auto", "periodic", "march"),
         ),
     ] = "auto"

@@ -223,7 +223,7 @@ class Lubricant:
 class EndOfLife:
     """Criteria of which the first that is met ends the life; None where one does not apply.
 
-    The clearances are limits of the cage, which a life in time alone sees wearing.
+    The clearances are limits of the cage, which a dynamic life alone sees wearing.
     """
 
     preload_fraction: Annotated[

@@ -29,8 +29,8 @@ def stacked(
     Parameters
     ----------
     datasets : sequence of Dataset
-        In C order over the new dimensions. What one of them lacks is NaN there, and a dimension
-        that is shorter in one of them is filled up with NaN.
+        In C order over the new dimensions. What one of them lacks is NaN there; a dimension that
+        is shorter in one of them is padded with NaN.
     lengths : mapping
         Names and lengths of the new dimensions.
     leave_out : sequence of str
@@ -141,15 +141,15 @@ def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:
 
 
 def both_ways(study: Path, dynamic: Path) -> tuple[xr.Dataset, xr.Dataset]:
-    """A study, and cases solved in time, all of which are also in the study."""
-    in_time = loaded(dynamic, preload_method=(), friction=(), ball_diameter_loss=())
-    if in_time.attrs.get("fidelity") != "dynamic":
-        raise CaseFileError(f"{dynamic}: not cases solved in time")
+    """A study, and cases solved dynamically, all of which are also in the study."""
+    motion = loaded(dynamic, preload_method=(), friction=(), ball_diameter_loss=())
+    if motion.attrs.get("fidelity") != "dynamic":
+        raise CaseFileError(f"{dynamic}: not cases solved dynamically")
     axes = ("preload_method", "friction", "ball_diameter_loss")
-    steady = loaded(study, **{axis: in_time[axis].values.tolist() for axis in axes})
-    if json.loads(steady.attrs["scene"])["name"] != json.loads(in_time.attrs["scene"])["name"]:
+    steady = loaded(study, **{axis: motion[axis].values.tolist() for axis in axes})
+    if json.loads(steady.attrs["scene"])["name"] != json.loads(motion.attrs["scene"])["name"]:
         raise CaseFileError(f"{dynamic}: not of the scene of {study}")
-    return steady, in_time
+    return steady, motion
 
 
 def counted(dataset: xr.Dataset) -> int:

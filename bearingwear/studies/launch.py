@@ -111,7 +111,7 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
 
 
 def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
-    """Run Snakemake and pass on what it says, until it is interrupted or nobody reads it."""
+    """Run Snakemake and pass on its output, until it is interrupted or nobody reads it."""
     process = subprocess.Popen(
         command, cwd=folder, pass_fds=files, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )

@@ -29,11 +29,11 @@ def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
             f"friction.ball_race (for its own life: bearingwear life {os.fspath(path)})",
             source=os.fspath(path),
         )
-    tier = choice_for_life(scene).tier
-    if tier != "steady":
+    fidelity = choice_for_life(scene).fidelity
+    if fidelity != "steady":
         raise SceneError(
             "",
-            f"got a scene whose life is found by {tier}, expected one with a steady "
+            f"got a scene whose life is found by {fidelity}, expected one with a steady "
             f"state (for its own life: bearingwear life {os.fspath(path)} --fidelity dynamic)",
             source=os.fspath(path),
         )

@@ -1,4 +1,4 @@
-"""Work that is shared out among processes, and lines that say how far it is."""
+"""Work shared by several processes, and lines that say how far it is."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LINE_EVERY = 5.0
 
 
 def one_by_one(result: Any) -> int:
-    """How much of the work a result is: all alike."""
+    """Share of the work in a result: each counts as one."""
     return 1
 
 
@@ -48,7 +48,7 @@ def in_processes(
             f"'__main__':`, since processes are started by {multiprocessing.get_start_method()}; "
             "or workers=1"
         ) from None
-    except BaseException:  # Ctrl-C: nobody waits for what is still being solved
+    except BaseException:  # Ctrl-C: do not wait for what is still being solved
         for process in list(pool._processes.values()):
             process.terminate()
         raise

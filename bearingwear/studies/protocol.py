@@ -36,13 +36,13 @@ class Step:
     settings : mapping, or function of the wildcards
         All else that decides the result, as plain data.
     label : str, or function of the wildcards
-        What a person reads while it runs; wildcards may stand in it.
+        What a person reads while it runs; may contain wildcards.
     about : str
         What the list of rules says of it, where the label is a function.
     matches : mapping
         Regular expressions for wildcards.
     seconds : float
-        What a job of it takes, about; 0 for one that is not worth a process on another node.
+        About what a job takes; 0 if it is not worth a process on another node.
     priority : int
         Jobs of a higher one start first.
     alone : bool

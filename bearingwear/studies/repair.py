@@ -60,7 +60,7 @@ def survey(paths: Iterable[str]) -> Iterator[str]:
             os.utime(path)
             redated += 1
     if redated:
-        yield f"{redated} files were dated in the future, and are now dated as of today"
+        yield f"{redated} files were dated in the future and are now dated today"
 
 
 def _remove_abandoned(paths: Iterable[str]) -> None:

@@ -1,4 +1,4 @@
-"""Writes what a Slurm profile says of single rules: how many cases are one job, and for how long.
+"""Writes the part of a Slurm profile on single rules: cases per job, and time limits.
 
 `python -m bearingwear.studies.slurm PROFILE.yaml`, in the folder of a study, renews the part of the
 profile between the two marks.
@@ -21,11 +21,11 @@ FIRST_LINE = "# Written by `python -m bearingwear.studies.slurm`: from here"
 LAST_LINE = "# to here."
 
 SECONDS_OF_A_JOB = 180.0
-"""What a Slurm job shall take; it costs Slurm and Snakemake another 5 s."""
+"""Intended length of a Slurm job; Slurm and Snakemake add 5 s to each."""
 
 MOST_IN_A_JOB = 100
 LONG = 30.0
-"""What takes so many seconds is a Slurm job of its own."""
+"""A job that takes so many seconds is a Slurm job of its own."""
 
 SLOWEST = 40.0
 """Time limit as a multiple of the expected time, for a slow node or a first compilation."""

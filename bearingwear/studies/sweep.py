@@ -25,7 +25,7 @@ Job = tuple[Scene, str, str | None]
 """A scene, what is asked of it, and the fidelity."""
 
 CHUNKS_PER_WORKER = 8
-"""How finely points are dealt out; a process asks for more when it has solved its share."""
+"""How finely points are shared out; a process takes more when it has solved its share."""
 
 _POINT = "point"
 """Dimension of the points of a chunk."""
@@ -36,7 +36,7 @@ COARSEST = {
     "model.simulated_turns": 0.02,
     "model.evaluated_turns": None,
 }
-"""Changes with which a solve takes no time; it compiles the same kernels."""
+"""Changes that make a solve fast; it compiles the same kernels."""
 
 
 def sweep(
@@ -63,8 +63,8 @@ def sweep(
         Where Python starts processes anew (macOS, Windows, Python 3.14 and later), a script has
         to call this below `if __name__ == "__main__":`.
     progress : bool
-        Whether what takes longer than some seconds says how far it is, on standard error (with
-        tqdm, if that is installed).
+        Whether a sweep of more than some seconds says on standard error how far it is (with tqdm,
+        if that is installed).
 
     Returns
     -------
@@ -128,17 +128,17 @@ def _points(
             problem = f"got {' and '.join(bearings.values())}, expected pairs, or single, alone"
             raise SceneError("arrangement.kind", problem, source=base.name)
         if what == "life":
-            found.append((for_life(scene), choice_for_life(scene, fidelity).tier))
+            found.append((for_life(scene), choice_for_life(scene, fidelity).fidelity))
         else:
-            found.append((scene, choice(scene, fidelity).tier))
+            found.append((scene, choice(scene, fidelity).fidelity))
     return found
 
 
 def _compile(points: Sequence[tuple[Scene, str]]) -> None:
     """Have the kernels of every model compiled once, before the processes need them."""
-    first = {tier: scene for scene, tier in reversed(points)}
-    for tier, scene in first.items():
-        _solved([(scene.with_(COARSEST), "solve", tier)])
+    first = {fidelity: scene for scene, fidelity in reversed(points)}
+    for fidelity, scene in first.items():
+        _solved([(scene.with_(COARSEST), "solve", fidelity)])
 
 
 def _solved(jobs: Sequence[Job]) -> xr.Dataset:

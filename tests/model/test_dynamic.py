@@ -1,4 +1,4 @@
-"""The balls' motion in time: where it ends, how fast, and what it does with energy."""
+"""The balls' motion by the dynamic model: where it ends, how fast, and what it does with energy."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""Cases solved in time, from the command to the file and back, with a solver made up here."""
+"""Cases solved dynamically, from the command to the file and back, with a solver made up here."""
 
 import json
 import os
@@ -278,9 +278,9 @@ def test_restart_with_other_wear_and_model(setting, case, tmp_path):
 
 def test_restart_of_a_steady_scene(case, tmp_path, capsys):
     argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--restart", str(case)]
-    for more, tier in (([], "steady"), (["--fidelity", "race_control"], "race_control")):
+    for more, fidelity in (([], "steady"), (["--fidelity", "race_control"], "race_control")):
         line = refused(capsys, [*argv, *more])
-        assert line.startswith("--restart: got a scene solved with " + tier)
+        assert line.startswith("--restart: got a scene solved with " + fidelity)
     with pytest.raises(NotAvailable, match="restart: got a scene"):
         bearingwear.solve(S1, restart=case)
 
@@ -348,14 +348,14 @@ def test_show_without_a_cage(solver, monkeypatch, tmp_path, capsys):
     capsys.readouterr()
     assert main(["show", str(tmp_path / "x.nc")]) == 0
     out = capsys.readouterr().out
-    assert "in time" in out and "cage" not in out
+    assert "dynamic run" in out and "cage" not in out
 
 
 # which model
 
 
 @pytest.mark.parametrize(
-    "settings, tier, why",
+    "settings, fidelity, why",
     [
         ([], "steady", "thrust alone"),
         (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load: no steady state"),
@@ -368,10 +368,10 @@ def test_show_without_a_cage(solver, monkeypatch, tmp_path, capsys):
         (["operation.tilt_mrad=1", "operation.shaft_speed_rpm=0"], "race_control", "at rest"),
     ],
 )
-def test_choice(settings, tier, why):
+def test_choice(settings, fidelity, why):
     chosen = choice(load_scene(S1, settings))
-    assert chosen.tier == tier
-    assert chosen.reasons[0].startswith(f"{tier}: ") and why in chosen.reasons[0]
+    assert chosen.fidelity == fidelity
+    assert chosen.reasons[0].startswith(f"{fidelity}: ") and why in chosen.reasons[0]
 
 
 def told(*settings) -> dict[str, str]:
@@ -450,9 +450,9 @@ def test_what_does_not_apply(settings, fidelity, problem):
 )
 def test_a_life_is_followed_by_the_model_that_check_names(settings, tmp_path, capsys):
     scene = load_scene(S1, settings)
-    assert choice_for_life(scene).tier == choice(scene).tier
+    assert choice_for_life(scene).fidelity == choice(scene).fidelity
     assert main(["check", str(S1), *(part for text in settings for part in ("--set", text))]) == 0
-    assert f"would be solved with {choice_for_life(scene).tier}\n" in capsys.readouterr().out
+    assert f"would be solved with {choice_for_life(scene).fidelity}\n" in capsys.readouterr().out
 
 
 def test_limits_of_the_cage_need_its_wear():
@@ -461,7 +461,7 @@ def test_limits_of_the_cage_need_its_wear():
     in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
     assert not any("not watched" in reason for reason in in_time.reasons)
     alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
-    assert choice_for_life(alone, "dynamic").tier == "dynamic"
+    assert choice_for_life(alone, "dynamic").fidelity == "dynamic"
     with pytest.raises(
         NotAvailable, match="guide_clearance_mm alone.*, expected.*fidelity dynamic"
     ):

@@ -173,10 +173,10 @@ def test_in_time_as_steady(scene):
     """Thrust alone, marched from the steady state: the same friction of the same loads."""
     march = {"model.dynamic_solution": "march", "model.simulated_turns": 2}
     given = scene("gyro_s1", FILM | march | {"model.normal_balance": "frictionless"}).without_cage
-    steady, in_time = (solve(given, tier).values for tier in ("steady", "dynamic"))
+    steady, dynamic = (solve(given, fidelity).values for fidelity in ("steady", "dynamic"))
     for name in ("friction_coefficient", "qv", "friction_heat"):
-        both = np.broadcast_to(steady[name], in_time[name].shape)
-        assert_allclose(in_time[name], both, rtol=1e-6)
+        both = np.broadcast_to(steady[name], dynamic[name].shape)
+        assert_allclose(dynamic[name], both, rtol=1e-6)
 
 
 # films that wear through

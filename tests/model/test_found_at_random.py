@@ -19,9 +19,9 @@ BASE = load_scene(ROOT / "config" / "scenes" / "gyro_s1.yaml").to_dict()
 @pytest.mark.parametrize("found", FOUND, ids=lambda found: found["why"].replace(" ", "-"))
 def test_ends_as_it_should(found):
     scene = drawn_scene(BASE, found["draw"])
-    values = solved_values(scene, found["tier"])
+    values = solved_values(scene, found["fidelity"])
     assert STATUS_NAMES[values["status"]] == found["status"]
     if found["status"] == "ok":
-        assert violations(scene, found["tier"], values) == []
+        assert violations(scene, found["fidelity"], values) == []
     if "states" in found:
         assert values["steady_state_count"] == found["states"]

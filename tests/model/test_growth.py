@@ -261,7 +261,7 @@ WARM = HELD | {"temperature.inner_ring_C": 30.0, "temperature.balls_C": 25.0}
 
 
 def test_every_model_sees_it(scene):
-    """Steady, race control (its own orbit rate), in time and a life agree on the preload."""
+    """Steady, race control (its own orbit rate), dynamic and a life agree on the preload."""
     warm = scene("gyro_s1", WARM)
     steady = solve(warm).values["residual_preload"]
     control = solve(warm, "race_control").values["residual_preload"]

@@ -1,4 +1,4 @@
-"""Wear life in time: against the steady life, its accounts, its end by ball or cage."""
+"""Dynamic wear life: against the steady life, its accounts, its end by ball or cage."""
 
 import math
 

@@ -322,9 +322,9 @@ def test_frequencies_need_mass_and_span(solved):
 
 def test_models_that_a_pair_has(scene):
     pair = scene("gyro_s1", RIGID)
-    assert choice(pair).tier == "steady"
+    assert choice(pair).fidelity == "steady"
     radial = scene("gyro_s1", RIGID | {"operation.radial_load_N": [0.0, 1.0]})
-    assert choice(radial).tier == "race_control"
+    assert choice(radial).fidelity == "race_control"
     assert solve(radial).status == "ok"
     with_cage = scene("gyro_s1", RIGID | {"model.cage_results": True})
     for asked in ((pair, "dynamic"), (with_cage, None)):

@@ -24,7 +24,7 @@ def test_one_ball_steady_against_all_in_time(scene, name, method, balance):
     # Thrust alone: claimed to be the same, to the tolerance of a step.
     alike = {"operation.preload_method": method, "model.normal_balance": balance}
     s = replace(scene(name, PRECISE | alike), cage=None)
-    assert choice(s).tier == "steady"
+    assert choice(s).fidelity == "steady"
     reduced, full = solve(s).values, solve(s, "dynamic").values
     assert full["status"] == 0
     for key in ("total_qv", "residual_preload", "shaft_torque"):
@@ -41,7 +41,7 @@ def test_the_cage_left_out(scene, name, load):
     # pockets is left out with the cage: 8 % of what they lose in the first twenty turns of S1.
     changes = {"operation.rotating_load_N": load, "model.simulated_turns": 20}
     s = scene(name, changes)
-    assert choice(s).tier == "dynamic" and not choice(s).cage
+    assert choice(s).fidelity == "dynamic" and not choice(s).cage
     reduced, full = solve(s).values, solve(s, "dynamic").values
     assert "cage_wear_rate" in full and "cage_wear_rate" not in reduced
     assert_allclose(reduced["total_qv"], full["total_qv"], rtol=0.01)
@@ -52,7 +52,7 @@ def test_the_cage_left_out(scene, name, load):
 
 
 def test_a_race_held_axially_has_one_freedom_less(scene):
-    # What is held moves nowhere; the two tiers of preload meet where the race is held at the
+    # What is held moves nowhere; the two fidelities of preload meet where the race is held at the
     # displacement that the force had given.
     s = scene("gyro_s1", PRECISE | {"operation.preload_method": "fixed_position"})
     s = replace(s, cage=None, operation=replace(s.operation, rotating_load_N=0.5))

@@ -41,7 +41,7 @@ SPINDLE = {
     "wear": {"end_of_life": {"gyroscopic_slip_share": 0.5}},
 }  # fmt: skip
 STEEP = {
-    "model.normal_balance": "frictionless",  # as runs in time have it
+    "model.normal_balance": "frictionless",  # as dynamic runs have it
     "bearing.ball_count": 10, "bearing.ball_diameter_mm": 8.1, "bearing.pitch_diameter_mm": 33.5,
     "bearing.contact_angle_deg": 40.0, "operation.shaft_speed_rpm": 30000,
     "operation.preload_N": 210,

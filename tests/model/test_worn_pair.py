@@ -46,7 +46,7 @@ def test_films_wear_along_in_networks_and_pairs():
     filmed = (FIXED, *without, f"friction.film={film}")
     single, warm = life_of(*filmed), life_of(*filmed, NETWORK)
     pair = life_of(*RIGID, *filmed[1:])
-    with pytest.raises(NotAvailable, match="two alike"):
+    with pytest.raises(NotAvailable, match="two identical ones"):
         life_of(*RIGID, *filmed[1:], "arrangement.external_axial_N=1.0")
     assert single["status"] == warm["status"] == pair["status"] == code.OK
     assert pair["life"] == pytest.approx(single["life"], rel=1e-5)

@@ -26,7 +26,7 @@ CASES = [
     for loss in ("0.00", "0.50")
 ]
 KINDS = (
-    "steady case", "race control case", "case in time", "failed case", "life", "life in time",
+    "steady case", "race control case", "dynamic case", "failed case", "life", "dynamic life",
     "study", "wear life", "sweep", "trade study",
 )  # fmt: skip
 
@@ -43,13 +43,13 @@ def kinds(tmp_path_factory):
     made("solve", SCENE, "-o", files["steady case"])
     made("solve", SCENE, "-o", files["race control case"], "--fidelity", "race_control")
     turns = ["model.simulated_turns=0.5", "--fidelity", "dynamic"]
-    made("solve", SCENE, "-o", files["case in time"], *QUICK, *turns)
+    made("solve", SCENE, "-o", files["dynamic case"], *QUICK, *turns)
     failed = ["friction.ball_race=0", "--record-failures"]
     made("solve", SCENE, "-o", files["failed case"], "--set", *failed)
     fixed = "operation.preload_method=fixed_position"
     made("life", SCENE, "-o", files["life"], *QUICK, fixed)
     short = ["model.simulated_turns=0.5", "model.life_run_in_turns=0", "model.life_steps=2"]
-    made("life", SCENE, "-o", files["life in time"], "--fidelity", "dynamic", *QUICK, fixed, *short)
+    made("life", SCENE, "-o", files["dynamic life"], "--fidelity", "dynamic", *QUICK, fixed, *short)
     cases = [folder / f"{case}.nc" for case in CASES]
     for case in cases:
         method, mu, loss = re.fullmatch(r"(\w+)-mu(.*)-loss(.*)", case.stem).groups()
@@ -80,10 +80,10 @@ def kinds(tmp_path_factory):
     [
         ("steady case", r"axial stiffness +N/um +4\.\d+"),
         ("race control case", r"model race_control"),
-        ("case in time", r"turns simulated +0\.5\n"),
+        ("dynamic case", r"turns simulated +0\.5\n"),
         ("failed case", r"status undetermined"),
         ("life", r"ended by +preload fraction"),
-        ("life in time", r"steady, the scene without cage"),
+        ("dynamic life", r"steady, the scene without cage"),
         ("study", r"friction +1  0\.08\n(.|\n)*total_qv +mW +\d+ +\d+"),
         ("wear life", r"fixed_position, mu 0\.08 +h +[\d.]+ +[\d.]+ +0\.49\d+  preload_fraction"),
         ("sweep", r"wall_time +[mu]?s +[\d.]+ +[\d.]+"),
@@ -98,9 +98,9 @@ def test_show(kinds, kind, said, capsys):
     assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
 
 
-def test_a_life_in_time_shows_what_it_followed(kinds, capsys):
+def test_a_dynamic_life_shows_what_it_followed(kinds, capsys):
     """It follows one way of counting wear; labels do not run into their units."""
-    assert main(["show", str(kinds["life in time"])]) == 0
+    assert main(["show", str(kinds["dynamic life"])]) == 0
     text = capsys.readouterr().out
     assert re.search(r"^  wear counted +ball \+ races$", text, re.M)
     assert re.search(r"^  life +h +[\d.]+$", text, re.M) and "not solved" not in text
@@ -258,19 +258,19 @@ BEYOND_CF = (
 )
 
 
-def test_a_life_in_time_is_drawn_and_tabulated(kinds, tmp_path, capsys):
+def test_a_dynamic_life_is_drawn_and_tabulated(kinds, tmp_path, capsys):
     figure, table = tmp_path / "x.svg", tmp_path / "x.md"
     draw, tabulate = "studies.lives.figures.wear_history", "studies.lives.tables.lives_table"
-    assert step(draw, figure, life=kinds["life in time"]) == 0
+    assert step(draw, figure, life=kinds["dynamic life"]) == 0
     text = figure.read_text(encoding="utf-8")
     assert "residual preload (N)" in text and "preload fraction ends the life" in text
-    assert step(tabulate, table, lives=[kinds["life in time"]]) == 0
-    assert "| life_in_time | " in table.read_text(encoding="utf-8")
+    assert step(tabulate, table, lives=[kinds["dynamic life"]]) == 0
+    assert "| dynamic_life | " in table.read_text(encoding="utf-8")
     capsys.readouterr()
-    for kind in ("life", "case in time"):
+    for kind in ("life", "dynamic case"):
         for run, given in ((draw, {"life": kinds[kind]}), (tabulate, {"lives": [kinds[kind]]})):
             assert step(run, tmp_path / "no.svg", **given) == 2
-            assert re.fullmatch(r".*: not a life followed in time\n", capsys.readouterr().err)
+            assert re.fullmatch(r".*: not a dynamic life\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in NOT_DRAWN])
@@ -280,7 +280,7 @@ def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
     assert main(["plot", str(copy)]) == 0
     assert capsys.readouterr().out.endswith(f"{tmp_path / 'a.svg'}: written\n")
     text = (tmp_path / "a.svg").read_text(encoding="utf-8")
-    assert "<path" in text and (kind != "case in time" or "turns in time: contact loads" in text)
+    assert "<path" in text and (kind != "dynamic case" or "turns, dynamic: contact loads" in text)
 
 
 @pytest.mark.parametrize("kind", NOT_DRAWN)
@@ -312,4 +312,4 @@ def test_conventions(kinds, kind, tmp_path):
     assert len(checks) > 10
     messages = {message for check in checks for message in check["msgs"]}
     assert not {m for m in messages if not m.endswith(BEYOND_CF)}
-    assert kind == "case in time" or not messages
+    assert kind == "dynamic case" or not messages

@@ -93,7 +93,7 @@ def logarithmic(axes: Any) -> None:
 
 
 def label_times(axes: Any) -> None:
-    """Numbers that can be read also where the times span less than a decade."""
+    """Tick labels that can be read where the times span less than a decade."""
     low, high = axes.get_xlim()
     if high < 5.0 * low:
         axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -102,7 +102,7 @@ def label_times(axes: Any) -> None:
 
 
 def doubt(axes: Any, trade: xr.Dataset, scene: str, against: str, quantity: str) -> None:
-    """A line at what the reference itself is not sure of."""
+    """A line at the doubt of the reference."""
     check = points_where(trade, scene=scene, sweep=against, label="check")
     if check.sizes["point"] and np.isfinite(check[f"error_{quantity}"].values[0]):
         axes.axhline(drawn_error(check[f"error_{quantity}"].values)[0], **DOUBT)
@@ -172,12 +172,12 @@ def life_tolerance_figure(trade: xr.Dataset) -> Figure:
 
 
 def dynamic_figure(trade: xr.Dataset) -> Figure:
-    """Turns, start, tolerance and regularisation together, in time."""
+    """Turns, start, tolerance and regularisation together, dynamic."""
     points = of_sweeps(trade, "long")
     two = _worst(points_where(points, sweep="turns", label="2"), "total_qv")
     many = _worst(points_where(points, sweep="turns", label="50"), "total_qv")
     title = (
-        f"Solved in time: 2 turns err by up to {percent_in_text(two)} in total QV, "
+        f"Solved dynamically: 2 turns err by up to {percent_in_text(two)} in total QV, "
         f"50 turns by {percent_in_text(many)}"
     )
     return multiples(trade, points, ("total_qv", "wear_rate"), title)
@@ -205,11 +205,11 @@ def integration_figure(trade: xr.Dataset) -> Figure:
 
 
 def overview_figure(trade: xr.Dataset) -> Figure:
-    """Median over the scenes, steady and in time."""
+    """Median over the scenes, steady and dynamic."""
     figure, panels = new_figure(1, 2, 7.6, 4.4)
     handles: dict[str, Any] = {}
     for axes, against, text in zip(
-        panels[0], ("steady", "long"), ("steady state", "solved in time"), strict=True
+        panels[0], ("steady", "long"), ("steady state", "solved dynamically"), strict=True
     ):
         points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
         panel(axes, points, "total_qv")
@@ -225,7 +225,7 @@ def overview_figure(trade: xr.Dataset) -> Figure:
         for label in ("draft", "standard", "reference")
     }
     title = (
-        "What accuracy costs: in time, draft is "
+        "What accuracy costs: solved dynamically, draft is "
         f"{times['standard'] / times['draft']:.0f} times as fast as standard, and standard "
         f"{times['reference'] / times['standard']:.0f} times as fast as reference"
     )
@@ -254,10 +254,10 @@ SIMPLER = (
     ("across", "1", "slip on the centre line of the ellipse"),
     ("normal_balance", "with traction", "traction in the normal balance"),
     ("micro_slip", "micro slip", "elastic micro-slip"),
-    ("fidelity", "race control", "race control for the motion in time"),
+    ("fidelity", "race control", "race control for the dynamic model"),
     ("fidelity", "steady", "steady, thrust alone"),
-    ("fidelity", "three balls", "three balls in time, thrust alone"),
-    ("fidelity", "no cage", "all balls in time, no cage"),
+    ("fidelity", "three balls", "three balls, dynamic, thrust alone"),
+    ("fidelity", "no cage", "all balls, dynamic, no cage"),
     ("hertz", "fit", "Hamrock and Brewe's fit"),
 )
 BOOKED = (
@@ -344,7 +344,7 @@ def accuracy_plot(trade: xr.Dataset) -> Figure:
     if "scene" not in trade:
         raise CaseFileError("got a single sweep, expected all of them, gathered in one file")
     if not all(of_sweeps(trade, against).sizes["point"] for against in ("steady", "long")):
-        raise CaseFileError("got sweeps of one kind, expected steady ones and ones in time")
+        raise CaseFileError("got sweeps of one kind, expected steady and dynamic ones")
     return overview_figure(trade)
 
 

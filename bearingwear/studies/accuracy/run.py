@@ -205,7 +205,7 @@ def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
     trial = scene.without_cage if fidelity == "no_cage" else scene
     if not (point.start or point.hertz):
         return lambda: solve(trial, "dynamic").values
-    return lambda: in_time(trial, point.start or "steady", point.hertz == "fit")
+    return lambda: dynamic_values(trial, point.start or "steady", point.hertz == "fit")
 
 
 def with_micro_slip(scene: Scene) -> dict:
@@ -224,7 +224,7 @@ def with_micro_slip(scene: Scene) -> dict:
 
 
 def three_balls(scene: Scene) -> dict:
-    """Solved in time with three balls under their share of the preload, thrust alone, no cage.
+    """Solved dynamically with three balls under their share of the preload, thrust alone, no cage.
 
     A single ball would push the race aside. The numbers are those of the whole bearing again.
     """
@@ -246,8 +246,8 @@ def three_balls(scene: Scene) -> dict:
     return values
 
 
-def in_time(scene: Scene, start: str, fit: bool) -> dict:
-    """Solved in time from a stated start, with exact or fitted Hertz factors."""
+def dynamic_values(scene: Scene, start: str, fit: bool) -> dict:
+    """Solved dynamically from a stated start, with exact or fitted Hertz factors."""
     system = DynamicSystem.of(scene, first_motion(scene, start))
     if fit:
         fix_hertz(scene, system)

@@ -29,8 +29,8 @@ ERRORS = ("total_qv", "total_qv", "contact_qv", "residual_preload", "wear_rate",
 SECTIONS = {
     "steady": "Numbers, steady state",
     "ellipse": "Numbers, steady state with slip over the ellipse",
-    "short": "Numbers, the same turns in time",
-    "long": "Numbers, turns and settledness in time",
+    "short": "Numbers, dynamic, the same turns",
+    "long": "Numbers, dynamic, turns and settledness",
     "model": "Differences of model",
 }
 _NONE = "–"
@@ -116,25 +116,25 @@ reference. "Times as fast" compares with that reference: warm solves, nothing el
 over the scenes. Scenes: {scenes}.
 
 Errors of another run lie within a factor {tolerance.error:g} of these, times within a factor
-{tolerance.time:g}; errors below {100.0 * tolerance.floor:g} %, in time below
+{tolerance.time:g}; errors below {100.0 * tolerance.floor:g} %, dynamic ones below
 {100.0 * tolerance.floor_dynamic:g} %, are noise. The study compares them.
 
 {markdown(trade, plan)}
 Slip is that of the centre line and traction is left out of the balance of normal forces in every
-model here, as in the paper, but for the rows that say otherwise. A single ball in time would push
+model here, as in the paper, except in the rows that say otherwise. A single ball would push
 the race aside, so three stand for all. With a cage, two runs that differ in their last digit part
 after some turns and agree in their means only. The Coriolis force and the circumferential part of
 the normal forces are left out of the motion; the energy account books their work, of the heat:
 {booked(trade)}. {of_weight(trade)}
 
 **The presets, scene by scene**: errors against the reference of the scene in percent; life in the
-steady state, loss rate in time; a contact's QV is far more sensitive than the total. How much
+steady state, loss rate when dynamic; a contact's QV is far more sensitive than the total. How much
 faster: draft than standard, standard than reference
 
 {presets(trade)}
 
 **Estimated errors against true ones**, of all points that carry an estimate, sweeps to the extremes
-included; what the reference itself is not sure of (its own estimate, and its check) is taken off.
+included. The doubt of the reference (its own estimate and its check) is subtracted.
 "Over error": the median of the estimate over the error
 
 {estimates(trade)}
@@ -168,7 +168,7 @@ def presets(trade: xr.Dataset) -> str:
         "| faster | faster |",
         "| --- |" + " ---: |" * 8,
     ]
-    for sweep, kind, last in (("steady", "steady", "life"), ("dynamic", "in time", "wear_rate")):
+    for sweep, kind, last in (("steady", "steady", "life"), ("dynamic", "dynamic", "wear_rate")):
         points = points_where(trade, sweep=f"preset_{sweep}")
         for scene in dict.fromkeys(points["scene"].values):
             one = {
@@ -189,7 +189,7 @@ def estimates(trade: xr.Dataset) -> str:
     """How often the estimates that results carry are above the true error, as a table."""
     lines = [
         "| estimate of | steady: points | covered | over error "
-        "| in time: points | covered | over error |",
+        "| dynamic: points | covered | over error |",
         "| --- |" + " ---: |" * 6,
     ]
     names = {"total_qv": "QV", "residual_preload": "preload", "wear_rate": "wear rate"}

@@ -44,7 +44,7 @@ class CageStudy(Study):
                 outputs=(f"{_FOLDER}/points/{{point}}.nc",),
                 settings=self._settings,
                 matches={"point": _NAMED},
-                label="cage, in time: {point}",
+                label="cage, dynamic: {point}",
                 seconds=3.0 * len(plan.starts),
             ),
             Step(

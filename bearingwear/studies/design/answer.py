@@ -60,12 +60,12 @@ TAKE = {
 """How a preload is applied, in the words of the headline, by method or pair."""
 
 _HELD = {
-    "none": "No limit holds it: the life is longest there.",
+    "none": "No limit decides: the life is longest there.",
     "end_of_range": "The map ends there; a longer life may lie beyond it.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
-    "end_of_life": "No limit holds it: at other preloads something else ends the life sooner.",
+    "end_of_life": "No limit decides: at other preloads something else ends the life sooner.",
 }
-"""What keeps a preload from one with a longer life, where that is no limit."""
+"""Why no other preload has a longer life, where no limit decides."""
 
 NO_CLOCK = (
     "Compare lives with each other, and promise no hours: a life is inversely proportional to the "
@@ -225,7 +225,7 @@ def _limits(design: xr.Dataset) -> str:
 
 
 def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
-    """Which assumption turns the choice of the method round."""
+    """Which assumption reverses the choice of the method."""
     lives = _lives(recommendation)
     if len(lives) < 2:
         return "The other method has no preload within the limits."
@@ -263,8 +263,8 @@ def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
     said = []
     if int(recommendation["verdict"]) == NEITHER_LONGER:
         said.append(
-            f"Neither method is said to last longer, because a change of {100 * CLAIMED:g} % in "
-            "one assumption, or the other ball track, would reverse the order."
+            f"Neither method can be said to last longer: a change of {100 * CLAIMED:g} % in one "
+            "assumption, or the other ball track, would reverse the order."
         )
     said += [
         f"{q.name} is {digits(q.hours)} h; it lies between {q.low:.2g} and {q.high:.2g} h "

@@ -1,4 +1,4 @@
-"""Lives at the recommended preloads where something is assumed otherwise, and what that changes."""
+"""Lives at the recommended preloads under other assumptions, and what these change."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from bearingwear.studies.life_scene import life_scene
 
 _KIND = "beside"
 _WORDS = "words"
-"""Attribute: what is assumed otherwise, in words, for each of them."""
+"""Attribute: the other assumption of each of them, in words."""
 
 _SHOWN = {
     "system_axial_stiffness": "stiffness, arrangement",
@@ -131,7 +131,7 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
 
 
 def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> list[str]:
-    """With which assumptions the recommended method is not the better one, or passes a limit."""
+    """Under which assumptions the recommended method is not the better one, or passes a limit."""
     basis = counted(recommendation)
     turned, beyond, unknown, same = [], [], [], []
     for words, case in assumptions_of(beside):
@@ -177,4 +177,4 @@ def passed(one: xr.Dataset) -> str:
 NONE_PASSED = "none"
 
 SAME = 1e-6
-"""By how much, relative, a limit may be passed by rounding."""
+"""Relative excess over a limit that counts as rounding."""

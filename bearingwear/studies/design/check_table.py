@@ -1,4 +1,4 @@
-"""The table that sets a recommended preload, solved in time, beside the steady values."""
+"""The table that sets a recommended preload, solved dynamically, beside the steady values."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SHARE_LABEL = "largest gyroscopic slip share"
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """One number by both tiers.
+    """One number by both models.
 
     Attributes
     ----------
@@ -54,18 +54,18 @@ class Compared:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedPreload:
-    """One preload by both tiers.
+    """One preload by both models.
 
     Attributes
     ----------
     preload : float
         [N]
     numbers : list of Compared
-        None where a tier has no answer.
+        None where a model has no answer.
     settled : str
-        How far the means in time are settled.
+        How far the dynamic means are settled.
     status : dict
-        By tier.
+        By fidelity.
     """
 
     preload: float
@@ -86,11 +86,11 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     Raises
     ------
     CaseFileError
-        Files that are no such cases, of another scene, or without their other tier.
+        Files that are no such cases, of another scene, or without the case of the other fidelity.
     """
     chosen = load(recommendation)
     of_preload = _cases(chosen, cases)
-    points = [_point(preload, tiers) for preload, tiers in sorted(of_preload.items())]
+    points = [_point(preload, fidelities) for preload, fidelities in sorted(of_preload.items())]
     scene = scene_of(chosen)
     first = scene_of(next(iter(of_preload.values()))["steady"])
     limit = limits_of(chosen).gyroscopic_slip_share
@@ -98,20 +98,20 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     known = np.isfinite(chosen["preload"].values).any()
     middle = "its recommended preload" if known else "its own preload (none is recommended)"
     text = [
-        f"# The dynamic tier at the recommended preload of {scene['name']}",
+        f"# The dynamic model at the recommended preload of {scene['name']}",
         agreement(points),
         f"New bearing, {method}, {scene['operation']['shaft_speed_rpm']:g} r/min, friction "
         f"{scene['friction']['ball_race']:g}, at and beside {middle}. "
         + f"Life counts {in_words(scene['wear']['counts'])}. "
         + _about_cage("cage" in first)
-        + " The run in time starts from the steady state: agreement says that the motion stays "
+        + " The dynamic run starts from the steady state: agreement says that the motion stays "
         "there, not that every start leads there.",
         markdown_table(
             "preload (N) | number | steady, as in the map | dynamic | difference "
             "| numerical error estimates of both | beyond them",
             [row for point in points for row in _rows(point, limit)],
         ),
-        "The gyroscopic slip share has no error estimate. How far the means in time are settled:",
+        "The gyroscopic slip share has no error estimate. How far the dynamic means are settled:",
         "\n".join(f"- {digits(point.preload)} N: {plain_text(point.settled)}" for point in points),
     ]
     return "\n\n".join(text) + "\n"
@@ -120,34 +120,34 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
 def _cases(
     recommendation: xr.Dataset, paths: Sequence[str | Path]
 ) -> dict[float, dict[str, xr.Dataset]]:
-    """Both tiers of each preload."""
+    """Both cases of each preload."""
     if recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError("got no recommendation, expected recommendation.nc of a design study")
     name = scene_of(recommendation)["name"]
     cases: dict[float, dict[str, xr.Dataset]] = {}
     for path in paths:
         case = load(path)
-        tier = case.attrs.get("fidelity")
-        if tier not in CHECKED_FIDELITIES or "total_qv" not in case or case["status"].ndim:
+        fidelity = case.attrs.get("fidelity")
+        if fidelity not in CHECKED_FIDELITIES or "total_qv" not in case or case["status"].ndim:
             raise CaseFileError(f"{path}: not a steady or dynamic case")
         scene = scene_of(case)
         if scene["name"] != name:
             raise CaseFileError(f"{path}: of the scene {scene['name']}, expected {name}")
-        cases.setdefault(scene["operation"]["preload_N"], {})[str(tier)] = case
-    for preload, tiers in cases.items():
-        for tier in CHECKED_FIDELITIES:
-            if tier not in tiers:
-                raise CaseFileError(f"preload {preload:g} N: got no {tier} case")
+        cases.setdefault(scene["operation"]["preload_N"], {})[str(fidelity)] = case
+    for preload, fidelities in cases.items():
+        for fidelity in CHECKED_FIDELITIES:
+            if fidelity not in fidelities:
+                raise CaseFileError(f"preload {preload:g} N: got no {fidelity} case")
     return cases
 
 
-def _point(preload: float, tiers: dict[str, xr.Dataset]) -> CheckedPreload:
-    status = {tier: STATUS_NAMES[int(case["status"])] for tier, case in tiers.items()}
+def _point(preload: float, fidelities: dict[str, xr.Dataset]) -> CheckedPreload:
+    status = {fidelity: STATUS_NAMES[int(case["status"])] for fidelity, case in fidelities.items()}
     solved = set(status.values()) == {STATUS_NAMES[OK]}
     return CheckedPreload(
         preload=preload,
-        numbers=_numbers(preload, tiers["steady"], tiers["dynamic"]) if solved else [],
-        settled=str(tiers["dynamic"].attrs.get("settled", "–")),
+        numbers=_numbers(preload, fidelities["steady"], fidelities["dynamic"]) if solved else [],
+        settled=str(fidelities["dynamic"].attrs.get("settled", "–")),
         status=status,
     )
 
@@ -192,17 +192,17 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
 
 
 def agreement(points: Sequence[CheckedPreload]) -> str:
-    """Whether the tiers agree, in a sentence or two."""
+    """Whether both models agree, in a sentence or two."""
     unsolved = [
-        f"{tier} at {digits(point.preload)} N: {in_words(state)}"
+        f"{fidelity} at {digits(point.preload)} N: {in_words(state)}"
         for point in points
-        for tier, state in point.status.items()
+        for fidelity, state in point.status.items()
         if state != STATUS_NAMES[OK]
     ]
     numbers = [one for point in points for one in point.numbers]
     said = []
     if not numbers:
-        said.append("The dynamic tier cannot be compared with the steady values.")
+        said.append("The dynamic model cannot be compared with the steady values.")
     else:
         # of each name the last: beyond the estimates if any is, and there the largest
         order = sorted(numbers, key=lambda one: (one.beyond, abs(one.difference)))
@@ -219,17 +219,17 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
         largest = "The largest differences"
         if not outside:
             said.append(
-                "The dynamic tier agrees with the steady values of the map within the numerical "
+                "The dynamic model agrees with the steady values of the map within the numerical "
                 f"error estimates of both. {largest}: {within}."
             )
         elif not within:
             said.append(
-                "The dynamic tier does not agree with the steady values of the map within the "
+                "The dynamic model does not agree with the steady values of the map within the "
                 f"numerical error estimates of both. {largest}: {outside}."
             )
         else:
             said.append(
-                f"The dynamic tier agrees with the steady values of the map in part. {largest} "
+                f"The dynamic model agrees with the steady values of the map in part. {largest} "
                 f"within the numerical error estimates of both: {within}. Beyond them: {outside}."
             )
         said.append(f"The {told[SHARE_LABEL].replace(' by ', ' differs by ')} at most.")

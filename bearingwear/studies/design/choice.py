@@ -1,4 +1,4 @@
-"""Which preload of a design map to take: the longest life within the limits, and what holds it.
+"""Which preload of a design map to take: the longest life within the limits, and what limits it.
 
 Theory: docs/theory.md, section 14.
 """
@@ -63,7 +63,7 @@ ACTIVE = (
     "no_preload_within_limits",
     "end_of_life",
 )
-"""What keeps the recommended preload from another one with a longer life."""
+"""What keeps the recommended preload from one with a longer life."""
 UNLIMITED, END_OF_RANGE, NEXT_NOT_SOLVED, NO_PRELOAD, OTHER_END = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(

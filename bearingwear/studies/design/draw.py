@@ -56,7 +56,7 @@ def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = N
 
 
 def draw_map(design: Path) -> Figure:
-    """What lies around it."""
+    """Life, stiffness and slip around the preload."""
     found = load(design)
     if found.attrs.get("kind") != "design map":
         raise CaseFileError(f"{design}: not a file of the kind design map")
@@ -64,7 +64,7 @@ def draw_map(design: Path) -> Figure:
 
 
 def draw_uncertainty(design: Path, recommendation: Path, uncertainty: Path) -> Figure:
-    """How sure its life is."""
+    """The spread of its life."""
     files = design_files(design, recommendation, uncertainty)
     assert files.uncertainty is not None
     return uncertainty_figure.uncertainty_figure(files.uncertainty)

@@ -1,4 +1,4 @@
-"""The scene at a recommended preload and beside it, to be solved in time as well.
+"""The scene at a recommended preload and beside it, to be solved dynamically as well.
 
 Theory: docs/theory.md, section 14.
 """

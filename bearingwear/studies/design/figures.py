@@ -193,7 +193,7 @@ def _spread_bar(panel: Any, name: str, chosen: xr.Dataset, quantiles: xr.DataArr
 
 
 def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
-    """Recommended preload of every friction and speed, with a letter for what holds it."""
+    """Recommended preload of every friction and speed, with a letter for what limits it."""
     scene = scene_of(design)
     preload = design["recommended_preload"]
     low, high = float(preload.min()), float(preload.max())

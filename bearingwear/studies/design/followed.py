@@ -30,7 +30,7 @@ GROOVE = Variable(
     "groove",
     (),
     "",
-    "groove that the life, and what the bearing goes through, are of",
+    "groove of the life and of the states along it",
     dtype="i1",
     flags=GROOVE_SHAPES,
     comment="worn: followed as it wears, where the life of the scene follows it",
@@ -43,7 +43,7 @@ HERTZIAN_LIFE = Variable(
     scale=HOURS_PER_SECOND,
 )
 FOLLOWED = "followed_"
-"""Before the names of what a line of preloads has with grooves as they wear."""
+"""Prefix of the variables of a line of preloads with grooves as they wear."""
 
 FOLLOWED_PRELOADS = f"{FOLLOWED}preload"
 
@@ -64,7 +64,7 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = True) -
     hertzian = found.get("life", np.full(2, np.nan))
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
     if hertzian[1] == 0.0:
-        return found  # beyond a limit when new, which no groove changes
+        return found  # beyond a limit when new, whatever the groove
     history = worn_history(scene, quick)
     if history is None:
         return found

@@ -110,14 +110,14 @@ POINT = table(
         comment="where mass and span are given; a single bearing is half of a symmetric pair",
     ),
 )
-"""What a point of the map has: a life, and what the bearing goes through on its way.
+"""What a point of the map has: a life, and the extremes along it.
 
 Numbers are NaN where the life was not solved.
 """
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
-    """One life by the steady model, and what the bearing goes through on its way.
+    """One life by the steady model, and the extremes along it.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, float]:
 
 
 def _frequency(scene: Scene, state: WearState) -> float:
-    """Of a state that knows it, or of one that stands for both bearings."""
+    """From a state that has it, or from one that stands for both bearings."""
     known = math.isfinite(state.frequency)
     return state.frequency if known else lowest_frequency(scene, (state, state))
 
@@ -202,7 +202,7 @@ def map_part(
     shaft_speed_rpm, preload_N : sequence of float
         Axes of the map.
     slip_limit : float, optional
-        Gyroscopic slip share whose passing is timed [1]; no other limit decides anything here.
+        Gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
     return solved_part(life_scene(scene), method, friction, shaft_speed_rpm, preload_N, slip_limit)
 

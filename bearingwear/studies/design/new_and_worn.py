@@ -28,7 +28,7 @@ SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
     "friction power": (lambda s: s.friction_power, "W", ""),
     "gyroscopic slip share": (lambda s: float(s.share.max()), "1", "%"),
 }
-"""Value of a state of wear, its unit, and what it is shown as where that does not say."""
+"""Value of a state of wear, its unit, and how it is shown where the unit does not say."""
 
 
 def recommended_sheet(

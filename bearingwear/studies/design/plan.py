@@ -149,7 +149,7 @@ def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene")
 
 @dataclass(frozen=True, kw_only=True)
 class Beside:
-    """The same bearing with something assumed otherwise."""
+    """The same bearing under another assumption."""
 
     words: Annotated[str, Key("What is assumed, in words")]
     changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")]

@@ -1,6 +1,6 @@
 """What `bearingwear plot` draws of single files of this study and of the lives that are uncertain.
 
-No step draws so: what is imported here makes no figure of the study outdated.
+No step calls this, so what it imports makes no figure of the study outdated.
 """
 
 from __future__ import annotations

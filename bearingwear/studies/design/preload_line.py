@@ -22,9 +22,9 @@ from bearingwear.studies.design.followed import WORN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
 
 PRELOAD_TOLERANCE = 1e-6  # relative, of the recommended preload
-BESIDE = 3e-3  # relative: where it is asked what ends a life beside the longest one
-LEAST_LEFT = 0.98  # of the life, where the preload is rounded
-AWAY = 0.02  # relative: where it is asked on which side the limits are farther
+BESIDE = 3e-3  # relative: where the ends of neighbouring lives are compared
+LEAST_LEFT = 0.98  # of the life, lost by rounding the preload
+AWAY = 0.02  # relative: where the margins on both sides are compared
 STEPS_AWAY = 8  # of the last digit, in which they are looked for
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 
@@ -147,7 +147,7 @@ def best_point(searched: tuple[PreloadLine, int, int]) -> dict[str, Any]:
 def _on_limit(line: PreloadLine, index: int) -> float:
     """Where the limit is met that lies between a point and its neighbour with the longer life.
 
-    What a quick life does not see of the margin there is taken for the same nearby.
+    The part of the margin that a quick life misses there is taken for the same nearby.
     """
     lives = line.lives
     ends = [k for k in (index - 1, index + 1) if 0 <= k < len(lives)]
@@ -160,7 +160,7 @@ def _on_limit(line: PreloadLine, index: int) -> float:
 
 
 def _met_at(line: PreloadLine, a: float, b: float, unseen: float) -> float:
-    """Where the margin, with what is unseen of it, vanishes between `a`, which keeps to the limits,
+    """Where the margin, its missed part included, vanishes between `a`, which keeps to the limits,
     and `b`.
     """
 

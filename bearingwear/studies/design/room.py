@@ -1,4 +1,4 @@
-"""How far what was assumed may move before the other preload method is the better one.
+"""How far an assumption may move before the other preload method is the better one.
 
 Theory: docs/theory.md, section 14.
 """
@@ -22,10 +22,10 @@ from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
 
 FARTHEST = 10.0
-"""How many times larger or smaller a limit is looked at."""
+"""Largest factor by which a limit is moved either way."""
 
 CRITERIA_FARTHEST = 4.0
-"""The same of an end of life and of friction."""
+"""The same for an end of life and for friction."""
 
 _PRELOADS, _LIMITS, _CRITERIA, _FRICTIONS = 400, 240, 8, 6
 _SAME, _HALVINGS, _FRICTION_HALVINGS = 1e-6, 20, 5
@@ -35,7 +35,7 @@ _LARGEST_SHARE = 0.999
 Room = dict[str, tuple[float, float, float]]
 """By key: the value up to which a choice holds below, the value now, and the one above.
 
-NaN where it holds as far as was looked.
+NaN where it holds over the whole range searched.
 """
 Preference = Callable[[float], int | None]
 """Number of the better method with an assumption times a factor; None where it is not known."""
@@ -100,7 +100,7 @@ def _longest_within(line: Mapping[str, np.ndarray], limits: DesignLimits) -> flo
 def _holds(
     choice: Preference, now: float, below: np.ndarray, above: np.ndarray, halvings: int = _HALVINGS
 ) -> tuple[float, float, float]:
-    """Up to which values, of factors away from one, a choice stays what it is now."""
+    """Values up to which a choice stays as it is, from factors going away from one."""
     first = choice(1.0)
     ends = []
     for factors in (below, above):

@@ -33,7 +33,7 @@ from bearingwear.studies.design.words import (
 
 
 def recommendation_sheet(file: Any) -> Sheet:
-    """What to take, a column for each preload method."""
+    """What to take, one column per preload method."""
     scene = json.loads(file.scene)
     columns = tuple(methods_told(file))
     lives = values(file, "life")
@@ -72,10 +72,10 @@ def recommendation_sheet(file: Any) -> Sheet:
 
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_TOLD = (
-    "Between these values the same method lasts longer. A dash: as far as lives were found, at "
-    f"most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times all else. For another limit "
-    "the preloads are chosen again, between those of the map; otherwise they stay as above. Both "
-    "lives are inversely proportional to the wear coefficient."
+    "Between these values the same method lasts longer. A dash: no change as far as lives were "
+    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. A "
+    "moved limit gets new preloads from between those of the map; otherwise they stay as above. "
+    "Both lives are inversely proportional to the wear coefficient."
 )
 
 
@@ -148,7 +148,7 @@ def track_told(file: Any) -> list[str]:
 
 
 def verdict_told(file: Any) -> str:
-    """Whether one method can be said to last longer, in a sentence; nothing where one is alone."""
+    """Whether one method can be said to last longer, in a sentence; empty with one method."""
     said = int(np.nan_to_num(values(file, "verdict")))
     if said == NO_COMPARISON:
         return ""
@@ -164,7 +164,11 @@ def verdict_told(file: Any) -> str:
         for end in (low, high)
         if abs(end / now - 1.0) < CLAIMED
     ]
-    why = f"it turns round with {' or '.join(turned)}" if turned else "see how far the choice holds"
+    why = (
+        f"the order reverses with {' or '.join(turned)}"
+        if turned
+        else "see how far the choice holds"
+    )
     return f"neither method can be said to last longer: {why}"
 
 

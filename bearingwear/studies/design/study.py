@@ -258,9 +258,9 @@ class DesignStudy(Study):
                     ],
                 },
                 outputs=(f"{_FOLDER}/tables/check.md",),
-                label="{scene}: the recommended preload, solved in time",
+                label="{scene}: the recommended preload, solved dynamically",
                 caption="design",
-                result="design, in time",
+                result="design, dynamic",
             ),
         ]
 

@@ -115,7 +115,7 @@ def design_summary(
 
 
 def _room(recommendation: xr.Dataset) -> list[str]:
-    """How far what was assumed may move before the other method is better."""
+    """How far an assumption may move before the other method is better."""
     rows = [
         [f"{label} ({in_print(unit)})" if unit else label, *map(digits, numbers)]
         for _, label, unit, numbers in room_rows(recommendation)
@@ -231,10 +231,10 @@ def _quantiles(uncertainty: xr.Dataset) -> list[str]:
             "10 % to 90 %, wear coefficient and hardness as stated (h) | lives solved",
             rows,
         ),
-        f"L10 and L50 are over the bearings of a batch, and lie between these ends for "
+        "L10 and L50 are taken over the bearings of a batch. They lie between these ends for "
         f"{100 * BATCHES:g} % of batches, because values common to a batch are unknown. ± is the "
-        f"error of an end by the size of the sample, {100 * CONFIDENCE:g} % confidence. A 10 % "
-        "credible life mixes this with the scatter, and is that of no batch.",
+        f"sampling error of an end at {100 * CONFIDENCE:g} % confidence. A 10 % credible life "
+        "mixes this with the scatter and belongs to no batch.",
         *_with_grooves(uncertainty),
     ]
 
@@ -310,7 +310,7 @@ def _indices(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
             + " | ".join(f"{name}, wear coefficient and hardness as stated" for name in names),
             rows,
         ),
-        "Distributions without a middle have the scene's own value for it. Of the base samples, "
+        "A distribution without its own centre has the scene's value there. Of the base samples, "
         + ", ".join(
             f"{100 * float(one['index_share']):.4g} % ({name})"
             for one, name in zip(columns, names, strict=True)

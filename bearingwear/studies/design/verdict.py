@@ -17,7 +17,7 @@ from bearingwear.studies.dataset import coordinate
 from bearingwear.studies.design.room import Room, longer
 
 CLAIMED = 0.05
-"""A choice that turns round within this move of one assumption is not claimed."""
+"""A choice that reverses within this move of one assumption is not claimed."""
 
 VERDICTS = ("nothing_to_compare", "longer", "neither")
 NO_COMPARISON, ONE_LONGER, NEITHER_LONGER = range(len(VERDICTS))
@@ -46,7 +46,7 @@ HELD = table(
         "order, or the lives differ by less than their numerical errors",
     ),
 )
-"""How far a choice holds; `holds_from`, `holds_to`: NaN where it does as far as was looked."""
+"""How far a choice holds; `holds_from`, `holds_to`: NaN where it holds over all searched."""
 
 
 def verdict_on(
@@ -72,7 +72,7 @@ def verdict_on(
 
 
 def turns(low: float, now: float, high: float) -> bool:
-    """Whether a move of `CLAIMED` turns a choice round that holds between two values."""
+    """Whether a move of `CLAIMED` reverses a choice that holds between two values."""
     return low > (1.0 - CLAIMED) * now or high < (1.0 + CLAIMED) * now
 
 

@@ -16,7 +16,7 @@ LIMIT_WORDS = {
     "no_preload_within_limits": "no preload keeps to all limits",
     "end_of_life": "a change in what ends the life",
 }
-"""What keeps a preload from another one with a longer life."""
+"""What keeps a preload from one with a longer life."""
 
 _LIMIT_TEXT = {
     "gyroscopic_slip_share": "gyroscopic slip share at most {:g} % in any contact",
@@ -58,7 +58,7 @@ RECOMMENDED_WORDS = {
     "lowest_frequency": ("lowest frequency of the rotor", ""),
     "residual_preload_at_end": ("residual preload at the end", ""),
 }
-"""Quantities beside a recommended life, and what they are shown as where a unit does not say."""
+"""Quantities beside a recommended life, and how they are shown where the unit does not say."""
 
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""

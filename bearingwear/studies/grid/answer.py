@@ -1,4 +1,4 @@
-"""What the lives of the main study say: which preload method lasts longest, and what ends it."""
+"""The answer of the main study: which preload method lasts longest, and what ends its life."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -31,7 +31,7 @@ RANK = 1
 
 
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
-    """Step: what the lives of the study say, as JSON; the first scene is what it is about."""
+    """Step: the answer of the study, as JSON, about its first scene."""
     known = [load_quantiles(path) for path in uncertainty]
     read = [loaded(path, interpolated_step=()) for path in lives]
     first = scene_of(read[0])
@@ -98,7 +98,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
 
 
 def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
-    """What a study says about its lives, of which there is at least one.
+    """The answer of a study with at least one life.
 
     Two methods whose lives differ by less than their estimated numerical errors together count as
     equal.

@@ -43,7 +43,7 @@ class GridBlock:
 
 @dataclass(frozen=True, kw_only=True)
 class DynamicBlock(GridBlock):
-    """Scenes that are solved in time, with their cage, over a grid of their own."""
+    """Scenes that are solved dynamically, with their cage, over a grid of their own."""
 
     model: Annotated[
         Mapping[str, Any], Key("Keys of the scene's block model, set for these runs")
@@ -134,7 +134,7 @@ class Config:
         Key("Groups of scenes that share a grid; none: the small maps of config/design.yaml alone"),
     ]
     dynamic: Annotated[
-        tuple[DynamicBlock, ...], Key("Groups of scenes that are solved in time as well")
+        tuple[DynamicBlock, ...], Key("Groups of scenes that are solved dynamically as well")
     ] = ()
     points_per_job: Annotated[
         int | None,

@@ -46,7 +46,7 @@ def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
 
 
 def draw_dynamic(study: Path, dynamic: Path) -> Figure:
-    """Cases solved in time beside the steady ones."""
+    """Cases solved dynamically beside the steady ones."""
     return dynamic_figures.beside_steady_figure(*both_ways(study, dynamic))
 
 
@@ -54,5 +54,5 @@ def draw_running_average(case: Path, reference: Path | None = None) -> Figure:
     """Wear rates as they settle, beside values of others if there are any."""
     found = loaded(case)
     if found.attrs.get("fidelity") != "dynamic" or "status" not in found or found["status"].dims:
-        raise CaseFileError(f"{case}: not a case solved in time")
+        raise CaseFileError(f"{case}: not a case solved dynamically")
     return dynamic_figures.running_average_figure(found, reference)

@@ -16,17 +16,17 @@ _ACROSS = "across scenes"
 
 
 def bundles(plan: Plan) -> list[Bundle]:
-    """Those of each scene, of each scene solved in time, and of several scenes side by side."""
+    """Those of each scene, of each scene solved dynamically, and of several scenes side by side."""
     of_scenes = [
         _bundle(f"drawn_{scene}", scene, _scene_steps(plan, scene)) for scene in plan.grids
     ]
-    in_time = [
-        _bundle(f"in_time_drawn_{scene}", f"{scene}, in time", steps)
+    dynamic = [
+        _bundle(f"dynamic_drawn_{scene}", f"{scene}, dynamic", steps)
         for scene in plan.dynamic
         if (steps := _dynamic_steps(plan, scene))
     ]
     across = _steps_across(plan)
-    return [*of_scenes, *in_time, *([_bundle("across_drawn", _ACROSS, across)] if across else [])]
+    return [*of_scenes, *dynamic, *([_bundle("across_drawn", _ACROSS, across)] if across else [])]
 
 
 def _bundle(name: str, what: str, steps: Sequence[Step]) -> Bundle:

@@ -1,4 +1,4 @@
-"""The figures of cases solved in time: beside the steady ones, and averages as they settle."""
+"""The figures of cases solved dynamically: beside the steady ones, and averages as they settle."""
 
 import csv
 from collections.abc import Sequence
@@ -54,14 +54,14 @@ RUNNING: dict[str, tuple[str, tuple[str, ...], dict]] = {  # part, histories to 
 
 
 def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
-    """QV and wear rates against wear: steady as lines, solved in time as marks.
+    """QV and wear rates against wear: steady as lines, solved dynamically as marks.
 
     Parameters
     ----------
     study : Dataset
         Steady cases of a scene; every case of `dynamic` is among them.
     dynamic : Dataset
-        Cases of the same scene solved in time, gathered in the same way.
+        Cases of the same scene solved dynamically, gathered in the same way.
     """
     frictions = dynamic["friction"].values.tolist()
     parts = {name: look for name, look in _CAGE.items() if name in dynamic}
@@ -100,8 +100,8 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
         figure,
         f"{scene_of(dynamic)['name']}: {_agreement(study, dynamic, bool(parts))}",
         method_keys(name for name, _ in methods(dynamic))
-        + [key("steady", color="0.3"), key("in time", marker="o", **grey)]
-        + [key(f"{part}, in time", marker=marker, **grey) for part, marker in parts.values()]
+        + [key("steady", color="0.3"), key("dynamic", marker="o", **grey)]
+        + [key(f"{part}, dynamic", marker=marker, **grey) for part, marker in parts.values()]
         + failed_keys(failed),
         columns=2 if columns == 1 else 4,
     )
@@ -122,7 +122,7 @@ def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
     difference = abs(dynamic["total_qv"] / steady - 1.0).max()
     if not np.isfinite(difference):
         return "no case was solved both ways"
-    solved = "solved in time with the cage" if has_cage else "solved in time"
+    solved = "solved dynamically with the cage" if has_cage else "solved dynamically"
     return f"QV {solved} differs from the steady one by {100.0 * float(difference):.2g} % at most"
 
 
@@ -132,7 +132,7 @@ def running_average_figure(case: xr.Dataset, reference: str | Path | None = None
     Parameters
     ----------
     case : Dataset
-        A case solved in time.
+        A case solved dynamically.
     reference : path, optional
         A table of `REFERENCE_COLUMNS` with values of others to draw over the averages.
     """

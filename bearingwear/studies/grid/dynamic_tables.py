@@ -1,4 +1,4 @@
-"""The tables that set cases solved in time beside the steady ones."""
+"""The tables that set cases solved dynamically beside the steady ones."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -59,22 +59,22 @@ def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
 def _text(both: xr.Dataset) -> str:
     power = display("W", both["total_qv.steady"], both["total_qv.dynamic"])
     parts = [
-        f"# {scene_of(both)['name']}: solved in time, beside the steady state",
+        f"# {scene_of(both)['name']}: solved dynamically, beside the steady state",
         "## QV and preload",
         _table(
             both,
             [
                 (f"{power.label('QV')}, steady", _number(both, "total_qv.steady", power)),
-                ("in time", _number(both, "total_qv.dynamic", power)),
-                ("in time over steady", _ratio(both, "total_qv")),
+                ("dynamic", _number(both, "total_qv.dynamic", power)),
+                ("dynamic over steady", _ratio(both, "total_qv")),
                 ("residual preload (N), steady", _number(both, "residual_preload.steady")),
-                ("in time", _number(both, "residual_preload.dynamic")),
+                ("dynamic", _number(both, "residual_preload.dynamic")),
             ],
         ),
         "QV is that of the whole bearing.",
         f"## {_RATE.label('Wear rates')}",
         _table(both, _wear_rates(both)),
-        "The mean of all balls. Those solved in time also wear in the pockets of the cage. "
+        "The mean of all balls. Those solved dynamically also wear in the pockets of the cage. "
         "Where the land does not wear, the cage did not reach it in the turns averaged."
         if "cage_wear_rate" in both
         else "The mean of all balls.",
@@ -104,7 +104,7 @@ def _text(both: xr.Dataset) -> str:
 
 def _wear_rates(both: xr.Dataset) -> list[tuple[str, Callable]]:
     """Columns of the wear of each part, both ways."""
-    ways = (("steady", ".steady"), ("in time", ".dynamic"))
+    ways = (("steady", ".steady"), ("dynamic", ".dynamic"))
     parts: list[tuple[str, str, str, int | None]]
     parts = [(f"one ball, {words}", "ball_wear_rate", way, None) for words, way in ways]
     parts += [
@@ -177,7 +177,7 @@ def _unsettled(both: xr.Dataset) -> Iterator[str]:
 
 def _unsolved(both: xr.Dataset) -> Iterator[str]:
     for words, index in _points(both):
-        for way, said in (("steady", "steady"), ("dynamic", "in time")):
+        for way, said in (("steady", "steady"), ("dynamic", "dynamic")):
             status = int(both[f"status.{way}"].transpose(*AXES).values[index])
             if status != OK:
                 yield f"- {_case_in_words(words)}, {said}: {in_words(STATUS_NAMES[status])}"

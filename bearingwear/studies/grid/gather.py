@@ -156,7 +156,7 @@ def chunk(cases: Sequence[Case], datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 
 
 _AT_ONCE = 500
-"""Cases held as datasets of their own; each takes a hundred times the room of its numbers."""
+"""Cases held as single datasets; each takes a hundred times the memory of its numbers."""
 
 
 def _along_cases(datasets: Iterable[xr.Dataset]) -> xr.Dataset:

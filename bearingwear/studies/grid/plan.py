@@ -44,7 +44,7 @@ class Plan:
 
     @functools.cached_property
     def dynamic(self) -> dict[str, Grid]:
-        """Grid of each scene that is solved in time."""
+        """Grid of each scene that is solved dynamically."""
         return grids(self.config.dynamic, "dynamic")
 
     @property
@@ -79,7 +79,7 @@ class Plan:
                     f"config: figures.running_averages: got scene {scene}, expected {allowed}"
                 )
         for scene in self.compared:
-            # a case in time without its steady twin could not be set beside it
+            # a dynamic case without its steady twin could not be set beside it
             for case_id in self.dynamic[scene].cases():
                 if case_id not in self.grids[scene].cases():
                     raise ValueError(
@@ -131,7 +131,7 @@ class Plan:
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:
-        """What makes the scene a case that is solved in time."""
+        """What makes the scene a case that is solved dynamically."""
         (block,) = [block for block in self.config.dynamic if scene in block.scenes]
         return case.changes | {f"model.{key}": value for key, value in block.model.items()}
 
@@ -169,7 +169,7 @@ class Plan:
         return list(self.chunks(scene)) or self.cases(scene)
 
     def dynamic_cases(self, *scenes: str) -> list[str]:
-        """Files of the cases solved in time, of the given scenes or of all."""
+        """Files of the cases solved dynamically, of the given scenes or of all."""
         return [
             f"results/{scene}/dynamic/{case_id}.nc"
             for scene in scenes or self.dynamic
@@ -177,7 +177,7 @@ class Plan:
         ]
 
     def dynamics(self) -> list[str]:
-        """Files that hold all cases of a scene solved in time."""
+        """Files that hold all cases of a scene solved dynamically."""
         return [f"results/{scene}/dynamic.nc" for scene in self.dynamic]
 
     def slip_cases(self, scene: str) -> list[str]:
@@ -239,7 +239,7 @@ def _chunks(scene: str, grid: Grid, points: int) -> dict[str, tuple[Line, ...]]:
     if most < 2:
         return {}
     parts = [lines[k : k + most] for k in range(0, len(lines), most)]
-    # named by their points: a file of other ones must not pass for it
+    # named by their points, so that a file of other points never passes for it
     names = [text_hash(repr((part, losses)))[:8] for part in parts]
     return {
         f"results/{scene}/chunks/{k:05d}-{name}.nc": part

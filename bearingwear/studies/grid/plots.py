@@ -1,6 +1,6 @@
 """What `bearingwear plot` draws of the kinds of files that this study knows.
 
-No step draws so: what is imported here makes no figure of the study outdated.
+No step calls this, so what it imports makes no figure of the study outdated.
 """
 
 import xarray as xr
@@ -15,7 +15,7 @@ LIFE_AXES = ("preload_method", "friction")
 
 
 def case_plot(case: xr.Dataset) -> Figure:
-    """Slip over the contact ellipse; of a dynamic case, what it did in time."""
+    """Slip over the contact ellipse; of a dynamic case, its histories."""
     return _histories(case) if "history_contact_load" in case else figures.slip_figure([case])
 
 
@@ -42,7 +42,7 @@ def _histories(case: xr.Dataset) -> Figure:
     name, turns = scene_of(case)["name"], digits(float(case["simulated_turns"]))
     frame(
         figure,
-        f"{name}, {turns} turns in time: contact loads of {span(load.values.ravel())} N",
+        f"{name}, {turns} turns, dynamic: contact loads of {span(load.values.ravel())} N",
         [key("each ball", **balls), key("whole bearing", **whole)],
         columns=2,
     )

@@ -1,4 +1,4 @@
-"""The main study: the cases of every scene, their lives, what is solved in time, figures, tables.
+"""The main study: every scene's cases, lives and dynamic cases, with figures and tables.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
@@ -132,9 +132,9 @@ class GridStudy(Study):
                 inputs={"scene": _SCENE},
                 outputs=("results/{scene}/dynamic/{case}.nc",),
                 settings=self._dynamic_settings,
-                about="{scene}: a case solved in time",
+                about="{scene}: a case solved dynamically",
                 label=lambda w: (
-                    f"{w['scene']}, in time: {plan.dynamic[w['scene']].cases()[w['case']].label}"
+                    f"{w['scene']}, dynamic: {plan.dynamic[w['scene']].cases()[w['case']].label}"
                 ),
                 seconds=8.5,  # at 60 turns of the shaft
                 priority=1,  # the longest jobs
@@ -183,7 +183,7 @@ class GridStudy(Study):
                 run=f"{_RUN}.gather.study",
                 inputs=lambda w: {"paths": self.plan.dynamic_cases(w["scene"])},
                 outputs=("results/{scene}/dynamic.nc",),
-                label="{scene}: gather the cases solved in time",
+                label="{scene}: gather the cases solved dynamically",
             ),
             Step(
                 name="answer",

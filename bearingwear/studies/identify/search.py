@@ -42,7 +42,7 @@ FIT_RESULTS = (
     "no_more_gyroscopic_slip_at_low_friction",
     "no_drag_gives_the_course_of_qv",
 )
-"""Whether a bearing fits, and else the first statement that it does not."""
+"""Whether a bearing fits, or the first statement that it fails."""
 FITS, NO_ROOM, NO_ANGLE, STATE_NOT_SOLVED, SPINS_INSIDE, NO_SLIP, NO_DRAG = range(len(FIT_RESULTS))
 
 CANDIDATE = table(
@@ -69,7 +69,7 @@ CANDIDATE = table(
         scale=HOURS_PER_SECOND,
     ),
 )
-"""What is found of a candidate; NaN where it does not come so far."""
+"""Results for a candidate; NaN for those after the first failure."""
 
 MARKED = table(
     Variable("pitch_diameter_mm", (), "", "pitch_diameter_mm of a marked scene"),
@@ -77,7 +77,7 @@ MARKED = table(
     Variable("ball_count", (), "", "ball_count of a marked scene"),
     Variable("inner_groove_factor", (), "", "inner_groove_factor of a marked scene"),
 )
-"""What is kept of the marked scenes."""
+"""Values of the marked scenes."""
 
 QV_LOSSES_UM = tuple(round(0.1 * k, 1) for k in range(8))  # as the paper draws its QV
 
@@ -185,7 +185,7 @@ def candidates(base: Scene, plan: IdentifyPlan) -> list[dict[str, Any]]:
         bearing = replace(
             base.bearing, pitch_diameter_mm=dm, ball_count=count, inner_groove_factor=f_i
         )
-        # the cage would have to go with the pitch circle; no steady state knows it
+        # the cage would have to fit the pitch circle; steady states do not need it
         scene = replace(base, bearing=bearing, cage=None)
         angles = angles_of(scene, plan)
         if not angles:

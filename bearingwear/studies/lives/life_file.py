@@ -21,7 +21,7 @@ def dynamic_life(path: Path) -> xr.Dataset:
     """
     life = loaded(path)
     if life.attrs.get("fidelity") != "dynamic" or "end_criterion" not in life:
-        raise CaseFileError(f"{path}: not a life followed in time")
+        raise CaseFileError(f"{path}: not a dynamic life")
     return life
 
 

@@ -18,7 +18,7 @@ def lives_table(lives: Sequence[Path]) -> str:
     """Step: lives by the names of their files, beside the steady ones, as Markdown."""
     rows = [[path.stem, *_numbers(dynamic_life(path))] for path in lives]
     parts = [
-        "# Wear life, followed in time",
+        "# Wear life, followed dynamically",
         markdown_table(
             "life of | life (h) | ± (h) | ended by | steady life (h) | ended by "
             "| steady time to the same loss (h) | loss (µm) | balls' wear, least and most of the "

@@ -79,7 +79,7 @@ def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | 
 
 @contextlib.contextmanager
 def looked_at(folder: Path) -> Iterator[Path]:
-    """A folder in the place of a study's own, for a dry run, which shall write nothing there.
+    """A folder in place of a study's own, for a dry run, which writes nothing there.
 
     It has the same configuration, and sees the same results and what Snakemake knows of them.
     """

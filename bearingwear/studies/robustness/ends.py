@@ -6,4 +6,4 @@ WITHOUT_REASON = (NOT_CONVERGED, UNVERIFIED)
 """Ends that give no physical reason."""
 
 REFUSED = -1
-"""Status of a draw that no bearing can have: it is refused before any solve."""
+"""Status of a draw that makes no bearing and is refused before any solve."""

@@ -1,4 +1,4 @@
-"""What grooves that are followed as they wear make of sampled lives.
+"""Sampled lives with grooves that are followed as they wear.
 
 A few hundred lives are followed. The ratio of these to the lives with Hertzian grooves is
 interpolated between them for the others, and its error is measured on lives that it was not fitted

@@ -133,7 +133,7 @@ ANALYSED = table(
         "life_sample", (INPUTS, "member", BASIS), "h", "sampled lives, independent ones, sorted"
     ),
 )
-"""What is made of the sampled lives of a method at a preload; lives in hours."""
+"""Statistics of the sampled lives of a method at a preload; lives in hours."""
 
 
 def quantiles_and_indices(
@@ -385,7 +385,7 @@ def _middle(scene: Scene) -> list[float]:
 
 
 def _quantiles_of(life: np.ndarray, factor: np.ndarray) -> dict[str, np.ndarray]:
-    """Those of independent lives (n, 2) [h], and of lives without what K_s and H do (n,)."""
+    """Those of independent lives (n, 2) [h], and of lives without the effect of K_s and H (n,)."""
     both = np.stack([life, life / factor[:, None]])
     found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in both])
     names = ("life_quantile", "life_quantile_low", "life_quantile_high")

@@ -100,7 +100,7 @@ class SampledLives:
         By both ways of counting wear [s]; NaN where it was not solved.
     status, end_criterion : (n,) ndarray
     wear_factor : (n,) ndarray
-        What the life is longer by than with the scene's own K_s and H.
+        Factor on the life by its K_s and H in place of the scene's.
     followed : int
         Lives whose grooves were followed as they wear.
     groove_error : float
@@ -146,7 +146,7 @@ def lives(scene: Scene, rows: np.ndarray, workers: int = 1) -> SampledLives:
 
 
 def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
-    """What lives are longer by with other values (n, names) of K_s and H than the scene's."""
+    """Factor (n,) on lives by values (n, names) of K_s and H in place of the scene's."""
     factor = np.ones(len(values))
     for k, name in enumerate(names):
         ratio = values[:, k] / scene.nominal(name)
@@ -164,7 +164,7 @@ def _life(other: Scene | None) -> tuple[np.ndarray, int, int]:
 
 
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
-    """The scene with a method and a preload; its distribution is kept in proportion."""
+    """The scene with a method and a preload, whose distribution is scaled with it."""
     distributions = dict(scene.uncertainty or {})
     if "preload_N" in distributions:
         share, old = preload_N / scene.operation.preload_N, distributions["preload_N"]

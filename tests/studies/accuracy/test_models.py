@@ -14,7 +14,7 @@ from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.model.solve import solve
 from bearingwear.studies.accuracy.machine import on_a_rotor
 from bearingwear.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
-from bearingwear.studies.accuracy.run import first_motion, in_time, point_values, three_balls
+from bearingwear.studies.accuracy.run import dynamic_values, first_motion, point_values, three_balls
 from bearingwear.studies.accuracy.warmth import grown_scene
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
@@ -57,12 +57,12 @@ def test_unlike_starts_end_alike(scene):
     starts = [first_motion(s, start) for start in ("steady", "race_control", "kinematic")]
     assert np.abs(starts[2] / np.broadcast_to(starts[0], 4) - 1.0)[0] > 1e-4
     for start in ("race_control", "kinematic"):
-        assert_allclose(in_time(s, start, False)["total_qv"], right, rtol=1e-4)
+        assert_allclose(dynamic_values(s, start, False)["total_qv"], right, rtol=1e-4)
 
 
 def test_the_fit_moves_the_answer_a_little(scene):
     s = replace(scene("gyro_s1", MODEL | {"model.simulated_turns": 12}), cage=None)
-    exact, fit = in_time(s, "steady", False), in_time(s, "steady", True)
+    exact, fit = dynamic_values(s, "steady", False), dynamic_values(s, "steady", True)
     assert fit["status"] == 0
     assert 1e-5 < abs(fit["total_qv"] / exact["total_qv"] - 1.0) < 0.03
     assert_allclose(fit["residual_preload"], exact["residual_preload"], rtol=1e-9)

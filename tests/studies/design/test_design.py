@@ -322,7 +322,7 @@ def changed(path, target, **values):
 
 
 def test_recommended_preload_in_time(folder, tmp_path, capsys):
-    """Without a cage, motion in time stays in the steady state that the map is made of."""
+    """Without a cage, a dynamic run stays in the steady state that the map is made of."""
     recommendation = folder / "recommendation.nc"
     found = load(recommendation)
     longest = int(np.argmax(found["life"].values[:, 1]))
@@ -338,9 +338,9 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
         assert plain["operation"]["preload_method"] == METHODS[longest]
         assert load_scene(path).cage is not None
         path.write_text(yaml.safe_dump({k: v for k, v in plain.items() if k != "cage"}))
-        for tier in ("steady", "dynamic"):
-            cases.append(str(tmp_path / f"{times}-{tier}.nc"))
-            assert main(["solve", str(path), "--fidelity", tier, "-o", cases[-1]]) == 0
+        for fidelity in ("steady", "dynamic"):
+            cases.append(str(tmp_path / f"{times}-{fidelity}.nc"))
+            assert main(["solve", str(path), "--fidelity", fidelity, "-o", cases[-1]]) == 0
     out = tmp_path / "check.md"
 
     def table(*paths):
@@ -349,7 +349,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
         return out.read_text()
 
     text = table(*cases)
-    assert "The dynamic tier agrees with the steady values of the map within" in text
+    assert "The dynamic model agrees with the steady values of the map within" in text
     assert text.count("| no |") == 9 and "| yes |" not in text
     for steady, dynamic in zip(map(load, cases[::2]), map(load, cases[1::2]), strict=True):
         assert_allclose(dynamic["total_qv"], steady["total_qv"], rtol=1e-9)

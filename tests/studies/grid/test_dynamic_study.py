@@ -1,4 +1,4 @@
-"""Gathering, figures and tables of cases solved in time, with cases made up here."""
+"""Gathering, figures and tables of cases solved dynamically, with cases made up here."""
 
 import csv
 import json
@@ -109,7 +109,7 @@ FAILED = ("fixed_position-mu0.020-loss0.70", "fixed_position-mu0.080-loss0.70")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A study, and some of its cases solved in time, of which two could not be solved."""
+    """A study, and some of its cases solved dynamically, of which two could not be solved."""
     folder = tmp_path_factory.mktemp("both")
     for grid, fidelity, cases, file in (
         (STEADY, "steady", "cases", "study.nc"),
@@ -122,7 +122,7 @@ def folder(tmp_path_factory):
 
 
 def both(folder):
-    """The study and what is solved in time."""
+    """The study and what is solved dynamically."""
     return {"study": folder / "study.nc", "dynamic": folder / "dynamic.nc"}
 
 
@@ -184,7 +184,7 @@ def test_comparison_tables(folder, tmp_path):
     assert (
         text.count(": the wear of all parts still drifts by +20 % over the turns averaged") == 4
     )  # of those solved
-    assert text.count("in time: not converged") == 2 and text.count("steady: not converged") == 1
+    assert text.count("dynamic: not converged") == 2 and text.count("steady: not converged") == 1
 
 
 @pytest.mark.filterwarnings("error")
@@ -202,12 +202,12 @@ def test_comparison_figure_has_lines_and_marks(folder):
     drawn = beside_steady_figure(load(folder / "study.nc"), load(folder / "dynamic.nc"))
     assert len(drawn.axes) == 3 * 2
     qv = [line for line in drawn.axes[0].lines if line.get_marker() != "x"]
-    assert [len(line.get_xdata()) for line in qv] == [4, 4, 3, 3]  # steady, in time; two methods
+    assert [len(line.get_xdata()) for line in qv] == [4, 4, 3, 3]  # steady, dynamic; two methods
     assert [line.get_linestyle() for line in qv] == ["-", "-", "None", "None"]
     crosses = [line for line in drawn.axes[0].lines if line.get_marker() == "x"]
     assert [line.get_xdata().tolist() for line in crosses] == [[0.7]]
     title = drawn.get_suptitle().replace("\n", " ")
-    assert title.endswith("time with the cage differs from the steady one by 1 % at most")
+    assert title.endswith("dynamically with the cage differs from the steady one by 1 % at most")
 
 
 @pytest.mark.filterwarnings("error")
@@ -233,7 +233,7 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     steady, dynamic = both(folder).values()
     output = tmp_path / "a.svg"
     assert step(COMPARED, output, study=steady, dynamic=steady) == 2
-    assert capsys.readouterr().err == f"{steady}: not cases solved in time\n"
+    assert capsys.readouterr().err == f"{steady}: not cases solved dynamically\n"
     paths = make(tmp_path / "few", Grid.from_lists(PRELOAD_METHODS, [0.02], [0.0]), "steady")
     assert step(GATHER, tmp_path / "few.nc", paths=paths) == 0
     assert step(COMPARED, output, study=tmp_path / "few.nc", dynamic=dynamic) == 2
@@ -244,7 +244,7 @@ def test_files_that_do_not_belong_together(folder, tmp_path, capsys):
     assert capsys.readouterr().err.endswith(f"not of the scene of {steady}\n")
     for path in (steady, folder / "cases" / f"{FAILED[1]}.nc"):
         assert step(AVERAGE, output, case=path) == 2
-        assert capsys.readouterr().err == f"{path}: not a case solved in time\n"
+        assert capsys.readouterr().err == f"{path}: not a case solved dynamically\n"
     assert not output.exists()
 
 

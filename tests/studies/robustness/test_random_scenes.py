@@ -181,7 +181,7 @@ def test_found(name):
 
 
 def test_cage_that_its_pockets_cut_through():
-    """It has no mass; a run in time once stopped with a traceback."""
+    """It has no mass; a dynamic run once stopped with a traceback."""
     with pytest.raises(SceneError, match="cage.width_mm"):
         load_scene(scene_file("gyro_s1"), ["cage.width_mm=1.0"])
 
