@@ -1,14 +1,13 @@
 """Lives whose grooves are followed, beside those whose contacts stay Hertz'.
 
-    python benchmarks/worn_lives.py          table of lives: bearings, methods, friction, tracks
-    python benchmarks/worn_lives.py --loss   against the loss that ends the life; what `auto` saves
-    python benchmarks/worn_lives.py --cost   cells and steps
+    python benchmarks/worn_lives.py
 
+prints a table of lives: bearings, methods, friction, tracks, films. How they go by the loss that
+ends them, and by cells and steps, is in docs/accuracy.md (`make effects-docs`).
 A life ends at a loss of 0.35 of the balls' diameter in mm (L_eq 0.7 um on 2 mm), or at 40 % of the
 preload, whichever comes first. All wear the same: K_s/H as in the scene, balls and races counted.
 """
 
-import argparse
 import time
 from pathlib import Path
 
@@ -16,8 +15,6 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model.life import life
-from bearingwear.model.worn_life import STEP, WORN_CELLS, WornLife
-from bearingwear.model.worn_outputs import wear_over_gap
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 
@@ -45,11 +42,11 @@ PRELOAD_LEFT = 0.4
 HOUR = 3600.0
 
 
-def scene_of(name: str, method: str, contact: str, *more: str, loss: float = 1.0) -> Scene:
-    """A bearing whose life ends at so many times the usual loss."""
+def scene_of(name: str, method: str, contact: str, *more: str) -> Scene:
+    """A bearing with its life ended as above."""
     file, changes = BEARINGS[name]
     made = load_scene(SCENES / f"{file}.yaml", [*changes, "cage=null"])
-    limit = loss * 1e3 * LOSS_PER_DIAMETER * made.bearing.ball_diameter_mm
+    limit = 1e3 * LOSS_PER_DIAMETER * made.bearing.ball_diameter_mm
     end = f"wear.end_of_life={{ball_diameter_loss_um: {limit:g}, preload_fraction: {PRELOAD_LEFT}}}"
     keys = (f"operation.preload_method={method}", f"model.contact={contact}", end, *more)
     new = {key.partition("=")[0] for key in keys}
@@ -66,14 +63,12 @@ def filmed(name: str) -> tuple[str, ...]:
     return "friction.ball_race=null", "uncertainty=null", f"friction.film={film}"
 
 
-def hours(scene: Scene) -> tuple[float, float, float]:
-    """Life [h], CPU time [s] and estimated error [1]; NaN where no criterion was met."""
+def hours(scene: Scene) -> tuple[float, float]:
+    """Life [h], NaN where no criterion was met, and CPU time [s]."""
     started = time.process_time()
     values = life(scene).values
     spent = time.process_time() - started
-    known = values["status"] == code.OK
-    estimate = np.asarray(values.get("life_error_estimate", [np.nan, np.nan]))[1]
-    return (values["life"][1] / HOUR if known else np.nan), spent, float(estimate)
+    return (values["life"][1] / HOUR if values["status"] == code.OK else np.nan), spent
 
 
 def told(value: float) -> str:
@@ -87,10 +82,10 @@ def table() -> None:
     rows: dict[str, dict[str, tuple[float, float, float, float]]] = {}
     for name in BEARINGS:
         for method in METHODS:
-            hertz, _, _ = hours(scene_of(name, method, "hertz"))
-            worn, spent, _ = hours(scene_of(name, method, "worn"))
-            bands, _, _ = hours(scene_of(name, method, "worn", "wear.ball_track=bands"))
-            films, _, _ = hours(scene_of(name, method, "worn", *filmed(name)))
+            hertz, _ = hours(scene_of(name, method, "hertz"))
+            worn, spent = hours(scene_of(name, method, "worn"))
+            bands, _ = hours(scene_of(name, method, "worn", "wear.ball_track=bands"))
+            films, _ = hours(scene_of(name, method, "worn", *filmed(name)))
             rows.setdefault(name, {})[method] = (hertz, worn, bands, films)
             cells = (hertz, worn, worn / hertz, bands, films, spent)
             print(f"| {name} | {method} | " + " | ".join(told(cell) for cell in cells) + " |")
@@ -99,9 +94,9 @@ def table() -> None:
     spring = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1", *pair)
     for method, kind in zip(METHODS, (spring, rigid), strict=True):
         name = "7008, mu 0.08"
-        hertz, _, _ = hours(scene_of(name, method, "hertz", *kind))
-        worn, spent, _ = hours(scene_of(name, method, "worn", *kind))
-        bands, _, _ = hours(scene_of(name, method, "worn", *kind, "wear.ball_track=bands"))
+        hertz, _ = hours(scene_of(name, method, "hertz", *kind))
+        worn, spent = hours(scene_of(name, method, "worn", *kind))
+        bands, _ = hours(scene_of(name, method, "worn", *kind, "wear.ball_track=bands"))
         cells = (hertz, worn, worn / hertz, bands, np.nan, spent)  # films: refused
         print(f"| {name}, pair, 50 N | {method} | " + " | ".join(map(told, cells)) + " |")
     print(
@@ -114,52 +109,5 @@ def table() -> None:
         print(f"| {name} | " + " | ".join(told(ratio) for ratio in ratios) + " |")
 
 
-def by_loss() -> None:
-    """Hertzian over worn lives against the loss that ends them, and the time of each."""
-    print("| bearing | method | loss over A a^2 | Hertzian/worn | worn s | Hertzian s | auto |")
-    print("| --- " * 7 + "|")
-    for name in ("gyro_s1, mu 0.08", "turbopump"):
-        for method in METHODS:
-            for loss in (0.01, 0.03, 0.1, 0.3, 1.0):
-                worn, slow, _ = hours(scene_of(name, method, "worn", loss=loss))
-                hertz, fast, _ = hours(scene_of(name, method, "hertz", loss=loss))
-                auto = scene_of(name, method, "auto", loss=loss)
-                share = wear_over_gap(auto)
-                chosen = "worn" if "groove_depth" in life(auto).values else "Hertzian"
-                cells = (share, hertz / worn, slow, fast)
-                print(f"| {name} | {method} | " + " | ".join(map(told, cells)) + f" | {chosen} |")
-
-
-def cost() -> None:
-    """Lives by fewer and more cells and steps, over the finest, and CPU time."""
-    print("| method | track | cells | step | life/finest - 1 | CPU s |\n" + "| --- " * 6 + "|")
-    grid = [((24, 6), STEP), ((32, 8), STEP), (WORN_CELLS, 2.0 * STEP), (WORN_CELLS, STEP)]
-    grid += [(WORN_CELLS, 0.5 * STEP), ((64, 14), 0.5 * STEP)]
-    for method in METHODS:
-        for track in ("spread", "bands"):
-            scene = scene_of("gyro_s1, mu 0.08", method, "worn", f"wear.ball_track={track}")
-            found = []
-            for cells, step in grid:
-                started = time.process_time()
-                history = WornLife(scene, cells=cells, step=step).march()[0].history
-                spent = time.process_time() - started
-                found.append((cells, step, history.times[-1][1], spent))
-            finest = found[-1][2]
-            for cells, step, end, spent in found:
-                size = f"{cells[0]} x {cells[1]}"
-                print(
-                    f"| {method} | {track} | {size} | {step:g} | {end / finest - 1.0:.1e} "
-                    f"| {spent:.2f} |"
-                )
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--loss", action="store_true")
-    parser.add_argument("--cost", action="store_true")
-    chosen = parser.parse_args()
-    (by_loss if chosen.loss else cost if chosen.cost else table)()
-
-
 if __name__ == "__main__":
-    main()
+    table()

@@ -1,19 +1,22 @@
 """What single effects change on each scene, and cost: their own marked part of docs/accuracy.md."""
 
-import math
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.results.units import digits
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.accuracy.figures import names, points_where
+from bearingwear.studies.accuracy.factor_table import (
+    FACTOR,
+    TIME_FACTOR,
+    FactorTable,
+    answers_agree_within,
+)
 from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import AccuracyPlan
+from bearingwear.studies.accuracy.points import names, points_where
 from bearingwear.studies.dataset import loaded
 
 _PART = MarkedPart("effects")
@@ -24,9 +27,9 @@ EFFECT_COLUMNS = {
     "time of a solve": "processor_time",
     "time of a life": "life_processor_time",
 }
-_TIMES = [title.startswith("time") for title in EFFECT_COLUMNS]
-_ANSWER = 1.02
-"""Factor within which two runs of the same program give the same answer."""
+EFFECT_KINDS = {
+    title: TIME_FACTOR if title.startswith("time") else FACTOR for title in EFFECT_COLUMNS
+}
 
 EffectRow = tuple[str, str, str, list[float]]
 """Title of the sweep, effect, scene, and what it multiplies the columns by, or NaN."""
@@ -49,29 +52,18 @@ def _unsolved(text: str, point: xr.Dataset) -> str:
     return f"{text}: {STATUS_NAMES[int(point['status'])].replace('_', ' ')}"
 
 
-def effect_tables(trade: xr.Dataset, plan: AccuracyPlan) -> str:
+def effect_tables(trade: xr.Dataset, plan: AccuracyPlan) -> list[FactorTable]:
     """A table for each sweep."""
     rows = list(effect_rows(trade, plan))
-    header = ["| " + " | ".join(["what", "scene", *EFFECT_COLUMNS]) + " |"]
-    header.append("| --- | --- |" + " ---: |" * len(EFFECT_COLUMNS))
-    parts = []
-    for title in dict.fromkeys(row[0] for row in rows):
-        cells = [[w, f"`{s}`", *factor_texts(times)] for t, w, s, times in rows if t == title]
-        lines = ["| " + " | ".join(row) + " |" for row in cells]
-        parts += [f"**{title[0].upper()}{title[1:]}**", "\n".join([*header, *lines])]
-    return "\n\n".join(parts)
-
-
-def factor_texts(factors: Sequence[float]) -> list[str]:
-    """Factors as cells; what takes time is known to two digits at best."""
     return [
-        digits(float(f"{factor:.2g}") if is_time else factor)
-        for factor, is_time in zip(factors, _TIMES, strict=True)
+        FactorTable(title, EFFECT_KINDS, [(w, s, times) for t, w, s, times in rows if t == title])
+        for title in dict.fromkeys(row[0] for row in rows)
     ]
 
 
 def effects_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
+    tables = "\n\n".join(table.text() for table in effect_tables(trade, plan))
     return f"""{_PART.begin}
 Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not to be edited here.
 Each number is a factor over the first point of its sweep (`config/accuracy.yaml`): the bearing as
@@ -79,15 +71,16 @@ mounted, or alone, or without traction, always with slip over the whole ellipse.
 those of the first bearing, at the wear of the scene; a life is that from new, and 0 where a limit
 is passed when new. Times are processor times of whole steady solves and lives, compiled code warm,
 the median of {plan.repeats}. A run of the study compares: answers agree within
-{100.0 * (_ANSWER - 1.0):.0f} %, times within a factor {plan.tolerance.time:g}.
+{answers_agree_within()}, times within a factor {plan.tolerance.time:g}.
 
-{effect_tables(trade, plan)}
+{tables}
 {_PART.end}"""
 
 
 def effects_table(trade: Path, plan: Path) -> str:
     """Step: the tables alone."""
-    return effect_tables(loaded(trade, point=()), read_record(AccuracyPlan, plan)) + "\n"
+    tables = effect_tables(loaded(trade, point=()), read_record(AccuracyPlan, plan))
+    return "\n\n".join(table.text() for table in tables) + "\n"
 
 
 def docs_with_effects(trade: Path, plan: Path, docs: Path) -> str:
@@ -105,29 +98,5 @@ def docs_with_effects(trade: Path, plan: Path, docs: Path) -> str:
 def effect_differences(trade: xr.Dataset, plan: AccuracyPlan, docs: Path) -> list[str]:
     """Where the block of the docs differs from a run; a line each."""
     _, old, _ = _PART.split(docs)
-    said, title = {}, ""
-    for line in old.splitlines():
-        if bold := re.fullmatch(r"\*\*(.+)\*\*", line):
-            title = bold[1].lower()
-        elif line.startswith("| "):
-            what, scene, *cells = line.strip("| ").split(" | ")
-            said[title, what, scene.strip("`")] = cells
-    found = []
-    for title, what, scene, times in effect_rows(trade, plan):
-        where = f"{docs}: {title}: {what}, {scene}"
-        if (title.lower(), what, scene) not in said:
-            found.append(f"{where}: missing")
-            continue
-        cells = said[title.lower(), what, scene]
-        for name, is_time, cell, value in zip(EFFECT_COLUMNS, _TIMES, cells, times, strict=True):
-            if not _alike(cell, value, plan.tolerance.time if is_time else _ANSWER):
-                found.append(f"{where}: {name}: says {cell}, a run gives {digits(value)}")
-    return found
-
-
-def _alike(said: str, value: float, factor: float) -> bool:
-    """Whether a cell says a number, within a factor."""
-    if said == "–" or not math.isfinite(value):
-        return said == "–" and not math.isfinite(value)
-    low, high = sorted((float(said), value))
-    return bool(high <= factor * low or np.isclose(low, high, atol=1e-3))
+    tables = effect_tables(trade, plan)
+    return [f"{docs}: {line}" for t in tables for line in t.differences(old, plan.tolerance)]

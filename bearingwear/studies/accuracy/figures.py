@@ -12,6 +12,8 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure, percent_in_text
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.studies.accuracy.groove_figure import grooves_figure
+from bearingwear.studies.accuracy.points import names, points_where
 from bearingwear.studies.dataset import loaded
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
@@ -42,19 +44,6 @@ QUANTITY = {
     "wear_rate": "error of the wear rate",
     "life": "error of the wear life",
 }
-
-
-def points_where(trade: xr.Dataset, **texts: str) -> xr.Dataset:
-    """The points whose texts (scene, sweep, against, ...) are the ones given."""
-    mask = np.ones(trade.sizes["point"], dtype=bool)
-    for name, text in texts.items():
-        mask &= trade[name].values == text
-    return trade.isel(point=mask)
-
-
-def names(trade: xr.Dataset, variable: str) -> list[str]:
-    """Values of a text variable in the order of the file."""
-    return list(dict.fromkeys(trade[variable].values))
 
 
 def of_sweeps(trade: xr.Dataset, against: str, leave_out: Iterable[str] = ()) -> xr.Dataset:
@@ -270,7 +259,7 @@ _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 def models_figure(trade: xr.Dataset) -> Figure:
     """Differences of model rather than of numerics."""
     figure, panels = new_figure(1, 3, 8.6, 4.8, sharey=True)
-    scenes = names(trade, "scene")
+    scenes = names(points_where(trade, kind="reference"), "scene")
     rows = [text for *_, text in SIMPLER] + [text for _, text in BOOKED]
     marks = {
         scene: {"color": f"C{k % 6}", "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
@@ -317,6 +306,7 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
     "dynamic_model": dynamic_figure,
     "integration": integration_figure,
     "models": models_figure,
+    "grooves": grooves_figure,
 }
 
 

@@ -35,6 +35,8 @@ STARTS = ("steady", "race_control", "kinematic")
 HERTZ = ("exact", "fit")
 WARMTHS = ("mounted", "at_speed", "warm_ring", "network")
 MACHINES = ("alone", "alike", "pushed", "worn_apart")
+CELL_COUNTS = ("24 x 6", "32 x 8", "48 x 10", "64 x 14")
+"""Cells of a worn contact: along the major axis, and on each side of it."""
 
 _SPECIAL = {
     "fidelity": TRADE_FIDELITIES,
@@ -42,15 +44,27 @@ _SPECIAL = {
     "hertz": HERTZ,
     "warmth": WARMTHS,
     "machine": MACHINES,
+    "cells": CELL_COUNTS,
 }
 """Settings of a point that are no keys of a scene, and what they take."""
+_NUMBERS = ("end", "step")
+"""More of them, which are numbers above zero."""
+
+GROOVE_KEYS: dict[str, Mapping[str, Any]] = {
+    "hertz": {"model.contact": "hertz"},
+    "worn": {"model.contact": "worn"},
+    "bands": {"model.contact": "worn", "wear.ball_track": "bands"},
+}
+"""What `groove` stands for: what a life takes the grooves for, and how balls wear."""
 
 PRESET_KEYS: dict[str, Mapping[str, Any]] = {
     name: preset.keys("line") for name, preset in NAMED_PRESETS.items()
 }
 """What `preset` stands for: the settings of `model.accuracy`."""
 
-FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "models")
+_BY_NAME = {"preset": PRESET_KEYS, "groove": GROOVE_KEYS}
+
+FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "models", "grooves")
 
 Changes = Annotated[Mapping[str, Any], Key("Settings", name="set")]
 
@@ -70,6 +84,9 @@ class SweepPoint:
     start, hertz, warmth, machine : str
         How it starts, its Hertz factors, what has grown, what stands beside it on the rotor; empty
         where they are the usual ones.
+    end, step, cells : str
+        Loss at the end of life over the gap at the contact's edge; steps (over that gap) and cells
+        of a life that follows the grooves. Empty as the scene, and `life`, have them.
     settings : sequence of str
         As `--set` takes them.
     text : str
@@ -83,6 +100,9 @@ class SweepPoint:
     hertz: str = ""
     warmth: str = ""
     machine: str = ""
+    end: str = ""
+    step: str = ""
+    cells: str = ""
     settings: tuple[str, ...]
     text: str
 
@@ -107,7 +127,9 @@ class TradeScene:
 
     file: Annotated[str, Key("Name of a file in config/scenes", pattern=NAME)]
     changes: Changes = field(default_factory=dict)
-    references: Annotated[tuple[str, ...], Key("References that it has", least=1)]
+    references: Annotated[
+        tuple[str, ...], Key("References that it has; without any, only sweeps that name it run")
+    ] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,14 +248,25 @@ class AccuracyPlan:
         ]
 
     @property
+    def groove_sweeps(self) -> list[str]:
+        """Sweeps of lives with worn grooves over the loss that ends them."""
+        return [name for name, sweep in self.sweeps.items() if "end" in sweep.grid]
+
+    @property
+    def cell_sweeps(self) -> list[str]:
+        """Sweeps of lives over cells and steps of worn grooves."""
+        return [name for name, sweep in self.sweeps.items() if "cells" in sweep.grid]
+
+    @property
     def effect_jobs(self) -> list[tuple[str, str]]:
-        """Those of them that the tables of effects are made of."""
-        asked = {row.sweep for row in self.effects}
+        """Those of them that the tables of effects and of worn grooves are made of."""
+        asked = {row.sweep for row in self.effects} | {*self.groove_sweeps, *self.cell_sweeps}
         return [(scene, sweep) for scene, sweep in self.jobs() if sweep in asked]
 
     def _takes_part(self, scene: str, sweep: Sweep) -> bool:
         references = self.scenes[scene].references
-        return scene in (sweep.only or self.scenes) and sweep.against in (*references, FIRST)
+        asked = scene in sweep.only if sweep.only else bool(references)
+        return asked and sweep.against in (*references, FIRST)
 
     def points(self, name: str) -> list[SweepPoint]:
         """The points of a sweep; of a reference, itself and what checks it."""
@@ -275,7 +308,10 @@ class AccuracyPlan:
         for key, allowed in _SPECIAL.items():
             if key in merged:
                 _check_known(merged[key], allowed, key)
-        special = {key: str(merged.pop(key)) for key in _SPECIAL if key in merged}
+        for key in _NUMBERS:
+            if not _number(merged.get(key, 1.0)) > 0.0:
+                raise SceneError(key, f"got {merged[key]}, expected a number above zero")
+        special = {key: str(merged.pop(key)) for key in (*_SPECIAL, *_NUMBERS) if key in merged}
         numbers = [_number(value) for value in more.values()]
         settings = tuple(f"{key}={value}" for key, value in _texts(merged).items())
         text = " ".join([*settings, *(f"{key}={value}" for key, value in special.items())])
@@ -296,15 +332,15 @@ def _check_known(given: Any, allowed: Iterable[Any], where: str) -> None:
 
 
 def _texts(settings: Mapping[str, Any]) -> dict[str, str]:
-    """Keys of a scene, values as YAML texts; `rule` and `preset` stand for several keys."""
+    """Keys of a scene, values as YAML texts; some settings stand for several keys."""
     texts: dict[str, str] = {}
     for key, value in settings.items():
         if key == "rule":
             quadrature, _, points = str(value).partition(" ")
             texts |= {"model.quadrature": quadrature, "model.strips": points}
-        elif key == "preset":
-            _check_known(value, PRESET_KEYS, "preset")
-            texts |= _texts(PRESET_KEYS[value])
+        elif key in _BY_NAME:
+            _check_known(value, _BY_NAME[key], key)
+            texts |= _texts(_BY_NAME[key][value])
         else:
             texts[key] = _yaml(value)
     return texts

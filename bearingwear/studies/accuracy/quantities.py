@@ -10,6 +10,7 @@ QUANTITIES = {
     "wear_rate": attrs("rate of loss of ball diameter, counted as the scene says", "m s-1"),
     "cage_wear_rate": attrs("wear rate of the cage, pockets and land", "m3 s-1"),
     "life": attrs("wear life from new, counted as the scene says", "h"),
+    "end_qv": attrs("QV of the bearing at the end of its life", "W"),
 }
 """What the errors are of."""
 
@@ -21,6 +22,9 @@ EXTRA = {
     "life_wall_time": attrs("duration of finding the life, warm, median of the repeats", "s"),
     "life_processor_time": attrs(
         "processor time of finding the life, warm, median of the repeats", "s"
+    ),
+    "wear_over_gap": attrs(
+        "loss at the end of life over the gap at the contact's edge, before any solve", "1"
     ),
     "simulated_turns": attrs("shaft turns simulated until settled or used up", "1"),
     "steps": attrs("steps taken and repeated", "1"),

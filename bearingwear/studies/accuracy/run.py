@@ -18,7 +18,6 @@ from bearingwear.model.dynamic_outputs import window_values
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.life import life
 from bearingwear.model.outputs import wear_values
 from bearingwear.model.parameters import ball_diameters
 from bearingwear.model.race_control import race_control_motion
@@ -27,12 +26,14 @@ from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.time_run import TimeRun
+from bearingwear.model.worn_outputs import wear_over_gap
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.sides import of_bearing
+from bearingwear.studies.accuracy.grooves import ended_scene, lived_through
 from bearingwear.studies.accuracy.machine import on_a_rotor
 from bearingwear.studies.accuracy.plan import SweepPoint
 from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
@@ -117,6 +118,7 @@ def _variables(solves: Sequence[SweepPoint], rows: Sequence[Mapping[str, float]]
 def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) -> dict[str, float]:
     """What a point gives and what it takes, by the names of the variables."""
     grown = grown_scene(scene, point.warmth)
+    grown = ended_scene(grown, point.end)
     scene = on_a_rotor(grown, point.machine)
     run = runner(scene, point)
     short = replace(scene, model=replace(scene.model, simulated_turns=0.25, evaluated_turns=None))
@@ -140,18 +142,30 @@ def point_values(scene: Scene, point: SweepPoint, repeats: int, seconds: float) 
         row["estimate_total_qv"] = float(own["qv_error_estimate"])
         row["estimate_residual_preload"] = float(own["residual_preload_error_estimate"])
         row["estimate_wear_rate"] = float(own["wear_rate_error_estimate"][counted])
+    fresh = replace(grown, wear=replace(grown.wear, ball_diameter_loss_um=(0.0,)))
+    return row | life_quantities(on_a_rotor(fresh, point.machine), point, repeats, seconds)
+
+
+def life_quantities(
+    fresh: Scene, point: SweepPoint, repeats: int, seconds: float
+) -> dict[str, float]:
+    """What a life from new gives and takes; nothing where the model has none."""
     fidelity = point.fidelity
-    symmetric = not asymmetries(scene) or fidelity == "race_control"
-    if fidelity in ("steady", "race_control") and symmetric and scene.wear.end_of_life:
-        fresh = replace(grown, wear=replace(grown.wear, ball_diameter_loss_um=(0.0,)))
-        fresh = on_a_rotor(fresh, point.machine)
-        lived, wall, processor = timed(lambda: life(fresh, fidelity).values, repeats, seconds)
-        if lived["status"] == code.OK:
-            row["life"] = float(lived["life"][counted]) * HOURS_PER_SECOND
-            if "life_error_estimate" in lived:
-                row["estimate_life"] = float(lived["life_error_estimate"][counted])
-            row["life_wall_time"] = statistics.median(wall)
-            row["life_processor_time"] = statistics.median(processor)
+    symmetric = not asymmetries(fresh) or fidelity == "race_control"
+    if not (fidelity in ("steady", "race_control") and symmetric and fresh.wear.end_of_life):
+        return {}
+    row = {"wear_over_gap": wear_over_gap(fresh)}
+    counted = COUNTS.index(fresh.wear.counts)
+    lived, wall, processor = timed(lambda: lived_through(fresh, point), repeats, seconds)
+    if lived["status"] == code.OK:
+        row["life"] = float(lived["life"][counted]) * HOURS_PER_SECOND
+        if "life_error_estimate" in lived:
+            row["estimate_life"] = float(lived["life_error_estimate"][counted])
+        if "history_total_qv" in lived:
+            own = lived if fresh.pair is None else of_bearing(lived, 0)
+            row["end_qv"] = float(own["history_total_qv"][-1])
+        row["life_wall_time"] = statistics.median(wall)
+        row["life_processor_time"] = statistics.median(processor)
     return row
 
 

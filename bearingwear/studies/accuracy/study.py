@@ -17,7 +17,8 @@ _FOLDER = "results/accuracy"
 _TRADE = f"{_FOLDER}/accuracy.nc"
 _TABLES = (f"{_FOLDER}/tables/accuracy.csv", f"{_FOLDER}/tables/accuracy.md")
 _CHECK = f"{_FOLDER}/check.txt"
-_EFFECTS, _EFFECTS_TABLE = f"{_FOLDER}/effects.nc", f"{_FOLDER}/tables/effects.md"
+_EFFECTS = f"{_FOLDER}/effects.nc"
+_EFFECTS_TABLE, _GROOVES_TABLE = f"{_FOLDER}/tables/effects.md", f"{_FOLDER}/tables/grooves.md"
 _DOCS = "docs/accuracy.md"
 
 PLOTS = {"accuracy against time": "bearingwear.studies.accuracy.figures:accuracy_plot"}
@@ -98,12 +99,22 @@ class AccuracyStudy(Study):
                 result="single effects",
             ),
             Step(
+                name="grooves",
+                run=f"{_RUN}.groove_tables.grooves_table",
+                inputs={"trade": _EFFECTS, "plan": ACCURACY_FILE},
+                outputs=(_GROOVES_TABLE,),
+                label="accuracy against time: worn grooves",
+                caption="accuracy",
+                category="accuracy against time",
+                result="worn grooves",
+            ),
+            Step(
                 name="check",
                 run=f"{_RUN}.tables.check_docs",
                 inputs={"trade": _TRADE, "plan": ACCURACY_FILE, "docs": _DOCS},
                 outputs=(_CHECK,),
                 label=f"accuracy against time: compare with {_DOCS}",
-                after=[*_TABLES, _EFFECTS_TABLE, *self._figures()],
+                after=[*_TABLES, _EFFECTS_TABLE, _GROOVES_TABLE, *self._figures()],
             ),
         )
 
@@ -116,7 +127,7 @@ class AccuracyStudy(Study):
         ]
 
     def targets(self) -> list[str]:
-        tables = (*_TABLES, _EFFECTS_TABLE)
+        tables = (*_TABLES, _EFFECTS_TABLE, _GROOVES_TABLE)
         return [*self._points(self.plan.jobs()), _TRADE, *self._figures(), *tables, _CHECK]
 
     def inputs(self) -> list[str]:

@@ -13,9 +13,10 @@ from bearingwear.plotting.markdown import cell_text
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.accuracy.effects import effect_differences
-from bearingwear.studies.accuracy.figures import points_where
+from bearingwear.studies.accuracy.groove_tables import groove_differences
 from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
+from bearingwear.studies.accuracy.points import points_where
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 
@@ -241,6 +242,7 @@ def check_docs(trade: Path, plan: Path, docs: Path) -> str:
     """
     points, read = loaded(trade, point=()), read_record(AccuracyPlan, plan)
     lines = differences(points, read, docs) + effect_differences(points, read, docs)
+    lines += groove_differences(points, read, docs)
     if lines:
         raise NotSolved("\n".join([*lines, f"{docs}: {len(lines)} numbers differ"]))
     return f"{docs}: agrees\n"

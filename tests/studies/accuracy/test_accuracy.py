@@ -15,9 +15,11 @@ from bearingwear.cli import main
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking import read_record, record
-from bearingwear.studies.accuracy.effects import effect_differences, effect_rows, factor_texts
+from bearingwear.studies.accuracy.effects import EFFECT_KINDS, effect_differences, effect_rows
+from bearingwear.studies.accuracy.factor_table import cell_texts
 from bearingwear.studies.accuracy.figures import FRONT, integration_figure, steady_figure
 from bearingwear.studies.accuracy.gather import gathered_sweeps
+from bearingwear.studies.accuracy.groove_tables import groove_differences, what_auto_saves
 from bearingwear.studies.accuracy.plan import (
     ACCURACY_FILE,
     FIGURE_NAMES,
@@ -67,10 +69,12 @@ def made_up(plan, scene, name, failed=()):
     numbers["life_processor_time"] = numbers["life_wall_time"]
     sizes = {"total_qv": 0.6, "qv_inner": 0.01, "qv_outer": 0.05, "residual_preload": 7.0}
     sizes |= {"wear_rate": 1e-10, "life": 1.3, "cage_wear_rate": 1e-15}
+    sizes |= {"end_qv": 0.7}
     numbers |= {key: size * (1.0 + share) for key, size in sizes.items()}
     numbers["qv_inner"] = 0.01 * (1.0 - 3.0 * share)
     if against in ("short", "long"):
         numbers["life"] = np.full(n, np.nan)
+    numbers["wear_over_gap"] = [float(p.end or "nan") for p in points]
     for key in ("coriolis_energy_share", "azimuth_energy_share"):
         numbers[key] = np.full(n, 1e-5)
     for key in ("total_qv", "residual_preload", "wear_rate", "life"):
@@ -267,8 +271,8 @@ def test_figure_marks_front_and_presets(trade):
 
 def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     docs = tmp_path / "accuracy.md"
-    effects = "<!-- effects: begin -->\n<!-- effects: end -->\n"
-    docs.write_text(f"# Accuracy\n\n{effects}\n## Later\n", encoding="utf-8")
+    parts = [f"<!-- {name}: begin -->\n<!-- {name}: end -->\n" for name in ("effects", "grooves")]
+    docs.write_text("\n".join(["# Accuracy\n", *parts, "## Later\n"]), encoding="utf-8")
     outputs = [tmp_path / "a.csv", tmp_path / "a.md"]
     given = [f"trade={trade}", f"plan={PLAN_FILE}"]
     assert step("tables.accuracy_tables", *given, outputs=outputs) == 0
@@ -282,8 +286,9 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     given.append(f"docs={docs}")
 
     def renew():
-        first = step("effects.docs_with_effects", *given, outputs=[docs])
-        return first or step("tables.docs_with_block", *given, outputs=[docs])
+        for run in ("effects.docs_with_effects", "groove_tables.docs_with_grooves"):
+            assert step(run, *given, outputs=[docs]) == 0
+        return step("tables.docs_with_block", *given, outputs=[docs])
 
     def check():
         return step("tables.check_docs", *given, outputs=[tmp_path / "check.txt"])
@@ -293,7 +298,7 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     assert (tmp_path / "check.txt").read_text().endswith("accuracy.md: agrees\n")
     once = docs.read_text(encoding="utf-8")
     assert once.startswith("# Accuracy\n\n<!-- effects: begin -->\nMade by") and table in once
-    assert once.index("<!-- effects: end -->\n\n## Later\n") < once.index(table)
+    assert once.index("<!-- grooves: end -->\n\n## Later\n") < once.index(table)
     assert renew() == 0 and docs.read_text(encoding="utf-8") == once  # not a second time
 
     capsys.readouterr()
@@ -307,6 +312,10 @@ def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     docs.write_text(once.replace("| `gyro_worn` | 0.918 |", "| `gyro_worn` | 0.94 |", 1))
     assert check() == 3
     said = "growth and temperature, fixed position: growth at speed, gyro_worn: preload: says 0.94"
+    assert said in capsys.readouterr().err
+    docs.write_text(once.replace("| yes |", "| no |", 1))
+    assert check() == 3
+    said = "worn grooves, constant force: loss of 0.3 A a², gyro_fresh: `auto` follows: says no"
     assert said in capsys.readouterr().err
     docs.write_text(once.replace("| 50 equal strips |", "| 51 equal strips |"))
     assert check() == 3
@@ -340,8 +349,9 @@ def test_the_docs_hold_every_row_of_the_plan(plan):
 
 def test_the_docs_hold_every_effect_of_the_plan(trade, plan):
     """Each row, on each scene; of the numbers made up here the docs say others."""
-    found = effect_differences(load(trade), plan, ROOT / "docs" / "accuracy.md")
-    assert found and not [line for line in found if line.endswith("missing")]
+    for differences in (effect_differences, groove_differences):
+        found = differences(load(trade), plan, ROOT / "docs" / "accuracy.md")
+        assert found and not [line for line in found if line.endswith("missing")]
 
 
 def test_effects_are_factors_over_the_first_point(trade, plan):
@@ -351,4 +361,14 @@ def test_effects_are_factors_over_the_first_point(trade, plan):
         share = 1.0 + 0.1 ** (k + 1)
         assert text in ("growth at speed", "that, inner ring +5 K", "that, warm by friction")
         assert_allclose(factors, [*3 * [share / 1.1], 2.0**k, 2.0**k], rtol=1e-12)
-    assert factor_texts([1.23456, 0.0, math.nan, 1.2345, 7.77]) == ["1.23", "0", "–", "1.2", "7.8"]
+    cells = cell_texts([1.23456, 0.0, math.nan, 1.2345, 7.77], list(EFFECT_KINDS.values()))
+    assert cells == ["1.23", "0", "–", "1.2", "7.8"]
+    kinds = ["error", "error", "whether"]
+    assert cell_texts([0.012345, math.nan, 1.0], kinds) == ["1.2 %", "–", "yes"]
+
+
+def test_lives_below_the_limit_of_auto_are_named(trade, plan):
+    said = what_auto_saves(load(trade), plan)
+    assert (
+        "the 16 of these 36 lives below 0.1 gaps" in said
+    )  # 0.03 and 0.09 of 0.1, four scenes, two methods

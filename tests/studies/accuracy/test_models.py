@@ -12,6 +12,9 @@ from bearingwear.kernels.hertz import point_contact
 from bearingwear.model import parameters
 from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.model.solve import solve
+from bearingwear.model.worn_life import WornLife
+from bearingwear.model.worn_outputs import wear_over_gap
+from bearingwear.studies.accuracy.grooves import ended_scene, lived_through
 from bearingwear.studies.accuracy.machine import on_a_rotor
 from bearingwear.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
 from bearingwear.studies.accuracy.run import dynamic_values, first_motion, point_values, three_balls
@@ -89,3 +92,14 @@ def test_what_has_grown_is_a_step_further_each_time(scene):
     assert warm.temperature.inner_ring_C == 25.0 and network.thermal is not None
     found = [solve(s).values["residual_preload"] for s in (mounted, turning, warm, network)]
     assert found[0] < found[1] < found[2] and abs(found[3] - found[1]) < 0.1
+
+
+def test_a_life_ends_at_so_many_gaps_with_the_cells_asked_for(scene):
+    s = scene("gyro_s1", {"model.contact": "worn", "cage": None})
+    point = SweepPoint(label="", value=0.0, fidelity="steady", settings=(), text="", cells="32 x 8")
+    small = ended_scene(s, "0.05")
+    assert_allclose(wear_over_gap(small), 0.05, rtol=1e-12)
+    lived = lived_through(small, replace(point, step="0.02"))
+    right = WornLife(small, cells=(32, 8), step=0.02).march()[0].history.times
+    assert_allclose(lived["history_time"], right, rtol=1e-12)
+    assert len(right) > len(lived_through(small, point)["history_time"])

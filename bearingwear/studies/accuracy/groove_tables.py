@@ -1,0 +1,169 @@
+"""What following the grooves changes and costs: its own marked part of docs/accuracy.md."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.model.worn_outputs import REQUIRED
+from bearingwear.results.units import digits, span
+from bearingwear.scene.checking import read_record
+from bearingwear.studies.accuracy.factor_table import (
+    ERROR,
+    FACTOR,
+    TIME_FACTOR,
+    WHETHER,
+    FactorTable,
+    answers_agree_within,
+)
+from bearingwear.studies.accuracy.marked import MarkedPart
+from bearingwear.studies.accuracy.plan import AccuracyPlan
+from bearingwear.studies.accuracy.points import names, points_where
+from bearingwear.studies.dataset import loaded
+
+_PART = MarkedPart("grooves")
+_RATIOS = (("life", FACTOR), ("end_qv", FACTOR), ("life_processor_time", TIME_FACTOR))
+LIFE_COLUMNS = {
+    "life": FACTOR,
+    "life, bands": FACTOR,
+    "end QV": FACTOR,
+    "QV, bands": FACTOR,
+    "time": TIME_FACTOR,
+    "time, bands": TIME_FACTOR,
+    "`auto` follows": WHETHER,
+}
+CELL_COLUMNS = {"life": ERROR, "end QV": ERROR, "times as fast": TIME_FACTOR}
+WORST = "worst"
+"""Stands for the scene in a table of cells and steps."""
+
+
+def by_end(points: xr.Dataset, scene: str) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
+    """Lives of a scene that end at the same loss: `hertz`, `worn`, `bands` at each end."""
+    here = points_where(points, scene=scene)
+    ends = dict.fromkeys(label.partition(", ")[0] for label in here["label"].values)
+    for end in ends:
+        yield (
+            end,
+            {
+                groove: points_where(here, label=f"{end}, {groove}").isel(point=0)
+                for groove in ("hertz", "worn", "bands")
+            },
+        )
+
+
+def groove_tables(trade: xr.Dataset, plan: AccuracyPlan) -> list[FactorTable]:
+    """Worn grooves over Hertz' by the loss at the end; cells and steps."""
+    tables = []
+    for sweep in plan.groove_sweeps:
+        points, rows = points_where(trade, sweep=sweep), []
+        for scene in names(points, "scene"):
+            for end, one in by_end(points, scene):
+                ratios = [
+                    float(one[groove][name] / one["hertz"][name])
+                    for name, _ in _RATIOS
+                    for groove in ("worn", "bands")
+                ]
+                followed = float(one["worn"]["wear_over_gap"] > REQUIRED)
+                rows.append((f"loss of {end} A a²", scene, [*ratios, followed]))
+        tables.append(FactorTable(plan.sweeps[sweep].title, LIFE_COLUMNS, rows))
+    return [*tables, *(cell_table(trade, plan, sweep) for sweep in plan.cell_sweeps)]
+
+
+def against_finest(points: xr.Dataset) -> Iterator[tuple[str, str, xr.Dataset]]:
+    """Track, settings and point of each life, its `error_*` and `faster` against the finest."""
+    for scene in names(points, "scene"):
+        here = points_where(points, scene=scene)
+        finest: dict[str, xr.Dataset] = {}
+        for k in range(here.sizes["point"]):
+            point = here.isel(point=k)
+            track, _, settings = str(point["label"].values).partition(", ")
+            first = finest.setdefault(track, point)
+            errors = {
+                f"error_{name}": abs(point[name] / first[name] - 1.0) for name in ("life", "end_qv")
+            }
+            faster = first["life_processor_time"] / point["life_processor_time"]
+            yield track, settings, point.assign(errors | {"faster": faster})
+
+
+def cell_table(trade: xr.Dataset, plan: AccuracyPlan, sweep: str) -> FactorTable:
+    """The worst error of all scenes and tracks, and the median of how much faster."""
+    found: dict[str, list[xr.Dataset]] = {}
+    for _, settings, point in against_finest(points_where(trade, sweep=sweep)):
+        found.setdefault(settings, []).append(point)
+    rows = []
+    for settings, points in found.items():
+        step, _, cells = settings.partition(", ")
+        errors = [max(float(p[f"error_{n}"]) for p in points) for n in ("life", "end_qv")]
+        faster = float(np.median([float(p["faster"]) for p in points]))
+        rows.append((f"{cells} cells, steps of {step}", WORST, [*errors, faster]))
+    return FactorTable(plan.sweeps[sweep].title, CELL_COLUMNS, rows)
+
+
+def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
+    """What lives lose and save whose grooves `auto` does not follow."""
+    errors: dict[str, list[float]] = {"worn": [], "bands": []}
+    saved, lives = [], 0
+    for sweep in plan.groove_sweeps:
+        points = points_where(trade, sweep=sweep)
+        for scene in names(points, "scene"):
+            for _, one in by_end(points, scene):
+                lives += 1
+                if float(one["worn"]["wear_over_gap"]) > REQUIRED:
+                    continue
+                times = [float(one[of]["life_processor_time"]) for of in ("worn", "hertz")]
+                saved.append(float(f"{times[0] / times[1]:.2g}"))
+                for track, found in errors.items():
+                    found.append(abs(float(one["hertz"]["life"] / one[track]["life"]) - 1.0))
+    if not saved:
+        return "`auto` follows the grooves in all of these lives."
+    even, bands = (digits(100.0 * max(found)) for found in errors.values())
+    return (
+        f"`auto` leaves the {len(saved)} of these {lives} lives below {REQUIRED:g} gaps to Hertz' "
+        f"contact. That takes\n{span(saved)} times less, and differs by up to {even} % from balls "
+        f"that wear evenly, {bands} % from bands."
+    )
+
+
+def groove_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
+    """The marked part of docs/accuracy.md."""
+    tables = "\n\n".join(table.text() for table in groove_tables(trade, plan))
+    return f"""{_PART.begin}
+Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not to be edited here.
+Lives end at a loss of so many gaps between ball and groove at the edge of the new contact, A a²,
+or at 40 % of the preload. The first tables have factors over the life with Hertz' contact that ends
+at the same loss; balls wear evenly or in bands. "End QV" is that at the end of life. Times are
+processor times of lives with all error estimates. The last tables have errors against the finest
+cells and steps (of the gap), without estimates, the worst of scenes and tracks. A run of the study
+compares: answers agree within {answers_agree_within()}, errors within a factor
+{plan.tolerance.error:g}, times within a factor {plan.tolerance.time:g}.
+
+{what_auto_saves(trade, plan)}
+
+{tables}
+{_PART.end}"""
+
+
+def grooves_table(trade: Path, plan: Path) -> str:
+    """Step: the tables alone."""
+    tables = groove_tables(loaded(trade, point=()), read_record(AccuracyPlan, plan))
+    return "\n\n".join(table.text() for table in tables) + "\n"
+
+
+def docs_with_grooves(trade: Path, plan: Path, docs: Path) -> str:
+    """Step: the docs with the block of this run in the place of the old one.
+
+    Raises
+    ------
+    CaseFileError
+        Where they have no such block.
+    """
+    before, _, after = _PART.split(docs)
+    return before + groove_block(loaded(trade, point=()), read_record(AccuracyPlan, plan)) + after
+
+
+def groove_differences(trade: xr.Dataset, plan: AccuracyPlan, docs: Path) -> list[str]:
+    """Where the block of the docs differs from a run; a line each."""
+    _, old, _ = _PART.split(docs)
+    tables = groove_tables(trade, plan)
+    return [f"{docs}: {line}" for t in tables for line in t.differences(old, plan.tolerance)]
