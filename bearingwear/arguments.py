@@ -127,6 +127,7 @@ def command_parser() -> argparse.ArgumentParser:
 def _add_step(step: argparse.ArgumentParser) -> None:
     step.add_argument("step", metavar="STEP")
     step.add_argument("inputs", nargs="*", metavar="NAME=FILE")
+    step.add_argument("--workers", type=int, default=1, metavar="N")
     step.add_argument("--settings", type=_mapping, default={}, metavar="JSON")
     step.add_argument("-o", "--output", required=True, nargs="+", metavar="FILE", type=Path)
     step.set_defaults(run="step")
@@ -272,7 +273,7 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         help="where the study of a scene is made; default: named as the scene's file",
     )
     study.add_argument(
-        "-j", "--jobs", type=int, default=2, metavar="N", help="jobs at a time; default 2"
+        "-j", "--jobs", type=int, metavar="N", help="jobs at a time; default: one for each core"
     )
     _add_limits(study)
     study.epilog = (

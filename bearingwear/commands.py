@@ -175,8 +175,10 @@ def study(args: argparse.Namespace) -> int:
         launch_own,
         only_run,
     )
+    from bearingwear.studies.sampling import usable_cores
 
     check_arguments(args.more, [option for option, *_ in LIMITS] + ["--output", "--jobs"])
+    jobs = args.jobs or usable_cores()
 
     if args.name.endswith(SCENE_SUFFIXES):
         from bearingwear.studies.own.folder import answer_of, looked_at, write_study
@@ -186,21 +188,21 @@ def study(args: argparse.Namespace) -> int:
         if DRY_RUN & set(args.more):
             with looked_at(folder) as other:
                 write_study(file, folder, _limits(args), other)
-                return launch("all", args.jobs, args.more, other)
+                return launch("all", jobs, args.more, other)
         with contextlib.ExitStack() as stack:
             # a new folder comes into being only for a scene that can be studied
             held = stack.enter_context(only_run(folder)) if folder.exists() else None
             name = write_study(file, folder, _limits(args))
             if held is None:
                 held = stack.enter_context(only_run(folder))
-            status, page = launch_own(folder, args.jobs, held, args.more)
+            status, page = launch_own(folder, jobs, held, args.more)
         if page:
             _print(f"{page}: {answer_of(folder, name)}")
         return status
     if not CONFIG.is_file():  # refused, and no folder made
-        return launch(args.name, args.jobs, args.more)
+        return launch(args.name, jobs, args.more)
     with only_run(Path()) as held:
-        return launch(args.name, args.jobs, args.more, files=[held])
+        return launch(args.name, jobs, args.more, files=[held])
 
 
 def step(args: argparse.Namespace) -> int:
@@ -215,7 +217,7 @@ def step(args: argparse.Namespace) -> int:
         else:
             inputs[name] = Path(file)
     try:
-        run_step(args.step, inputs, args.settings, args.output)
+        run_step(args.step, inputs, args.settings, args.output, args.workers)
     except NotSolved as error:
         sys.stderr.write(f"{error}\n")
         return NOT_SOLVED

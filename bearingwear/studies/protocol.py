@@ -46,7 +46,10 @@ class Step:
     priority : int
         Jobs of a higher one start first.
     alone : bool
-        Whether it takes every core, so that nothing is timed beside it.
+        Whether it takes every core: nothing is timed beside it, and `workers` of its function, if
+        it has them, are that many processes.
+    tells : bool
+        Whether what it says on its way is seen while it runs, besides in its log.
     after : sequence of str
         Files that must be there first although the function does not read them.
     caption, category, result : str
@@ -67,6 +70,7 @@ class Step:
     seconds: float = 0.0
     priority: int = 0
     alone: bool = False
+    tells: bool = False
     after: Sequence[str] = ()
     caption: str = ""
     category: str = "{scene}"
@@ -138,6 +142,7 @@ class Bundle:
     seconds: float = 0.0
     priority: int = 0
     alone: bool = False
+    tells: bool = False
     after: Sequence[str] = ()
 
     def one(self, wildcards: Wildcards) -> Bundle:

@@ -25,7 +25,11 @@ class StepError(UsageError):
 
 
 def run_step(
-    step: str, inputs: Mapping[str, Any], settings: Mapping[str, Any], outputs: Sequence[Path]
+    step: str,
+    inputs: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    outputs: Sequence[Path],
+    workers: int = 1,
 ) -> None:
     """Call the function of a step and write its outputs, each whole or not at all.
 
@@ -36,6 +40,8 @@ def run_step(
     inputs, settings : mapping
         Keyword arguments: files, and all else.
     outputs : sequence of path
+    workers : int
+        Processes, for a function that takes `workers`; they decide nothing.
 
     Raises
     ------
@@ -45,8 +51,10 @@ def run_step(
         Where the step itself fails; nothing is written.
     """
     function = _function(step)
+    signature = inspect.signature(function)
+    shared = {"workers": workers} if "workers" in signature.parameters else {}
     try:
-        arguments = inspect.signature(function).bind(**inputs, **settings)
+        arguments = signature.bind(**shared, **inputs, **settings)
     except TypeError as error:
         raise StepError(f"step: got {step} with other arguments than it takes; {error}") from None
     made = function(*arguments.args, **arguments.kwargs)

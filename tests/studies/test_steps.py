@@ -9,6 +9,8 @@ import yaml
 from support import ROOT
 
 from bearingwear import studies
+from bearingwear.studies import run_step
+from bearingwear.studies.design import recommend
 
 
 def pattern_of(step, output):
@@ -70,3 +72,26 @@ def test_steps_are_called_as_their_functions_are(made):
         called.add(step.run)
     runs = {step.run for study in made.values() for step in study.steps}
     assert called == runs
+
+
+def test_every_core_goes_to_a_step_that_shares_its_work(monkeypatch, tmp_path):
+    """The rule's threads are `workers` of the function, where it has them; no setting says so."""
+    monkeypatch.setattr(run_step, "_function", {"shared": shared, "single": single}.get)
+    for name, workers in (("shared", 7), ("single", None)):
+        run_step.run_step(name, {}, {"text": "a"}, [tmp_path / name], 7)
+        assert (tmp_path / name).read_text(encoding="utf-8") == f"a {workers}"
+
+
+def shared(text, workers=1):
+    return f"{text} {workers}"
+
+
+def single(text):
+    return f"{text} None"
+
+
+def test_the_small_map_takes_every_core_and_says_how_far_it_is(made):
+    steps = [step for study in made.values() for step in study.steps]
+    told = {step.run for step in steps if step.alone and step.tells}
+    assert told == {"studies.design.recommend.small_map"}
+    assert "workers" in inspect.signature(recommend.small_map).parameters

@@ -137,6 +137,10 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     status, told = study("-j2", "--system-stiffness", "4")
     assert status == 0, told
     folder = tmp_path / "folder"
+    (log,) = folder.glob("logs/design/small_map/**/*.log")
+    lines = log.read_text(encoding="utf-8").splitlines()  # seen while they are written, too
+    assert "mine: the best preloads between those of the map" in lines
+    assert set(lines) <= set(told.splitlines())
     page = text_of(folder / "index.html")
     assert re.search("<h1>gyro_s1: take a (spring|rigid) pair ", page)
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")

@@ -23,9 +23,10 @@ for study in STUDIES.values():
                 made_from=made_from(job),
                 calls=calls_of(job),
                 label=label_of(job),
+                to_log="|& tee /dev/stderr >" if job.tells else "&>",
             message:
                 "{params.label}"
             shell:
-                "bearingwear step {params.calls} > {log} 2>&1"
+                "bearingwear step --workers {threads} {params.calls} {params.to_log} {log}"
 
         about(f"{study.name}_{job.name}", job.about or job.label)

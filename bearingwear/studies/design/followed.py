@@ -122,7 +122,8 @@ def followed_lines(
         return at_scene
     solved = in_processes(solve, scenes, workers, "recommend")
     if tell is not None:
-        solved = told_in_lines(solved, len(scenes), "{} of {} lives of the map", tell=tell)
+        what = "{} of {} lives with grooves as they wear"
+        solved = told_in_lines(solved, len(scenes), what, tell=tell)
     points = list(solved)
     if all(point["groove"] == HERTZIAN_GROOVE for point in points):
         return at_scene

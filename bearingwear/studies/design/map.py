@@ -204,23 +204,37 @@ def map_part(
     slip_limit : float, optional
         Gyroscopic slip share whose passing is timed [1]; other limits do not matter here.
     """
-    return solved_part(life_scene(scene), method, friction, shaft_speed_rpm, preload_N, slip_limit)
+    axes = method, friction, shaft_speed_rpm, preload_N
+    base = life_scene(scene)
+    points = [life_point(one, slip_limit) for one in scenes_of_part(base, *axes)]
+    return part_of(base, *axes, slip_limit, points)
 
 
-def solved_part(
+def scenes_of_part(
+    base: Scene,
+    method: str,
+    friction: float,
+    shaft_speed_rpm: Sequence[float],
+    preload_N: Sequence[float],
+) -> list[Scene]:
+    """The scenes of a part of the map, the preload fastest."""
+    return [
+        scene_at(base, method, friction, speed, preload)
+        for speed in shaft_speed_rpm
+        for preload in preload_N
+    ]
+
+
+def part_of(
     base: Scene,
     method: str,
     friction: float,
     shaft_speed_rpm: Sequence[float],
     preload_N: Sequence[float],
     slip_limit: float | None,
+    points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """`map_part` of a scene that was read."""
-    points = [
-        life_point(scene_at(base, method, friction, speed, preload), slip_limit)
-        for speed in shaft_speed_rpm
-        for preload in preload_N
-    ]
+    """`map_part` from what `life_point` gives for its scenes."""
     coords = {
         **coordinate(MAP_AXES["preload_method"], [PRELOAD_METHODS.index(method)]),
         **coordinate(MAP_AXES["friction"], [friction]),

@@ -9,6 +9,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ from bearingwear.studies.design.followed import (
     followed_lines,
     with_grooves,
 )
-from bearingwear.studies.design.map import solved_part
+from bearingwear.studies.design.map import life_point, part_of, scenes_of_part
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.preload_line import PreloadLine, best_point
 from bearingwear.studies.design.room import (
@@ -47,7 +48,7 @@ from bearingwear.studies.design.room import (
 from bearingwear.studies.design.verdict import held, verdict_on
 from bearingwear.studies.design.words import NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
-from bearingwear.studies.pool import Tell, in_processes
+from bearingwear.studies.pool import Tell, in_processes, to_stderr, told_in_lines
 
 RECOMMENDATION = "recommendation"
 RECOMMENDED_PRELOAD = Variable(
@@ -71,17 +72,23 @@ def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
 
 
 def small_map(
-    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, float]
+    scene: Path, axes: Mapping[str, Any], limits: Mapping[str, float], workers: int = 1
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Step: a map and the preload to take of it, in one process.
+    """Step: a map and the preload to take of it.
 
     Parameters
     ----------
     scene : path
     axes, limits : mapping
         `MapAxes` and `DesignLimits` by their names.
+    workers : int
+        Processes that share the lives.
     """
-    return mapped(life_scene(scene), MapAxes(**axes), DesignLimits(**limits))
+
+    def tell(text: str) -> None:
+        to_stderr(f"{scene.stem}: {text}")
+
+    return mapped(life_scene(scene), MapAxes(**axes), DesignLimits(**limits), workers, tell)
 
 
 def mapped(
@@ -92,19 +99,21 @@ def mapped(
     tell: Tell | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """A map and the preload to take of it; `workers` and `tell` as of `recommendation`."""
+    slip_limit = limits.gyroscopic_slip_share
     parts = [
-        solved_part(
-            scene,
-            method,
-            friction,
-            axes.shaft_speed_rpm,
-            axes.preload_N,
-            limits.gyroscopic_slip_share,
-        )
+        (method, friction, axes.shaft_speed_rpm, axes.preload_N)
         for method in axes.preload_method
         for friction in axes.friction
     ]
-    design = whole_map(parts, limits.given)
+    scenes = [one for part in parts for one in scenes_of_part(scene, *part)]
+    many = 1 if scene.pair is None else workers  # a pair's life takes a second
+    lives = in_processes(partial(life_point, slip_limit=slip_limit), scenes, many, "recommend")
+    if tell is not None:
+        lives = told_in_lines(lives, len(scenes), "{} of {} lives with Hertzian grooves", tell=tell)
+    points = iter(list(lives))
+    each = len(scenes) // len(parts)
+    made = [part_of(scene, *part, slip_limit, list(islice(points, each))) for part in parts]
+    design = whole_map(made, limits.given)
     return design, recommendation(scene, design, workers, tell)
 
 
@@ -143,7 +152,7 @@ def recommendation(
     limits, basis = limits_of(design), counted(design)
     at_scene = design.sel(point, drop=True)
     lines = followed_lines(scene, at_scene, limits.gyroscopic_slip_share, workers, tell)
-    if lines is at_scene:  # quick
+    if lines is at_scene and scene.pair is None:  # quick
         workers, tell = 1, None
     if tell:
         tell("the best preloads between those of the map")

@@ -190,6 +190,8 @@ class DesignStudy(Study):
                 },
                 matches={"scene": "|".join(map(re.escape, maps))},
                 label="{scene}: small map and recommended preload",
+                alone=True,
+                tells=True,
             ),
             *(
                 Step(
