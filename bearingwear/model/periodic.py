@@ -15,7 +15,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.integrators import Tableau
 from bearingwear.kernels.state import BALL, OMEGA, PSI
 from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.stability import Growth
+from bearingwear.model.stability import GrowthRates
 from bearingwear.model.tangents import tangents
 
 _TURN = 2.0 * np.pi
@@ -37,7 +37,7 @@ class PeriodicMotion:
     error: float  # change over it, of the largest speed or in rad [1]
     turns: float  # simulated to find it
     inverse: np.ndarray  # of the derivative of what a passing changes, see `Passing.solve`
-    growth: Growth | None = None  # of its disturbances, where it was asked for and found
+    growth: GrowthRates | None = None  # of its disturbances, where it was asked for and found
 
     @property
     def told(self) -> str:
@@ -148,13 +148,13 @@ class Passing:
         J[m, PSI:m:BALL] = 1.0 / self.n
         return J
 
-    def growth(self, states: np.ndarray) -> Growth | None:
+    def growth(self, states: np.ndarray) -> GrowthRates | None:
         """How disturbances of a motion grow that repeats itself from these states."""
         found = self.change_and_tangents(states)
         if found is None:
             return None
         multipliers = np.linalg.eigvals(np.roll(found[1], self.ahead * BALL, axis=0))
-        return Growth.of(multipliers, self.n, float(states[-1]))
+        return GrowthRates.of(multipliers, self.n, float(states[-1]))
 
     def solve(
         self, states: np.ndarray, inverse: np.ndarray | None = None

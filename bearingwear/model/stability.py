@@ -9,13 +9,13 @@ import numpy as np
 from bearingwear.scene.scene import Scene
 
 LEAST_GROWTH = 1e-5
-"""Growth a turn from which a motion is unstable: less is left open by `tangents`."""
+"""GrowthRates a turn from which a motion is unstable: less is left open by `tangents`."""
 
 _NOTHING = 1e-300  # the least of multipliers, where there are none
 
 
 @dataclass(frozen=True)
-class Growth:
+class GrowthRates:
     """Rates at which small disturbances of a periodic motion grow, per shaft turn.
 
     Were the race held, the phase of each ball would stay as it is: n multipliers of 1, one of which
@@ -27,7 +27,7 @@ class Growth:
     other: float  # the slowest to die out of all others
 
     @classmethod
-    def of(cls, multipliers: np.ndarray, balls: int, turns: float) -> "Growth":
+    def of(cls, multipliers: np.ndarray, balls: int, turns: float) -> "GrowthRates":
         """From what a passing of so many turns multiplies disturbances by.
 
         It moves the phases on by a ball: those of the spacing stay near the roots of 1.
@@ -62,7 +62,7 @@ class Growth:
         )
 
 
-def is_marched_instead(scene: Scene, growth: Growth | None) -> bool:
+def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
     """Whether a motion is unstable, and not by the spacing that a cage keeps, and may be left."""
     asked = scene.model.dynamic_solution
     return asked == "auto" and growth is not None and growth.other > LEAST_GROWTH
@@ -72,7 +72,7 @@ def unstable_told(
     scene: Scene, values: Mapping[str, float]
 ) -> tuple[None, Mapping[str, Any]] | None:
     """What is said of a periodic motion that does not last, and the advice."""
-    growth = {name: values.get(name, -np.inf) for name in Growth(0.0, 0.0).values}
+    growth = {name: values.get(name, -np.inf) for name in GrowthRates(0.0, 0.0).values}
     spacing, other = growth.values()
     if other > LEAST_GROWTH:
         said = f"its disturbances grow e-fold in {1.0 / other:.2g} shaft turns"

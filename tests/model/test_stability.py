@@ -8,7 +8,7 @@ from bearingwear.kernels.state import PSI
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.periodic import Passing, periodic_motion
 from bearingwear.model.solve import solve
-from bearingwear.model.stability import Growth
+from bearingwear.model.stability import GrowthRates
 from bearingwear.model.start import start_of
 from bearingwear.results.warnings import warnings_in
 
@@ -39,7 +39,7 @@ def test_known_multipliers(largest, others):
     phases[[1, -1]] *= largest / 0.98
     phases[0] = 1.0
     multipliers = np.concatenate([others * np.exp(1j * np.arange(-2, 3)), phases[::-1]])
-    growth = Growth.of(multipliers, n, turns)
+    growth = GrowthRates.of(multipliers, n, turns)
     assert_allclose(growth.spacing, np.log(largest) / turns, rtol=1e-12)
     assert_allclose(growth.other, np.log(others) / turns, rtol=1e-12)
 
@@ -104,7 +104,7 @@ def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
 
 def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
     """By auto, which says why; it is kept, and warned of, where it is asked for."""
-    monkeypatch.setattr(Passing, "growth", lambda self, states: Growth(spacing=0.0, other=0.1))
+    monkeypatch.setattr(Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, other=0.1))
     marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
     assert "left, unstable: disturbances grow e-fold in 10 turns" in marched.attrs["start"]
     assert marched.values["simulated_turns"] == 1.0
