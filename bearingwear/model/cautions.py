@@ -17,6 +17,7 @@ from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence, evidenc
 from bearingwear.model.fidelity import Choice, unwatched
 from bearingwear.model.films_told import film_worn
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
+from bearingwear.model.stability import unstable_told
 from bearingwear.scene.scene import Scene
 from bearingwear.sides import of_bearing
 
@@ -324,6 +325,12 @@ CAUTIONS = (
         "the cage has no weight: gravity may change its motion, and the wear of pockets and land "
         "tenfold or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
+    ),
+    Caution(
+        "motion_unstable",
+        lambda e: unstable_told(e.scene, e.values),
+        "the periodic motion does not last: {said}",
+        "{advice}",
     ),
     Caution(
         "slip_rounded",

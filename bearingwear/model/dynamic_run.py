@@ -17,6 +17,7 @@ from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.periodic import PeriodicMotion, periodic_motion
 from bearingwear.model.solution import is_found_periodic
+from bearingwear.model.stability import is_marched_instead
 from bearingwear.model.start import Start, start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem, steady_answers
 from bearingwear.model.time_run import FAR_FROM_LAND, INTEGRATORS, RunGrid, TimeRun
@@ -143,10 +144,16 @@ def run_of(
     slow = start.scales.get("slow_time_scale", 0.0) / system.turn
     motion = grid = None
     if is_found_periodic(scene):
-        motion = found_periodic(scene, system, tolerance, linear=start.linear)
-        if motion is not None:
+        begun = system.packed(), system.time
+        motion = found_periodic(scene, system, tolerance)
+        if motion is not None and is_marched_instead(scene, motion.growth):
+            system.unpack(*begun)
+            attrs["start"] = f"{kind}; a periodic motion was found and left, {motion.told}"
+            motion = None
+        elif motion is not None:
             grid = RunGrid.of_orbit(scene, motion, system.turn)
             attrs["start"] = f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
+            values |= motion.growth.values if motion.growth else {}
         elif scene.model.dynamic_solution == "periodic":
             attrs["residual"] = "not solved: no periodic motion was found"
             return values | {"status": code.NOT_CONVERGED}, attrs
@@ -303,11 +310,10 @@ def found_periodic(
     system: DynamicSystem,
     tolerance: float,
     near: PeriodicMotion | None = None,
-    linear: np.ndarray | None = None,
 ) -> PeriodicMotion | None:
     """The periodic motion near a system's state; the system moves to it, if there is one."""
     begun, method = (system.packed(), system.time), INTEGRATORS[scene.model.integrator]
-    motion = periodic_motion(system, tolerance, method, near, linear)
+    motion = periodic_motion(system, tolerance, method, near)
     system.unpack(*begun)
     if motion is not None:
         system.balls[:] = motion.balls
@@ -319,7 +325,7 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} a turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
-        f"{motion.error:.1e} of the largest speed{drift}"
+        f"{motion.error:.1e} of the largest speed; {motion.told}{drift}"
     )
 
 

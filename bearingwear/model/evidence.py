@@ -32,6 +32,7 @@ class Evidence:
     lifted: float = 0.0  # share of time that any ball is off the inner race
     loss: float = math.nan  # of ball diameter [m]
     life: Mapping[str, Any] | None = None  # values of a life
+    values: Mapping[str, Any] = field(default_factory=dict)  # of a case
 
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
@@ -60,5 +61,6 @@ def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iter
             slip=float(qv.sum() / state["load"].sum()) if state["load"].any() else math.nan,
             torque_error=float(values.get("shaft_torque_error_estimate", math.nan)),
             life=values if history else None,
+            values={} if history else values,
             **state,
         )

@@ -2,25 +2,25 @@
 
 Under a load that stands still, or turns at one rate, like balls that are evenly spaced all move
 alike: after the time of a passing each is where the next one was, as seen from the load. That is
-solved by a quasi-Newton method for the balls' states and the time. A run settles by itself where
-this is stable, but may take hundreds of turns, and its balls may bunch, which a cage keeps them
-from.
+solved by a quasi-Newton method for the balls' states and the time, and what small disturbances of
+it grow to in a passing says whether it lasts. A run does not come to it by itself: the spacing that
+its balls have once the rest has settled stays, or they bunch, which a cage keeps them from.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.integrators import Tableau
 from bearingwear.kernels.state import BALL, OMEGA, PSI
 from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.stability import GrowthRates
+from bearingwear.model.tangents import tangents
 
 _TURN = 2.0 * np.pi
 CONVERGED = 1e-9  # change over a passing, of the largest speed or in rad
 ACCEPTED = 1e-6  # where the steps in time are too rough for better
-_SHIFT = 1e-5  # of the states, to see what they do; far above what the steps leave open
 _MOST_STEPS = 25  # of the quasi-Newton method
 _STALLED = 6  # steps without a smaller change
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try
@@ -37,6 +37,12 @@ class PeriodicMotion:
     error: float  # change over it, of the largest speed or in rad [1]
     turns: float  # simulated to find it
     inverse: np.ndarray  # of the derivative of what a passing changes, see `Passing.solve`
+    growth: GrowthRates | None = None  # of its disturbances, where it was asked for and found
+
+    @property
+    def told(self) -> str:
+        """Whether it lasts, in words."""
+        return self.growth.told if self.growth else "stability not known"
 
 
 class Passing:
@@ -102,67 +108,53 @@ class Passing:
     def change(self, states: np.ndarray) -> np.ndarray | None:
         """What a passing changes beyond the shift by a ball, and of the mean azimuth."""
         passing = self.place(states)
-        if not 0.0 < passing < LONGEST_PASSING * self.system.turn or not self.advance(passing):
+        if not self.is_usable(passing) or not self.advance(passing):
             return None
+        return self.changed(states)
+
+    def is_usable(self, passing: float) -> bool:
+        """Whether a passing lasts neither no time nor for ever [s]."""
+        return 0.0 < passing < LONGEST_PASSING * self.system.turn
+
+    def changed(self, states: np.ndarray) -> np.ndarray:
+        """`change`, once a passing from these states has been simulated."""
         there = self.system.balls.copy()
-        there[:, PSI] -= self.load_rate * passing
+        there[:, PSI] -= self.load_rate * states[-1] * self.system.turn
         next_one = np.roll(states[:-1].reshape(self.n, BALL), -self.ahead, axis=0)
         next_one[-1 if self.ahead > 0 else 0, PSI] += self.ahead * _TURN
         mean = states[PSI:-1:BALL].mean() - self.middle
         return np.append(there / self.scale - next_one, mean)
 
-    def slope(self, states: np.ndarray, change: np.ndarray) -> np.ndarray | None:
-        """Derivative of `change`, each ball's states counted as if they moved it alone.
-
-        Like shifts of all balls at once give it, five runs for all of them.
-        """
-        n, m = self.n, self.n * BALL
-        own = np.tile(np.eye(BALL), (n, 1, 1))
-        for q in range(BALL):
-            shifted = states.copy()
-            shifted[q:m:BALL] += _SHIFT
-            after = self.change(shifted)
-            if after is None:
-                return None
-            own[:, :, q] += ((after - change)[:m] / _SHIFT).reshape(n, BALL)
-        longer = states.copy()
-        longer[m] *= 1.0 + _SHIFT
-        after = self.change(longer)
-        if after is None:
+    def change_and_tangents(self, states: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """`change`, and the derivative (5 n, 5 n) of where a passing leads by the states."""
+        passing = self.place(states)
+        if not self.is_usable(passing):
             return None
-        return self.assembled(own, (after - change) / (_SHIFT * states[m]))
+        self.simulated += passing
+        found = tangents(self.system, self.control, passing)
+        if found is None:
+            return None
+        scale = np.tile(self.scale, self.n)
+        return self.changed(states), found * scale / scale[:, np.newaxis]
 
-    def thrust_slope(self, linear: np.ndarray) -> np.ndarray:
-        """`slope` if each ball returned to its motion as under the thrust alone; no run for it.
-
-        Parameters
-        ----------
-        linear : ndarray (4, 4)
-            Derivative of the rates of (w_x, w_y, w_z, Omega) by these [1/s].
-        """
-        k = OMEGA + 1
-        with_integral = np.zeros((2 * k, 2 * k))
-        with_integral[:k, :k], with_integral[k:, :k] = linear, np.eye(k)
-        moved = expm(self.passing * with_integral)
-        own = np.eye(BALL)
-        own[:k, :k] = moved[:k, :k]
-        own[PSI, :k] = self.speed * moved[k + OMEGA, :k]
+    def slope(self, moved: np.ndarray) -> np.ndarray:
+        """Derivative of `change` where a passing ends, from that of where it leads."""
         m = self.n * BALL
-        by_time = np.zeros(m + 1)
-        by_time[PSI:m:BALL] = (self.system.balls[:, OMEGA] - self.load_rate) * self.system.turn
-        return self.assembled(np.tile(own, (self.n, 1, 1)), by_time)
-
-    def assembled(self, own: np.ndarray, by_time: np.ndarray) -> np.ndarray:
-        """Derivative of `change` from that of each ball's states (n, 5, 5), and by the passing."""
-        n, m = self.n, self.n * BALL
-        J, ball = np.zeros((m + 1, m + 1)), np.arange(n)
-        for q in range(BALL):
-            J[ball * BALL + q, (ball + self.ahead) % n * BALL + q] -= 1.0
-        for j in range(n):
-            J[j * BALL : (j + 1) * BALL, j * BALL : (j + 1) * BALL] += own[j]
-        J[:, m] = by_time
-        J[m, PSI:m:BALL] = 1.0 / n
+        rates = self.system.rates()[:m].reshape(self.n, BALL) / self.scale
+        rates[:, PSI] -= self.load_rate
+        J = np.zeros((m + 1, m + 1))
+        J[:m, :m] = moved - np.roll(np.eye(m), self.ahead * BALL, axis=1)
+        J[:m, m] = rates.ravel() * self.system.turn
+        J[m, PSI:m:BALL] = 1.0 / self.n
         return J
+
+    def growth(self, states: np.ndarray) -> GrowthRates | None:
+        """How disturbances of a motion grow that repeats itself from these states."""
+        found = self.change_and_tangents(states)
+        if found is None:
+            return None
+        multipliers = np.linalg.eigvals(np.roll(found[1], self.ahead * BALL, axis=0))
+        return GrowthRates.of(multipliers, self.n, float(states[-1]))
 
     def solve(
         self, states: np.ndarray, inverse: np.ndarray | None = None
@@ -172,15 +164,15 @@ class Passing:
         Broyden's method, from `slope` or from an inverse that it ended with nearby, which is
         returned last.
         """
-        change = self.change(states)
         nothing = states, np.inf, np.empty((0, 0))
-        if change is None:
-            return nothing
         if inverse is None:
-            J = self.slope(states, change)
-            inverse = None if J is None else inverse_of(J)
-            if inverse is None:
-                return nothing
+            found = self.change_and_tangents(states)
+            change = None if found is None else found[0]
+            inverse = None if found is None else inverse_of(self.slope(found[1]))
+        else:
+            change = self.change(states)
+        if change is None or inverse is None:
+            return nothing
         best, size, inverse = states, float(np.abs(change).max()), inverse.copy()
         since = 0
         for _ in range(_MOST_STEPS if size > CONVERGED else 0):
@@ -215,7 +207,6 @@ def periodic_motion(
     tolerance: float,
     method: Tableau,
     near: PeriodicMotion | None = None,
-    linear: np.ndarray | None = None,
 ) -> PeriodicMotion | None:
     """The periodic motion that the balls of a system come to; None where none is found.
 
@@ -226,19 +217,14 @@ def periodic_motion(
     tolerance, method
         See `DynamicSystem.control`.
     near : PeriodicMotion, optional
-        Of much the same system, where the balls are already.
-    linear : ndarray (4, 4), optional
-        See `Passing.thrust_slope`.
+        Of much the same system, where the balls are already; the growth of disturbances is not
+        asked for again.
     """
     passing = Passing(system, tolerance, method)
     tries: list[tuple[float, np.ndarray | None]] = [(orbits, None) for orbits in MARCHED]
     if near is not None:
         passing.passing = near.passing
         tries.insert(0, (0.0, near.inverse))
-    elif linear is not None and passing.passing <= LONGEST_PASSING * system.turn:
-        inverse = inverse_of(passing.thrust_slope(linear))
-        if inverse is not None:
-            tries.insert(0, (0.0, inverse))
     for orbits, inverse in tries:
         if passing.passing > LONGEST_PASSING * system.turn:
             return None
@@ -246,6 +232,7 @@ def periodic_motion(
             return None
         states, error, inverse = passing.solve(passing.states(), inverse)
         if error <= ACCEPTED:
+            growth = passing.growth(states) if near is None else None
             found = passing.place(states)
             return PeriodicMotion(
                 balls=system.balls.copy(),
@@ -254,6 +241,7 @@ def periodic_motion(
                 error=error,
                 turns=passing.simulated / system.turn,
                 inverse=inverse,
+                growth=growth,
             )
         system.unpack(*passing.begun)
     return None

@@ -20,7 +20,6 @@ class Start:
     kind: str
     scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], where known
     case: ThrustCase | None = None  # the steady state under the thrust alone, where there is one
-    linear: np.ndarray | None = None  # (4, 4), see `ThrustProblem.linear_motion`
 
 
 def thrust_alone(scene: Scene) -> Scene:
@@ -38,13 +37,12 @@ def start_of(scene: Scene) -> Start:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
         if case.status in (code.OK, code.UNVERIFIED):
-            linear = problem.linear_motion(D, case)
-            eigenvalues = np.linalg.eigvals(linear)
+            eigenvalues = np.linalg.eigvals(problem.linear_motion(D, case))
             scales = {
                 "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
                 "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
             }
-            return Start(case.u, "the steady state under the thrust alone", scales, case, linear)
+            return Start(case.u, "the steady state under the thrust alone", scales, case)
     u = race_control_motion(scene)
     if u is not None:
         return Start(u, "race control", {})

@@ -270,6 +270,13 @@ DYNAMIC = table(
     Variable("wear_rate_drift_per_turn", (), "1",
         "change of the wear rate per shaft turn, over the rate", label="drift of the wear rate",
         shown="%/turn"),
+    Variable("spacing_growth_per_turn", (), "1",
+        "growth rate of disturbances of the balls' even spacing in a periodic motion, per shaft "
+        "turn, the fastest", label="growth of uneven spacing", shown="%/turn",
+        comment="positive: the balls would bunch if no cage kept them apart"),
+    Variable("disturbance_growth_per_turn", (), "1",
+        "growth rate of all other disturbances of a periodic motion, per shaft turn, the fastest",
+        label="growth of disturbances", shown="%/turn", comment="negative: they die out"),
     Variable("steps_accepted", (), "1", "steps of the time integration", "i8", label="steps"),
     Variable("steps_rejected", (), "1", "steps that were repeated with a shorter one", "i8",
         label="steps repeated"),

@@ -1,0 +1,86 @@
+"""Whether a periodic motion lasts: what small disturbances of it grow to (theory.md section 22)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bearingwear.scene.scene import Scene
+
+LEAST_GROWTH = 1e-5
+"""GrowthRates a turn from which a motion is unstable: less is left open by `tangents`."""
+
+_NOTHING = 1e-300  # the least of multipliers, where there are none
+
+
+@dataclass(frozen=True)
+class GrowthRates:
+    """Rates at which small disturbances of a periodic motion grow, per shaft turn.
+
+    Were the race held, the phase of each ball would stay as it is: n multipliers of 1, one of which
+    says that the motion may begin at any instant. The race couples the balls, which makes those of
+    their spacing a little larger or smaller. All others belong to slip and spin.
+    """
+
+    spacing: float  # of the balls' even spacing, the fastest; -inf for a single ball
+    other: float  # the slowest to die out of all others
+
+    @classmethod
+    def of(cls, multipliers: np.ndarray, balls: int, turns: float) -> "GrowthRates":
+        """From what a passing of so many turns multiplies disturbances by.
+
+        It moves the phases on by a ball: those of the spacing stay near the roots of 1.
+        """
+        left, phases = list(multipliers), []
+        for root in np.exp(2j * np.pi * np.arange(balls) / balls):
+            phases.append(left.pop(int(np.argmin(np.abs(np.array(left) - root)))))
+        rates = (
+            float(np.log(np.abs(group).max(initial=_NOTHING))) / turns
+            for group in (phases[1:], left)
+        )
+        return cls(*rates)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The same as variables of a result."""
+        return {"spacing_growth_per_turn": self.spacing, "disturbance_growth_per_turn": self.other}
+
+    @property
+    def told(self) -> str:
+        """The same in words."""
+        if self.other > LEAST_GROWTH:
+            return f"unstable: disturbances grow e-fold in {1.0 / self.other:.2g} turns"
+        spacing = (
+            f"grow e-fold in {1.0 / self.spacing:.2g} turns"
+            if self.spacing > LEAST_GROWTH
+            else "do not grow"
+        )
+        return (
+            f"disturbances die out e-fold in {-1.0 / self.other:.2g} turns; those of the balls' "
+            f"even spacing {spacing}"
+        )
+
+
+def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
+    """Whether a motion is unstable, and not by the spacing that a cage keeps, and may be left."""
+    asked = scene.model.dynamic_solution
+    return asked == "auto" and growth is not None and growth.other > LEAST_GROWTH
+
+
+def unstable_told(
+    scene: Scene, values: Mapping[str, float]
+) -> tuple[None, Mapping[str, Any]] | None:
+    """What is said of a periodic motion that does not last, and the advice."""
+    growth = {name: values.get(name, -np.inf) for name in GrowthRates(0.0, 0.0).values}
+    spacing, other = growth.values()
+    if other > LEAST_GROWTH:
+        said = f"its disturbances grow e-fold in {1.0 / other:.2g} shaft turns"
+        return None, {"said": said, "advice": "set model.dynamic_solution: march"}
+    if spacing > LEAST_GROWTH and scene.cage is None:
+        said = (
+            "nothing keeps the balls apart, and disturbances of their even spacing grow e-fold in "
+            f"{1.0 / spacing:.2g} shaft turns"
+        )
+        return None, {"said": said, "advice": "give the scene its cage"}
+    return None
