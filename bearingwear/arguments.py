@@ -97,28 +97,11 @@ def command_parser() -> argparse.ArgumentParser:
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
-    show = command("show", "print the main numbers of a result file or a scene")
-    show.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
-    show.add_argument(
-        "--all",
-        action="store_true",
-        help="also print residuals, error estimates, steps and versions",
-    )
-    _add_formats(show)
+    _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
         command("compare", "list what differs between two result files; exit 1 if anything does")
     )
-    plot = command("plot", "draw a result file")
-    plot.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
-    plot.add_argument(
-        "-o",
-        "--output",
-        nargs="+",
-        default=[],
-        metavar="FIGURE",
-        type=Path,
-        help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
-    )
+    _add_plot(command("plot", "draw a result file"))
     _add_study(command("study", "run the study of a scene, or one of the current folder"))
     _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
     return parser
@@ -279,6 +262,29 @@ def _add_study(study: argparse.ArgumentParser) -> None:
     study.epilog = (
         "Further arguments go to Snakemake and stand after a name, as in `bearingwear study all "
         "--configfile other.yaml`."
+    )
+
+
+def _add_show(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("file", metavar="FILE", help="a result file of any kind, or a scene")
+    sub.add_argument(
+        "--all",
+        action="store_true",
+        help="also print residuals, error estimates, steps and versions",
+    )
+    _add_formats(sub)
+
+
+def _add_plot(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("file", nargs="?", metavar="FILE.nc", type=Path, help="a result file")
+    sub.add_argument(
+        "-o",
+        "--output",
+        nargs="+",
+        default=[],
+        metavar="FIGURE",
+        type=Path,
+        help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
     )
 
 

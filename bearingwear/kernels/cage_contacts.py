@@ -155,8 +155,7 @@ def add_land_edge(bearing, z, w, shift, edge, delta, contacts, load):
     v_edge = plus(triple(z, VELOCITY), cross(w, o))
     slower = minus((0.0, speed1, speed2), v_edge)
     add_land_motion(omega, slower, contact.n, offset, h, place, contacts)
-    contacts.normal[place] = F
-    contacts.power[place] = F * speed
+    contacts.normal[place], contacts.power[place] = F, F * speed
     store(q, contacts.arm[place])
     store(o, contacts.hold[place])
     sums = contacts.sums

@@ -29,6 +29,7 @@ QUOTIENT = 1e-7  # step of a difference quotient, of the free length of the oute
 LONGEST_STEP = 2.0  # of the bead's slack, see `ball_newton`
 PROMISED = 0.5  # share of the energy's slope that a step must leave
 MOST_STEPS = 200
+PATIENT = 30  # steps of the race after which every other one is a bisection
 FORCE_BALANCED = 1e-12  # share of the preload that may be left, or
 ROUNDED_STEP = 1e-16  # a step of the race, over the distance of the groove centres
 UNBOUNDED = 1e300
@@ -395,13 +396,16 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
     # The inner force rises with the displacement: Newton within a bracket.
     P = F_x / g.n_balls
     low, high = -UNBOUNDED, UNBOUNDED
-    for _ in range(MOST_STEPS):
+    for steps in range(MOST_STEPS):
         if state.F_ix < P:
             low = max(low, delta_a)
         else:
             high = min(high, delta_a)
         new = delta_a + thrust_step(g, D, P, A2, delta_a, state)
-        if not low <= new <= high:
+        # A guess made without a load may lead back to where the load was too large, for ever; and
+        # friction that follows the contact angles, which the tangent leaves out, to either side.
+        lost = (state.F_ix <= 0.0 and new >= high) or (steps >= PATIENT and steps % 2 == 0)
+        if not low <= new <= high or (lost and high - low < UNBOUNDED):
             new = 0.5 * (low + high)
         step = new - delta_a
         delta_a = new

@@ -58,6 +58,12 @@ class RaceForces(NamedTuple):
 
 
 @jit
+def empty_forces():
+    """Buffers to fill."""
+    return RaceForces(force=np.empty(3), stiffness=np.empty((3, 3)))
+
+
+@jit
 def pack_hertz(hertz, row, at):
     """Write a Hertz record into a row from column `at` on."""
     row[at + K] = hertz.K
@@ -271,15 +277,13 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
     p = RaceProblem(
         g=g, D=D, loads=loads, psi=psi, F=F, tilt=tilt, first=first, packed_states=packed_states
     )
-    n = 3 - first
-    softest, hardest = SOFTEST * g.E_star * g.D0, HARDEST * g.E_star * g.D0
-    now = RaceForces(force=np.empty(3), stiffness=np.empty((3, 3)))
-    next_ = RaceForces(force=np.empty(3), stiffness=np.empty((3, 3)))
+    n, firmness = 3 - first, g.E_star * g.D0
+    now, next_ = empty_forces(), empty_forces()
     matrix, step, trial = np.empty((3, 3)), np.empty(3), np.empty(3)
     for j in range(D.size):
         pack_ball_state(cold_start(), packed_states[j])
     scale = race_forces(p, delta, now)
-    load = math.sqrt(F[0] ** 2 + F[1] ** 2 + F[2] ** 2)
+    load = math.sqrt((F[first:] ** 2).sum())  # where the race is free to move
     status = NOT_CONVERGED
     damping = 0.0  # [N/m]
     for _ in range(_MOST_STEPS):
@@ -294,30 +298,27 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
             matrix[i, i] += damping
         if not solve_in_place(matrix, step, n):
             # No ball resists in some direction: a soft spring holds the race until one does.
-            lean = LEANING * (g.E_star * g.D0 if damping == 0.0 else damping)
+            lean = LEANING * (firmness if damping == 0.0 else damping)
             damping = max(FIRMER * damping, lean)
         else:
             found, new_scale = race_line_search(p, delta, step, size, next_, trial)
             if found:
-                damping = SOFTER * damping if damping > softest else 0.0
+                damping = SOFTER * damping if damping > SOFTEST * firmness else 0.0
                 copy(trial, delta)
                 copy(next_.force, now.force)
                 copy(next_.stiffness, now.stiffness)
                 scale = new_scale
                 continue
-            if as_good_as_rounding(g, size, scale + load, now.stiffness, first):
+            if as_good_as_rounding(g, size, scale, now.stiffness, first):
                 status = OK
                 scale = race_forces(p, delta, now)  # the packed states are the last trial's
                 break
-            damping = firmer_spring(softest, damping, now.stiffness, first)
-        if damping > hardest:
+            damping = firmer_spring(SOFTEST * firmness, damping, now.stiffness, first)
+        if damping > HARDEST * firmness:
             break
-    residual = 0.0
-    for i in range(first, 3):
-        residual = max(residual, abs(F[i] - now.force[i]))
     if scale == 0.0:
         status = PRELOAD_GONE
-    return status, residual, now.stiffness
+    return status, np.abs(F - now.force)[first:].max(), now.stiffness
 
 
 @jit

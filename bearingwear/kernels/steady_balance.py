@@ -238,9 +238,7 @@ def friction_balance(p, v_r, state, u, out, slope):
         OUTSIDE_HERTZ_RANGE where an ellipse is as large as its ball, else OK.
     """
     g, D, op = p.bearing.g, p.bearing.D, p.bearing.op
-    rule = p.rule
-    r = g.R_o + state.X2
-    R = 0.5 * D
+    r, R = g.R_o + state.X2, 0.5 * D
     J = p.jacobian
     out[:] = 0.0
     if slope:
@@ -254,7 +252,7 @@ def friction_balance(p, v_r, state, u, out, slope):
         c = slip_coefficients(contact, u, r)
         across, share = p.across, p.share
         t, weight = contact_points(
-            rule, contact, R, c, v_r, p.t, p.weight, h, p.width, across, share
+            p.rule, contact, R, c, v_r, p.t, p.weight, h, p.width, across, share
         )
         L, gradient = p.L[k], p.gradient[k]
         slip_changes(contact, c, r, L)

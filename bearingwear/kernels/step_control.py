@@ -15,7 +15,7 @@ from bearingwear.kernels.closures import (
     interferences,
     predicted_closure,
 )
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.dynamic_equilibrium import restore_places, size_of_unbalanced
 from bearingwear.kernels.integrators import Tableau, begin_step, take_step
 from bearingwear.kernels.linear import copy
@@ -291,6 +291,18 @@ def shortened(trial, power):
     return max(LEAST_SHARE, SAFETY * trial.error**power)
 
 
+@inlined
+def step_after(control, bearing, stage, trial, h, step, whole):
+    """Length to try after a good step, of `whole` unless something cut it short [s]."""
+    power = -1.0 / control.method.order
+    grown = step * min(LONGEST_GROWTH, SAFETY * max(trial.error, 1e-9) ** power)
+    # A step that was cut short says nothing about longer ones.
+    h = grown if step == whole else max(h, grown)
+    if trial.events > 0:
+        h = first_step_of_impact(control, bearing, stage, step, h)
+    return h
+
+
 @jit
 def march(control, time, end, h, y, bearing, buf, stage):
     """Integrate from `time`, where `make_ready` was called, to `end`; y is replaced.
@@ -305,7 +317,7 @@ def march(control, time, end, h, y, bearing, buf, stage):
     -------
     Tally
     """
-    power, n = -1.0 / control.method.order, bearing.D.size
+    n = bearing.D.size
     accepted = rejected = events = 0
     status = OK
     stage.closing[:] = 0.0
@@ -327,19 +339,14 @@ def march(control, time, end, h, y, bearing, buf, stage):
         usable = trial.status == OK and trial.error <= 1.0
         if usable and (located or trial.fraction == 1.0):
             time = now
-            grown = step * min(LONGEST_GROWTH, SAFETY * max(trial.error, 1e-9) ** power)
-            # A step that was cut short says nothing about longer ones.
-            h = grown if step == whole else max(h, grown)
-            if trial.events > 0:
-                h = first_step_of_impact(control, bearing, stage, step, h)
+            h = step_after(control, bearing, stage, trial, h, step, whole)
             accept_step(control, step, y, bearing, buf, stage, time >= end)
-            accepted += 1
-            events += trial.events
+            accepted, events = accepted + 1, events + trial.events
             located, failed = False, 0
             continue
         rejected, failed = rejected + 1, failed + 1
         located = usable
-        h = step * shortened(trial, power)
+        h = step * shortened(trial, -1.0 / control.method.order)
         if not h > 1e-15 * max(end, 1e-9):
             status = TOO_STIFF if trial.status == OK else trial.status
             break

@@ -7,6 +7,7 @@ centres. Only where the points of a split rule lie is taken from the solvers.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,6 +51,88 @@ def polygon_residual(g, D, state, A1, A2, largest):
     return residual / largest
 
 
+class PlainContact(NamedTuple):
+    """A contact as the check sees it, in numbers of its own."""
+
+    side: float  # -1 inner, 1 outer
+    Q: float  # load [N]
+    alpha: float  # contact angle [rad]
+    r_g: float  # of the groove [m]
+    omega: float  # of the race [rad/s]
+    a: float  # semi-axis across the groove [m]
+    b: float  # along the rolling [m]
+    mu: float
+
+
+class Work(NamedTuple):
+    """What friction does to a ball: moments [N m], forces [N] and powers [W]."""
+
+    m_x: float
+    m_y: float
+    m_z: float
+    f_x: float
+    f_y: float
+    f_z: float
+    heat: float
+    qv: float
+    race: float  # done by the surface of the race
+
+
+@jit
+def plain_contact(side, Q, alpha, r_g, omega, hertz, S, mu):
+    """A contact of Hertz factors, friction coefficient mu and film strength S [Pa]."""
+    a, b = hertz.c_a * Q ** (1.0 / 3.0), hertz.c_b * Q ** (1.0 / 3.0)
+    if S > 0.0:
+        peak = 1.5 * Q / (math.pi * a * b)
+        mu += S / (2.0 / 3.0 * peak)
+    return PlainContact(side=side, Q=Q, alpha=alpha, r_g=r_g, omega=omega, a=a, b=b, mu=mu)
+
+
+@jit
+def with_contact(before, one, R, r, u, v_r, t, weight, across, share):
+    """Friction's work with that of one contact added to it, point by point; `race` is its own.
+
+    Parameters
+    ----------
+    before : Work
+    one : PlainContact
+    t, weight, across, share : ndarray
+        Places and shares of the load, as `quadrature_points` and `place_across` leave them.
+    """
+    m_x, m_y, m_z, f_x, f_y, f_z, heat, qv, _ = before
+    race = 0.0
+    n_x, n_z = one.side * math.sin(one.alpha), one.side * math.cos(one.alpha)
+    e_x, e_z = math.cos(one.alpha), -math.sin(one.alpha)
+    R_d = 2.0 * one.r_g * R / (one.r_g + R)
+    a, b = one.a, one.b
+    for k in range(t.size * across.size):
+        i, j = k // across.size, k % across.size
+        x = a * t[i]
+        y = b * math.sqrt(1.0 - (x / a) ** 2) * across[j]
+        h = math.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
+        p_x, p_z = h * n_x + x * e_x, h * n_z + x * e_z
+        # Ball surface: velocity of the centre, plus w x p. Race surface: omega_race x position.
+        ball_x = u[1] * p_z - u[2] * y
+        ball_y = -u[3] * r + u[2] * p_x - u[0] * p_z
+        ball_z = u[0] * y - u[1] * p_x
+        race_y, race_z = -one.omega * (r + p_z), one.omega * y
+        v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
+        v_2 = race_y - ball_y
+        v = math.hypot(v_1, v_2)
+        F = one.mu * one.Q * weight[i] * share[j] / math.hypot(v, v_r)
+        F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
+        m_x += y * F_z - p_z * F_y
+        m_y += p_z * F_x - p_x * F_z
+        m_z += p_x * F_y - y * F_x
+        f_x += F_x
+        f_y += F_y
+        f_z += F_z
+        heat += F * v * v
+        qv += v * one.Q * weight[i] * share[j]
+        race += F_y * race_y + F_z * race_z
+    return Work(m_x=m_x, m_y=m_y, m_z=m_z, f_x=f_x, f_y=f_y, f_z=f_z, heat=heat, qv=qv, race=race)
+
+
 @jit
 def friction_check(g, D, op, state, u, rule, bears):
     """Balance of moments, of the orbital force and of power on a thrust-loaded ball.
@@ -79,70 +162,37 @@ def friction_check(g, D, op, state, u, rule, bears):
     """
     R = 0.5 * D
     r = g.R_o + state.X2
-    m_x = m_y = m_z = f_x = f_y = f_z = 0.0
-    heat = power = power_in = qv = mu_i = mu_o = 0.0
+    hertz_i, hertz_o = state.hertz_i, state.hertz_o
+    inner = plain_contact(
+        -1.0, state.Q_i, state.alpha_i, g.r_i, op.omega_i, hertz_i, op.S_i, op.mu_i
+    )
+    outer = plain_contact(
+        1.0, state.Q_o, state.alpha_o, g.r_o, op.omega_o, hertz_o, op.S_o, op.mu_o
+    )
+    w = Work(m_x=0.0, m_y=0.0, m_z=0.0, f_x=0.0, f_y=0.0, f_z=0.0, heat=0.0, qv=0.0, race=0.0)
+    power = power_in = 0.0
     contacts = race_contacts(g, op, state)
     t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
     across, share = np.empty((2, rule.across.size))
-    for side in (-1.0, 1.0):
-        if side < 0.0:
-            Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
-            c_a, c_b, S, mu = state.hertz_i.c_a, state.hertz_i.c_b, op.S_i, op.mu_i
-        else:
-            Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
-            c_a, c_b, S, mu = state.hertz_o.c_a, state.hertz_o.c_b, op.S_o, op.mu_o
-        a, b = c_a * Q ** (1.0 / 3.0), c_b * Q ** (1.0 / 3.0)
-        if S > 0.0:
-            peak = 1.5 * Q / (math.pi * a * b)
-            mu += S / (2.0 / 3.0 * peak)
-        mu_i, mu_o = (mu, mu_o) if side < 0.0 else (mu_i, mu)
-        n_x, n_z = side * math.sin(alpha), side * math.cos(alpha)
-        e_x, e_z = math.cos(alpha), -math.sin(alpha)
-        R_d = 2.0 * r_g * R / (r_g + R)
-        contact = contacts[0] if side < 0.0 else contacts[1]
-        c = slip_coefficients(contact, u, r)
-        t, weight = quadrature_points(rule, contact, R, c, op.v_r, t_buffer, weight_buffer)
-        race_power = 0.0
-        place_across(rule, contact, R, c, across, share)
-        for k in range(t.size * across.size):
-            i, j = k // across.size, k % across.size
-            x = a * t[i]
-            y = b * math.sqrt(1.0 - (x / a) ** 2) * across[j]
-            h = math.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
-            p_x, p_z = h * n_x + x * e_x, h * n_z + x * e_z
-            # Ball surface: velocity of the centre, plus w x p. Race surface: omega_race x position.
-            ball_x = u[1] * p_z - u[2] * y
-            ball_y = -u[3] * r + u[2] * p_x - u[0] * p_z
-            ball_z = u[0] * y - u[1] * p_x
-            race_y, race_z = -omega * (r + p_z), omega * y
-            v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
-            v_2 = race_y - ball_y
-            v = math.hypot(v_1, v_2)
-            F = mu * Q * weight[i] * share[j] / math.hypot(v, op.v_r)
-            F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
-            m_x += y * F_z - p_z * F_y
-            m_y += p_z * F_x - p_x * F_z
-            m_z += p_x * F_y - y * F_x
-            f_x += F_x
-            f_y += F_y
-            f_z += F_z
-            heat += F * v * v
-            qv += v * Q * weight[i] * share[j]
-            race_power += F_y * race_y + F_z * race_z
-        power += race_power
-        power_in += abs(race_power)
+    for k in range(2):
+        c = slip_coefficients(contacts[k], u, r)
+        t, weight = quadrature_points(rule, contacts[k], R, c, op.v_r, t_buffer, weight_buffer)
+        place_across(rule, contacts[k], R, c, across, share)
+        one = inner if k == 0 else outer
+        w = with_contact(w, one, R, r, u, op.v_r, t, weight, across, share)
+        power += w.race
+        power_in += abs(w.race)
     inertia = ball_inertia(ball_mass(g.rho, D), D)
     F_v = drag_force(g, D, op.drag, u[3])[0]
-    m_y += inertia * u[3] * u[2]
-    m_z -= inertia * u[3] * u[1]
-    capacity = mu_o * (state.Q_i + state.Q_o) + (mu_i - mu_o) * state.Q_i
-    residual = max(abs(m_x), abs(m_y), abs(m_z), abs(f_y + F_v) * R) / (capacity * R)
+    m_y, m_z = w.m_y + inertia * u[3] * u[2], w.m_z - inertia * u[3] * u[1]
+    capacity = outer.mu * (state.Q_i + state.Q_o) + (inner.mu - outer.mu) * state.Q_i
+    residual = max(abs(w.m_x), abs(m_y), abs(m_z), abs(w.f_y + F_v) * R) / (capacity * R)
     if bears:
         centrifugal = ball_mass(g.rho, D) * r * u[3] ** 2
-        left = max(abs(state.P_x - f_x), abs(state.P_r - centrifugal - f_z))
+        left = max(abs(state.P_x - w.f_x), abs(state.P_r - centrifugal - w.f_z))
         residual = max(residual, left / capacity)
     floor = capacity * op.v_r
     if op.omega_i == op.omega_o:
         floor = max(floor, capacity * abs(op.omega_i) * r)
     scale = max(power_in, floor)
-    return residual, abs(power - heat - F_v * r * u[3]) / scale, scale, qv
+    return residual, abs(power - w.heat - F_v * r * u[3]) / scale, scale, w.qv

@@ -296,6 +296,18 @@ def settled_motion(g, op, D, seat, rule, work, u):
 
 
 @jit
+def scale_rates(rates, qv, race):
+    """Scale QV along the cells of a race so that its integral is `qv` [W]."""
+    found = 0.0
+    n, step = race.x.size, race.x[1] - race.x[0]
+    for i in range(n):
+        found += rates[i]
+    if found > 0.0:
+        for i in range(n):
+            rates[i] *= qv / (found * step)
+
+
+@jit
 def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
     """QV and heat of the slip in both contacts, and their distribution over them.
 
@@ -354,12 +366,5 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
             slip = math.hypot(v1 - spin, v2) + math.hypot(v1 + spin, v2)
             rates[k, int(column[p])] += 0.5 * weight[p] * slip
         out[k, 0], out[k, 1] = qv, heat
-        out[k, 2] = gyro / qv if qv > 0.0 else 0.0
-        out[k, 3] = torque
-        found = 0.0
-        n, step = race.x.size, race.x[1] - race.x[0]
-        for i in range(n):
-            found += rates[k, i]
-        if found > 0.0:
-            for i in range(n):
-                rates[k, i] *= qv / (found * step)
+        out[k, 2], out[k, 3] = gyro / qv if qv > 0.0 else 0.0, torque
+        scale_rates(rates[k], qv, race)

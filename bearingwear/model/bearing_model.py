@@ -32,11 +32,8 @@ def cage_of(scene: Scene) -> CageModel:
     material = scene.materials[c.material]
     ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
     MM = parameters.MM
-    r_i, r_o, width = (
-        0.5 * c.inner_diameter_mm * MM,
-        0.5 * c.outer_diameter_mm * MM,
-        c.width_mm * MM,
-    )
+    r_i, r_o = 0.5 * c.inner_diameter_mm * MM, 0.5 * c.outer_diameter_mm * MM
+    width = c.width_mm * MM
     R, clearance = 0.5 * b.ball_diameter_mm * MM, 0.5 * c.pocket_clearance_mm * MM
     # A ring less its pockets; the pockets take the same share of mass and inertia.
     ring = math.pi * (r_o**2 - r_i**2) * width

@@ -137,12 +137,17 @@ class RaceControlProblem:
         delta_a, state = thrust_equilibrium(
             self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
         )
+        status, residual = state.status, 0.0
+        if self.constant_force:
+            residual = abs(n * state.F_ix - self.F[0])
+            if status == code.OK and residual > MOST_ROUNDING * n * max(state.Q_i, state.Q_o):
+                status = code.NOT_CONVERGED  # the load of the ball jumps past the spring's
         return Balance(
-            status=state.status,
+            status=status,
             delta=np.array([delta_a, 0.0, 0.0]),
             states=[state],
             stiffness=n * state.S_xx,
-            race_residual=abs(n * state.F_ix - self.F[0] if self.constant_force else 0.0),
+            race_residual=residual,
         )
 
     def reason(self) -> int:

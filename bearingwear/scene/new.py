@@ -16,6 +16,7 @@ from typing import Any
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.assumed import (
     GROOVES,
+    Designation,
     Origin,
     numbers_of,
     refused_option,
@@ -96,33 +97,15 @@ def scene_text(
     for key in given:
         _check_range(key, given[key])
     numbers = numbers_of(size, given, clearance, preload_class)
-    D = numbers["bearing.ball_diameter_mm"].value
-    dm = numbers["bearing.pitch_diameter_mm"].value
-    Z = int(numbers["bearing.ball_count"].value)
-    _check_room(Z, D, dm)
-    text = _filled(
-        name=json.dumps(name),  # quoted: 7008, true and null are names, too
-        size=size,
-        line=lambda key: _line(key, numbers[key]),
-        rounded=lambda value: yaml_number(rounded_to(value, 4)),
-        D=D,
-        dm=dm,
-        grooves=GROOVES,
-        speed=numbers["operation.shaft_speed_rpm"],
-        # pockets that leave something of the cage between them, to three decimals
-        pocket=_down(min(0.05 * D, 0.5 * (dm * math.sin(math.pi / Z) - D))),
-        ball_material=ball_material,
-        preload_method=preload_method,
-        pair_kind=PAIRS[preload_method or "constant_force"],
-        materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
-        MATERIALS=MATERIALS,
-    )
+    _check_room(numbers)
+    text = _filled(name, size, numbers, ball_material, preload_method)
     _check(text)
     return text, _assumed(numbers, ball_material, preload_method)
 
 
-def _check_room(Z: int, D: float, dm: float) -> None:
-    """Refuse more balls than there is room for; diameters in millimetres."""
+def _check_room(numbers: Mapping[str, Origin]) -> None:
+    """Refuse more balls than there is room for."""
+    D, dm, Z = _balls(numbers)
     if Z > (most := most_balls(D, dm)):
         allowed = f"at most {most} of {D:g} mm on a pitch circle of {dm:g} mm"
         raise refused_option("--balls", Z, allowed)
@@ -173,13 +156,45 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     return assumed
 
 
-def _filled(**values: Any) -> str:
+def _filled(
+    name: str,
+    size: Designation,
+    numbers: Mapping[str, Origin],
+    ball_material: str | None,
+    preload_method: str | None,
+) -> str:
     """The template of a scene, filled in."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     folder = FileSystemLoader(Path(__file__).parent)
     jinja = Environment(loader=folder, undefined=StrictUndefined, keep_trailing_newline=True)
-    return jinja.get_template("new_scene.yaml.j2").render(values)
+    D, dm, Z = _balls(numbers)
+    return jinja.get_template("new_scene.yaml.j2").render(
+        name=json.dumps(name),  # quoted: 7008, true and null are names, too
+        size=size,
+        line=lambda key: _line(key, numbers[key]),
+        rounded=lambda value: yaml_number(rounded_to(value, 4)),
+        D=D,
+        dm=dm,
+        grooves=GROOVES,
+        speed=numbers["operation.shaft_speed_rpm"],
+        # pockets that leave something of the cage between them, to three decimals
+        pocket=_down(min(0.05 * D, 0.5 * (dm * math.sin(math.pi / Z) - D))),
+        ball_material=ball_material,
+        preload_method=preload_method,
+        pair_kind=PAIRS[preload_method or "constant_force"],
+        materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
+        MATERIALS=MATERIALS,
+    )
+
+
+def _balls(numbers: Mapping[str, Origin]) -> tuple[float, float, int]:
+    """Ball and pitch diameter [mm], and how many balls there are."""
+    D, dm, Z = (
+        numbers[f"bearing.{key}"].value
+        for key in ("ball_diameter_mm", "pitch_diameter_mm", "ball_count")
+    )
+    return D, dm, int(Z)
 
 
 def _option(key: str) -> str:
