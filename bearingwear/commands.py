@@ -59,8 +59,8 @@ def new(args: argparse.Namespace) -> int:
 
 
 def check(args: argparse.Namespace) -> int:
-    from bearingwear.model.cautions import warnings_of
     from bearingwear.model.fidelity import accuracy_told, choice, effort
+    from bearingwear.model.warned import warnings_of
     from bearingwear.results.warnings import warning_line
 
     scene = _scene(args)

@@ -9,6 +9,7 @@ from bearingwear.kernels.compile import jit
 from bearingwear.kernels.equilibrium import ball_equilibrium, cold_start, groove_distance
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Hertz
+from bearingwear.kernels.profile import contact_approach, contact_stiffness
 from bearingwear.kernels.status import NOT_CONVERGED, OK, PRELOAD_GONE
 
 _LAST_BIT = 2.0**-50
@@ -206,12 +207,22 @@ def step_within_reach(step, n, reach):
 
 
 @jit
-def as_good_as_rounding(g, size, largest, stiffness, first):
+def load_noise(Q, K, r):
+    """What the last bits of a ball's place make of a load Q in a groove of the radius r [N]."""
+    return _LAST_BIT * r * contact_stiffness(Q, contact_approach(K, Q)) if Q > 0.0 else 0.0
+
+
+@jit
+def as_good_as_rounding(p, size, largest, stiffness):
     """Whether rounding of loads and places explains a residual `size` of forces `largest` [N]."""
-    places = 0.0
-    for i in range(first, 3):
+    g, places, loads = p.g, 0.0, 0.0
+    for i in range(p.first, 3):
         places += _LAST_BIT * stiffness[i, i] * (g.r_i + g.r_o)
-    return size <= NEAR_BALANCE * largest + PLACE_MARGIN * places
+    for j in range(p.D.size):
+        row = p.packed_states[j]
+        inner = load_noise(row[Q_I], row[HERTZ_I + K], g.r_i)
+        loads += max(inner, load_noise(row[Q_O], row[HERTZ_O + K], g.r_o))
+    return size <= max(NEAR_BALANCE * largest + PLACE_MARGIN * places, loads)
 
 
 @jit
@@ -309,7 +320,7 @@ def race_equilibrium(g, D, loads, psi, F, tilt, first, delta, packed_states):
                 copy(next_.stiffness, now.stiffness)
                 scale = new_scale
                 continue
-            if as_good_as_rounding(g, size, scale, now.stiffness, first):
+            if as_good_as_rounding(p, size, scale, now.stiffness):
                 status = OK
                 scale = race_forces(p, delta, now)  # the packed states are the last trial's
                 break

@@ -79,9 +79,15 @@ class Work(NamedTuple):
 
 
 @jit
-def plain_contact(side, Q, alpha, r_g, omega, hertz, S, mu):
-    """A contact of Hertz factors, friction coefficient mu and film strength S [Pa]."""
-    a, b = hertz.c_a * Q ** (1.0 / 3.0), hertz.c_b * Q ** (1.0 / 3.0)
+def plain_contact(g, op, state, side):
+    """The contact with the inner (-1) or outer race (1)."""
+    if side < 0.0:
+        Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
+        c_a, c_b, S, mu = state.hertz_i.c_a, state.hertz_i.c_b, op.S_i, op.mu_i
+    else:
+        Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
+        c_a, c_b, S, mu = state.hertz_o.c_a, state.hertz_o.c_b, op.S_o, op.mu_o
+    a, b = c_a * Q ** (1.0 / 3.0), c_b * Q ** (1.0 / 3.0)
     if S > 0.0:
         peak = 1.5 * Q / (math.pi * a * b)
         mu += S / (2.0 / 3.0 * peak)
@@ -162,13 +168,7 @@ def friction_check(g, D, op, state, u, rule, bears):
     """
     R = 0.5 * D
     r = g.R_o + state.X2
-    hertz_i, hertz_o = state.hertz_i, state.hertz_o
-    inner = plain_contact(
-        -1.0, state.Q_i, state.alpha_i, g.r_i, op.omega_i, hertz_i, op.S_i, op.mu_i
-    )
-    outer = plain_contact(
-        1.0, state.Q_o, state.alpha_o, g.r_o, op.omega_o, hertz_o, op.S_o, op.mu_o
-    )
+    inner, outer = plain_contact(g, op, state, -1.0), plain_contact(g, op, state, 1.0)
     w = Work(m_x=0.0, m_y=0.0, m_z=0.0, f_x=0.0, f_y=0.0, f_z=0.0, heat=0.0, qv=0.0, race=0.0)
     power = power_in = 0.0
     contacts = race_contacts(g, op, state)

@@ -6,20 +6,18 @@ source or is called assumed. No warning is an error. A result has its warnings i
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bearingwear.model.criterion import IN_WORDS, criterion_met
-from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence, evidence_of
-from bearingwear.model.fidelity import Choice, unwatched
+from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence
+from bearingwear.model.fidelity import unwatched
 from bearingwear.model.films_told import film_worn
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
 from bearingwear.model.stability import unstable_told
-from bearingwear.scene.scene import Scene
-from bearingwear.sides import of_bearing
 
 STEEL_YIELD = 4.2
 """Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
@@ -59,9 +57,6 @@ SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 
 JUST_MET = math.nextafter(1.0, 2.0)
 """Excess of a criterion that is met exactly; that ends a life too."""
-
-LARGEST_EXCESS = 1e6
-"""Stands for a ratio whose denominator is zero."""
 
 _GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
 
@@ -347,64 +342,3 @@ CAUTIONS = (
     ),
 )
 """The table; the warnings that decide a result come first."""
-
-
-def warnings_of(
-    scene: Scene, chosen: Choice, values: Mapping[str, Any] | None = None
-) -> list[dict[str, Any]]:
-    """Warnings of a solved case or life, or of a scene before any solve.
-
-    Parameters
-    ----------
-    scene : Scene
-    chosen : Choice
-        The model that solves it.
-    values : mapping, optional
-        Of the result.
-
-    Returns
-    -------
-    list of dict
-        id, sentence, advice, and `excess`: how many times the value is the limit, None for a fact.
-    """
-    if scene.pair is not None:
-        return _of_both(scene, chosen, values or {})
-    every = list(evidence_of(scene, chosen, values or {}))
-    return [
-        _said(caution, *max(findings, key=lambda finding: finding[0] or 0.0))
-        for caution in CAUTIONS
-        if (findings := list(_beyond(caution, every)))
-    ]
-
-
-def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Warnings of both bearings of a pair, each once, and which of them it is of."""
-    said: dict[str, list[dict[str, Any]]] = {}
-    for k, side in enumerate(scene.sides):
-        for found in warnings_of(side, chosen, of_bearing(values, k) if values else None):
-            said.setdefault(found["id"], []).append(found | {"bearing": k + 1})
-    worst = []
-    for both in said.values():
-        found = max(both, key=lambda one: one["excess"] or 0.0)
-        number, sentence = found.pop("bearing"), found["sentence"]
-        if [one["sentence"] for one in both] != [sentence] * len(scene.sides):
-            sentence = f"bearing {number}: {sentence}"
-        worst.append(found | {"sentence": sentence})
-    return worst
-
-
-def _beyond(caution: Caution, every: Iterable[Evidence]) -> Iterator[Finding]:
-    for e in every:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            finding = caution.look(e)
-        if finding is not None and (finding[0] is None or finding[0] > 1.0):
-            yield finding
-
-
-def _said(caution: Caution, excess: float | None, words: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "id": caution.id,
-        "sentence": caution.sentence.format(**words),
-        "advice": caution.advice.format(**words),
-        "excess": None if excess is None else float(f"{min(excess, LARGEST_EXCESS):.3g}"),
-    }

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bearingwear.kernels import status as code
-from bearingwear.model.cautions import warnings_of
 from bearingwear.model.fidelity import Choice, NotAvailable, choice
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.heat import network_values, warmed_for
@@ -14,6 +13,7 @@ from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
 from bearingwear.model.steady import solve_steady
+from bearingwear.model.warned import warnings_of
 from bearingwear.scene.scene import Scene
 
 Progress = Callable[[str], None]

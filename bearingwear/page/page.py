@@ -116,15 +116,50 @@ def page(
     scenes = _sections(datasets)
     figures = list(drawings([*results, *leading], data or {}))
     answered = _answered(leading, figures)
-    across: list[Drawing] = []
     taken = [figure for one in answered for figure in one.drawn]
+    across = _handed_out(scenes, [one for one in figures if one not in taken], results)
+    style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
+    return (
+        _environment()
+        .from_string(_TEMPLATE.read_text(encoding="utf-8"))
+        .render(
+            headline=answered[0].headline if answered else "A study of friction and wear",
+            answers=answered,
+            sections=list(scenes.values()),
+            across=across,
+            unsolved=[
+                (section.scene["name"], what, of - solved)
+                for section in scenes.values()
+                for what, solved, of in section.solved
+                if solved < of
+            ],
+            keys=list(key_rows([section.scene for section in scenes.values()])),
+            versions=_versions(datasets.values()),
+            docs=[(file, _titled(file)[0]) for file in docs],
+            glossary=GLOSSARY,
+            style=Markup(style),
+            script=Markup(script),
+            hashes={"style": _csp_hash(style), "script": _csp_hash(script)},
+        )
+    )
+
+
+def _handed_out(
+    scenes: Mapping[Path, Section], figures: Iterable[Drawing], results: Iterable[Path]
+) -> list[Drawing]:
+    """Give figures and tables to the section of their scene; returns figures of several scenes."""
+    across: list[Drawing] = []
     for figure in figures:
-        if figure not in taken:
-            owner = scenes.get(figure.path.parent.parent)
-            (owner.figures if owner else across).append(figure)
+        owner = scenes.get(figure.path.parent.parent)
+        (owner.figures if owner else across).append(figure)
     for file in results:
         if file.suffix == ".md" and (owner := scenes.get(file.parent.parent)):
             owner.tables.append(file)
+    return across
+
+
+def _environment() -> jinja2.Environment:
+    """What the template is filled with, beside the study's own."""
     environment = jinja2.Environment(
         autoescape=True,
         undefined=jinja2.StrictUndefined,
@@ -132,7 +167,6 @@ def page(
         lstrip_blocks=True,
         finalize=_unbroken,
     )
-    style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
     environment.globals.update(
         link=_link,
         named=_named,
@@ -141,25 +175,7 @@ def page(
         title=lambda file: _titled(file)[0],
         html=lambda file: to_html(_tables(file), 2),
     )
-    return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(
-        headline=answered[0].headline if answered else "A study of friction and wear",
-        answers=answered,
-        sections=list(scenes.values()),
-        across=across,
-        unsolved=[
-            (section.scene["name"], what, of - solved)
-            for section in scenes.values()
-            for what, solved, of in section.solved
-            if solved < of
-        ],
-        keys=list(key_rows([section.scene for section in scenes.values()])),
-        versions=_versions(datasets.values()),
-        docs=[(file, _titled(file)[0]) for file in docs],
-        glossary=GLOSSARY,
-        style=Markup(style),
-        script=Markup(script),
-        hashes={"style": _csp_hash(style), "script": _csp_hash(script)},
-    )
+    return environment
 
 
 def _csp_hash(text: str) -> str:

@@ -97,10 +97,15 @@ def sweep(
     chunks = [jobs[k : k + size] for k in range(0, len(jobs), size)]
     parts = list(_told(_solved_by(chunks, cores), len(jobs), progress))
     made = _side_by_side(parts, base, axes, what)
+    _warn(made, base.name)
+    return made
+
+
+def _warn(made: xr.Dataset, name: str) -> None:
+    """Warn where `sweep` is called of points not solved, and of what the solved ones warn of."""
     said = [made.attrs["message"]] if (made["status"] != STATUS_NAMES[OK]).any() else []
     for text in [*said, *(line.removeprefix(WARNING) for line in warning_lines(made.attrs))]:
-        warnings.warn(f"{base.name}: {text}", stacklevel=2)
-    return made
+        warnings.warn(f"{name}: {text}", stacklevel=3)
 
 
 def _values(key: str, values: Any) -> list[Any]:

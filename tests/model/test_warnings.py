@@ -13,10 +13,11 @@ from support import ROOT, scene_file
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.model.cautions import CAUTIONS, warnings_of
+from bearingwear.model.cautions import CAUTIONS
 from bearingwear.model.fidelity import choice
 from bearingwear.model.life import life
 from bearingwear.model.solve import solve
+from bearingwear.model.warned import warnings_of
 from bearingwear.results.netcdf import load
 from bearingwear.results.warnings import gathered_warnings, warning_lines, warnings_in
 from bearingwear.scene.scene import SceneError

@@ -37,7 +37,12 @@ class AccuracyStudy(Study):
 
     def __init__(self, plan: AccuracyPlan) -> None:
         self.plan = plan
-        self.jobs = (
+        self.jobs = (*self._solved(), *self._shown())
+
+    def _solved(self) -> tuple[Step, ...]:
+        """Sweeps and single effects, each gathered into a file."""
+        plan = self.plan
+        return (
             Step(
                 name="sweep",
                 run=f"{_RUN}.run.solved_sweep",
@@ -60,6 +65,18 @@ class AccuracyStudy(Study):
                 label="accuracy against time: gather the sweeps",
             ),
             Step(
+                name="gather_effects",
+                run=f"{_RUN}.gather.gathered_sweeps",
+                inputs={"paths": self._points(plan.effect_jobs)},
+                outputs=(_EFFECTS,),
+                label="accuracy against time: gather single effects",
+            ),
+        )
+
+    def _shown(self) -> tuple[Step, ...]:
+        """Figure, tables, and what the docs say of them."""
+        return (
+            Step(
                 name="figure",
                 run=f"{_RUN}.figures.figure",
                 inputs={"trade": _TRADE},
@@ -80,13 +97,6 @@ class AccuracyStudy(Study):
                 caption="accuracy",
                 category="accuracy against time",
                 result="table",
-            ),
-            Step(
-                name="gather_effects",
-                run=f"{_RUN}.gather.gathered_sweeps",
-                inputs={"paths": self._points(plan.effect_jobs)},
-                outputs=(_EFFECTS,),
-                label="accuracy against time: gather single effects",
             ),
             Step(
                 name="effects",

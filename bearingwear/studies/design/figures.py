@@ -104,14 +104,11 @@ def design_figure(
         panel.set_ylabel("wear life (h)")
         if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
             _logarithmic(panel)
-    over_preload.set_xlabel("initial preload (N)")
-    over_stiffness.set_xlabel(
-        STIFFNESS_UNIT.label(
-            f"least axial stiffness{'' if system is None else ', arrangement'}, over the life"
-        )
+    over_preload.set(xlabel="initial preload (N)", title="life over preload")
+    of = "least axial stiffness" + ("" if system is None else ", arrangement")
+    over_stiffness.set(
+        xlabel=STIFFNESS_UNIT.label(f"{of}, over the life"), title="life against stiffness"
     )
-    over_preload.set_title("life over preload")
-    over_stiffness.set_title("life against stiffness")
     as_wide_as_it_is(over_preload, design)
     if area:
         _choices(figure, panels[1], design)

@@ -287,10 +287,10 @@ def _drawn(
         What else the answer is made from, by the names of its arguments.
     """
     at = folder.format(scene=scene)
-    names = ("design", "recommendation", *(("uncertainty",) if sampled else ()))
-    files = {name: f"{at}/{name}.nc" for name in names}
+    sample = ("uncertainty",) if sampled else ()
+    files = {name: f"{at}/{name}.nc" for name in ("design", "recommendation", *sample)}
     inputs = {"design": files, "map": {"design": files["design"]}, "uncertainty": files}
-    figures = ("design", *(("map",) if several else ()), *(("uncertainty",) if sampled else ()))
+    figures = ("design", *(("map",) if several else ()), *sample)
     steps = [
         *(
             Step(
@@ -323,9 +323,6 @@ def _drawn(
             label=f"{scene}: which preload to take",
         ),
     ]
-    which = "small map" if folder == _SMALL else "map"
-    return Bundle(
-        name=f"{'small_' if folder == _SMALL else ''}drawn_{scene}",
-        steps=tuple(steps),
-        label=f"{scene}: figures and tables of its {which}",
-    )
+    which, small = ("small map", "small_") if folder == _SMALL else ("map", "")
+    label = f"{scene}: figures and tables of its {which}"
+    return Bundle(name=f"{small}drawn_{scene}", steps=tuple(steps), label=label)

@@ -71,11 +71,7 @@ def state_map(
         for limit, value in limits.items():
             lines[f"boundary_{limit}"][i] = line.boundary(limit, value, column)
             lines[f"estimate_{limit}"][i] = line.estimate(limit, value)
-    over = {"status": status, "violations": wrong} | shown
-    variables: dict[str, Any] = {key: (("y", "x"), values) for key, values in over.items()}
-    for key, values in lines.items():
-        beyond = limits[key.partition("_")[2]]
-        variables[key] = ("x", values, {} if beyond is None else {"limit": beyond})
+    variables = _variables({"status": status, "violations": wrong} | shown, lines, limits)
     axes = {
         "shown": title,
         "x_key": along_x.key,
@@ -83,11 +79,21 @@ def state_map(
         "x_log": int(along_x.is_log),
         "y_log": int(along_y.is_log),
     }
-    return xr.Dataset(
-        variables,
-        {"x": list(along_x.values), "y": list(along_y.values)},
-        attrs=attributes("maps", name, axes),
-    )
+    coordinates = {"x": list(along_x.values), "y": list(along_y.values)}
+    return xr.Dataset(variables, coordinates, attrs=attributes("maps", name, axes))
+
+
+def _variables(
+    over: Mapping[str, np.ndarray],
+    lines: Mapping[str, np.ndarray],
+    limits: Mapping[str, float | None],
+) -> dict[str, Any]:
+    """Values over both axes, and lines along x with the limit that each is of."""
+    variables: dict[str, Any] = {key: (("y", "x"), values) for key, values in over.items()}
+    for key, values in lines.items():
+        beyond = limits[key.partition("_")[2]]
+        variables[key] = ("x", values, {} if beyond is None else {"limit": beyond})
+    return variables
 
 
 class MapLine:

@@ -17,13 +17,12 @@ from scipy import stats
 from bearingwear.kernels.status import OK
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError, data_array, load
-from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, UNCERTAIN_INPUTS
-from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
-from bearingwear.results.variables import STUDY_COORDINATES
+from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE
+from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.dataset import coordinate, dataset_with
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (
@@ -45,95 +44,17 @@ from bearingwear.studies.uncertainty.sample import (
     value_at,
     with_preload,
 )
-
-UNCERTAINTY_AXES = table(
-    STUDY_COORDINATES["preload_method"],
-    Variable(
-        PRELOAD_CHOICE, (PRELOAD_CHOICE,), "", "which preload", dtype="i1", flags=PRELOAD_CHOICES
-    ),
-    LOSS_BASIS,
-    Variable(
-        UNCERTAIN_INPUTS,
-        (UNCERTAIN_INPUTS,),
-        "",
-        "which uncertain inputs vary: all, or all but the wear coefficient and the hardness",
-        dtype="i1",
-        flags=("all", "all_but_wear"),
-    ),
-    Variable("probability", ("probability",), "1", "share of bearings that have failed"),
-    Variable(
-        "batch_probability",
-        ("batch_probability",),
-        "1",
-        "share of batches, by what is not known of them, with a lower value",
-    ),
+from bearingwear.studies.uncertainty.variables import (
+    ALONG,
+    ANALYSED,
+    BASIS,
+    BATCH,
+    CHOICE,
+    INPUTS,
+    METHOD,
+    PROBABILITY,
+    UNCERTAINTY_AXES,
 )
-METHOD, CHOICE, BASIS, INPUTS, PROBABILITY, BATCH = UNCERTAINTY_AXES
-ALONG = (METHOD, CHOICE)
-
-QUANTILE, INDEX = (INPUTS, PROBABILITY, BASIS), (INPUTS, "quantity", BASIS)
-ANALYSED = table(
-    Variable("preload", (), "N", "initial axial preload, middle of its spread"),
-    Variable("evaluations", (), "1", "lives evaluated", dtype="i8"),
-    Variable("solved_share", (), "1", "share of the lives that were solved"),
-    Variable("index_share", (), "1", "share of the base samples that the indices are taken from"),
-    Variable("followed_lives", (), "1", "lives whose grooves were followed as they wear"),
-    Variable(
-        "groove_error",
-        (),
-        "1",
-        "rms error of other lives with worn grooves",
-        comment="by the ratio to lives with Hertzian grooves, interpolated between those followed; "
-        "on lives that it was not fitted to; 0: all were followed, NaN: none",
-    ),
-    Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
-    Variable(
-        "batch_life_quantile",
-        (BATCH, PROBABILITY, BASIS),
-        "h",
-        "quantile of the life over the bearings of a batch, by what is not known of the batch",
-        comment="L10 at probability 0.1; its interval lies between the ends of batch_probability",
-    ),
-    Variable(
-        "batch_life_quantile_error",
-        (BATCH, PROBABILITY, BASIS),
-        "h",
-        "half the confidence interval of that quantile, by the sample",
-        comment="batches and bearings drawn anew from those sampled",
-    ),
-    Variable(
-        "life_quantile",
-        QUANTILE,
-        "h",
-        "quantile of the life over scatter and over what is not known of a batch",
-        comment="at probability 0.1 the 10 % credible life, where both are there",
-    ),
-    Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
-    Variable(
-        "life_quantile_high", QUANTILE, "h", "upper end of the quantile's confidence interval"
-    ),
-    Variable(
-        "life_one_at_a_time",
-        ("quantity", "end", BASIS),
-        "h",
-        "life with one value at its 10 % and 90 % quantile, the others at their medians",
-    ),
-    Variable("first_index", INDEX, "1", "first-order Sobol index of log life"),
-    Variable("first_index_error", INDEX, "1", "half its confidence interval"),
-    Variable(
-        "class_index",
-        ("quantity", BASIS),
-        "1",
-        "total Sobol index of log life within the class of the value",
-        comment="what is the same for a batch, or what scatters; the other class as in the scene",
-    ),
-    Variable("total_index", INDEX, "1", "total Sobol index of log life"),
-    Variable("total_index_error", INDEX, "1", "half its confidence interval"),
-    Variable(
-        "life_sample", (INPUTS, "member", BASIS), "h", "sampled lives, independent ones, sorted"
-    ),
-)
-"""Statistics of the sampled lives of a method at a preload; lives in hours."""
 
 
 def quantiles_and_indices(
