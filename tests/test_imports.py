@@ -45,6 +45,7 @@ BETWEEN_STUDIES = {
 
 SHARED_NEEDS = {
     "repair": {"grid.grid"},  # a file of a case has the name of what it holds
+    "unsolved": {"grid.grid"},
 }
 """What modules that studies share may import of one of them."""
 

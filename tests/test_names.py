@@ -1,10 +1,12 @@
 """One name, one meaning: no public name of the package is defined in two of its modules."""
 
 import ast
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import bearingwear
+from bearingwear import studies
 
 PACKAGE = Path(bearingwear.__file__).parent
 
@@ -55,6 +57,22 @@ def defined_twice(package: Path) -> dict[str, list[str]]:
 def test_no_public_name_has_two_meanings():
     twice = defined_twice(PACKAGE)
     assert not twice, "\n".join(f"{name}: {', '.join(files)}" for name, files in twice.items())
+
+
+def test_page_show_and_rules_know_no_study():
+    """They ask the registry: none of its names is part of a module or of a path in them."""
+    names = "|".join(studies.NAMES)
+    named = re.compile(rf"\b(?:studies[./]|config/|results/)(?:{names})\b")
+    root = PACKAGE.parent
+    files = [
+        *(PACKAGE / "page").iterdir(),
+        *(PACKAGE / "results").glob("show*.py"),
+        *(root / "workflow" / "rules").iterdir(),
+        root / "workflow" / "profiles" / "slurm" / "profile.yaml",
+        root / "Snakefile",
+    ]
+    texts = {file.name: file.read_text(encoding="utf-8") for file in files if file.is_file()}
+    assert {name: named.findall(text) for name, text in texts.items() if named.search(text)} == {}
 
 
 def test_a_name_with_two_meanings_is_found(tmp_path):

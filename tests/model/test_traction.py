@@ -18,6 +18,7 @@ from bearingwear.kernels.steady_balance import (
     motion_equilibrium,
 )
 from bearingwear.kernels.summary import QV
+from bearingwear.kernels.thrust import motion_jacobian
 from bearingwear.kernels.verification import friction_check
 from bearingwear.model import parameters
 from bearingwear.model.fidelity import choice, gyroscopic_share
@@ -115,6 +116,14 @@ def test_jacobian_of_all_six(solved):
         J[:, k] = (high - low) / (2.0 * steps[k])
     scale = np.abs(J * steps).max(axis=1)[:, None] / steps
     assert np.abs((found - J) / scale).max() <= 1e-3
+
+
+def test_jacobian_of_the_motion_lets_tractions_follow(solved):
+    p, seat, u, _ = solved
+    assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
+    J = p.jacobian
+    followed = J[:4, :4] - J[:4, 4:] @ np.linalg.solve(J[4:, 4:], J[4:, :4])
+    assert_allclose(motion_jacobian(p), followed, rtol=1e-9, atol=1e-12 * np.abs(followed).max())
 
 
 @pytest.mark.parametrize("by", range(3))

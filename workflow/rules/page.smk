@@ -58,4 +58,4 @@ rule verdict:
     message:
         "look for cases that could not be solved"
     shell:
-        "bearingwear step studies.grid.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"
+        "bearingwear step studies.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"

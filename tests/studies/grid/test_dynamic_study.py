@@ -14,7 +14,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.dynamic_figures import mean_so_far, reference_values
 from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Case, Grid
-from bearingwear.studies.grid.unsolved import verdict
+from bearingwear.studies.unsolved import verdict
 
 STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.7])
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])

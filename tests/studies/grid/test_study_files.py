@@ -22,12 +22,12 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.gather import chunk, study
 from bearingwear.studies.grid.grid import Grid
 from bearingwear.studies.grid.life import interpolated_life
-from bearingwear.studies.grid.unsolved import verdict
+from bearingwear.studies.unsolved import verdict
 
 GRID = Grid.from_lists(PRELOAD_METHODS, [0.0, 0.02, 0.08], [0.0, 0.35, 0.7])
 UNDETERMINED = 5
 GATHER, LIFE = "studies.grid.gather.study", "studies.grid.life.study_life"
-TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.grid.unsolved.verdict_text"
+TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.unsolved.verdict_text"
 
 
 @pytest.fixture(scope="module")

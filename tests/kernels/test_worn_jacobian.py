@@ -1,0 +1,43 @@
+"""The friction of worn contacts: its derivative by the motion, against differences."""
+
+import numpy as np
+import pytest
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.worn_friction import place_cells, worn_friction_balance
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.worn_states import WornBearing
+
+LINE = {"model.quadrature": "gauss", "uncertainty": None, "lubricant.drag_density_kg_m3": 300.0}
+FILM = {
+    "friction.ball_race": None,
+    "friction.film.shear_strength_MPa": 24.8,
+    "friction.film.pressure_coefficient": 0.001,
+}
+
+
+@pytest.mark.parametrize("changes", [{}, FILM], ids=["coulomb", "film"])
+def test_derivative_of_worn_friction(scene, changes):
+    problem = ThrustProblem.of(scene("gyro_s1", LINE | {"model.contact": "worn"} | changes))
+    bearing = WornBearing(problem, problem.solve(problem.g.D0), 0.0, (32, 8))
+    wear = bearing.unworn()
+    gap = 0.2e-6 * np.exp(-((bearing.arc / bearing.major[:, None] - 0.3) ** 2) / 0.2)
+    point = bearing.solve(type(wear)(wear.ball, gap, wear.band))
+    assert point.status == code.OK
+    g, op, rule = problem.g, problem.op, problem.rule
+    work = bearing._friction_work(problem, bearing.worn_races)
+    place_cells(g, point.D, op, bearing.worn_races, point.seat, work)
+
+    def left(u):
+        out = np.empty(4)
+        worn_friction_balance(g, op, point.D, point.seat, op.v_r, rule, work, u, out)
+        return out
+
+    left(point.u)
+    found, step = work.jacobian.copy(), 1e-3 * op.v_r / (0.5 * point.D)
+    J = np.column_stack(
+        [(left(point.u + h) - left(point.u - h)) / (2.0 * step) for h in step * np.eye(4)]
+    )
+    assert np.abs(found - J).max() <= 1e-5 * np.abs(J).max()
+    scale = np.abs(J).max(axis=1)[:, None]
+    assert np.abs((found - J) / scale).max() <= 1e-4
