@@ -31,7 +31,7 @@ from bearingwear.kernels.worn_friction import (
     worn_dissipation,
 )
 from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
-from bearingwear.kernels.worn_verification import contact_check, friction_of_cells
+from bearingwear.kernels.worn_verification import check_influence, contact_check, friction_of_cells
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.worn_depths import (
     UNWORN_ARC,
@@ -110,6 +110,7 @@ class WornBearing:
         self.u = self.case.u[:4].copy()
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
+        self._check_influence: list[tuple[np.ndarray, np.ndarray]] = 2 * [(np.zeros(0),) * 2]
 
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
@@ -367,7 +368,7 @@ class WornBearing:
         """Whether contacts and power balance by sums that the solver did not take."""
         g, op = p.g, p.op
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
-            check = contact_check(race.cells, race.wear, race.pressure)
+            check = contact_check(race.cells, self._influence(k, race), race.wear, race.pressure)
             unworn = race.cells.fresh.sum() * race.cells.area
             load = contact_load(force.hertz.K, force.approach) * check.load / unworn
             if not (
@@ -393,6 +394,13 @@ class WornBearing:
         floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
         self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
         return bool(self.power_error <= LARGEST_POWER_ERROR)
+
+    def _influence(self, k: int, race: WornRace) -> np.ndarray:
+        """What the check of contact k knows of its cells, kept as long as they are the same."""
+        places = race.cells.X
+        if self._check_influence[k][0] is not places:
+            self._check_influence[k] = places, check_influence(race.cells)
+        return self._check_influence[k][1]
 
     def axial_stiffness(self, point: WornPoint) -> float:
         """Of all balls, their centres free, in the state last solved [N/m]."""
