@@ -25,7 +25,7 @@ from bearingwear.scene.scene import LARGEST_LOSS, Scene
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.08  # deepest wear of a step, over the gap A a^2
-WORN_ROTOR_BALANCED = 1e-5  # force left on a rotor, over the larger one
+WORN_ROTOR_BALANCED = 1e-6  # force left on a rotor, over the larger one
 ON_THE_WAY_BALANCED = 1e-4  # the same in the middle of a step
 _MOST_STEPS = 1000
 _SHORTENINGS = 6  # of a step that fails, each by half
@@ -95,6 +95,7 @@ class WornLife:
         self.scene, self.step, self.cells, self.perturbed = scene, step, cells, perturbed
         self.end = scene.wear.end_of_life or EndOfLife()
         self.solves = 0
+        self.before: tuple[Instant, float] | None = None  # the last step: its start and time
         self.pair: Pair | None = None
         by_stiffness = self.end.system_axial_stiffness_N_um is not None
         self.stiff = by_stiffness or not only_times
@@ -141,7 +142,7 @@ class WornLife:
         return problem if self.perturbed is None else problem.perturbed(scene)[self.perturbed]
 
     def at(self, wears: Wears, on_the_way: bool = False) -> Instant:
-        """The state with some wear; on the way to another one, without what a life is told of it."""
+        """The state with some wear; what a life is told of it only if it is not on the way on."""
         self.solves += 1
         for side, wear in zip(self.sides, wears, strict=True):
             side.wear = wear
@@ -180,6 +181,10 @@ class WornLife:
 
     def heun(self, now: Instant, rates: Wears, dt: float) -> Instant:
         """The state after the time dt; the one that failed, if one does."""
+        if self.before is not None:
+            earlier, passed = self.before
+            for side, was, point in zip(self.sides, earlier.points, now.points, strict=True):
+                side.bearing.start_ahead(was, point, dt / passed)
         ahead = self.at(_after(now.wears, dt, rates), on_the_way=True)
         if ahead.status != code.OK:
             return ahead
@@ -288,6 +293,7 @@ class WornLife:
                 k = int(met[np.argmin(shares)])
                 dt, new = self._end_of(now, rates, dt, k, (before[k], after[k]), new)
                 course.criterion, course.status = k, code.OK
+            self.before = now, dt
             course.instants.append(new)
             course.times.append(course.times[-1] + dt)
             far = any(s.loss > most for s, most in zip(new.states, largest, strict=True))

@@ -100,7 +100,7 @@ class WornSide(SteadySide):
         )
 
     def with_stiffness(self, state: SideState) -> SideState:
-        """A state with its own stiffness; it has that of an earlier one, which is enough to find it."""
+        """A state with its own stiffness, not that of an earlier one."""
         self._stiffness = self.bearing.axial_stiffness(state.answer)
         return replace(state, stiffness=self.tandem * self._stiffness)
 
