@@ -49,7 +49,7 @@ BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
-FARTHEST = 2.0  # of a step, beyond which none is foretold by the one before
+LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
 
 
@@ -194,7 +194,7 @@ class WornBearing:
 
     def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
         """Let the next solve start where the way of two states leads, by a share of it."""
-        if share <= FARTHEST:
+        if share <= LONGEST_AHEAD:
             old, new = before.seat, now.seat
             self.seat = new._replace(
                 X1=new.X1 + share * (new.X1 - old.X1),
