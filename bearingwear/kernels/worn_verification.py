@@ -36,14 +36,37 @@ def love(x, y, c, d):
     )
 
 
+@jit
+def check_influence(cells):
+    """Love's displacement of one loaded cell (2 m, 2 n - 1), by the distance across and along.
+
+    Parameters
+    ----------
+    cells : Cells
+        Of which only the places are taken.
+    """
+    kappa = math.exp(cells.log_kappa)
+    elliptic_K, _, _ = elliptic_integrals(1.0 / kappa)
+    dX, dY = cells.X[1] - cells.X[0], 2.0 * cells.Y[0]
+    n = cells.X.size
+    table = np.empty((2 * cells.Y.size, 2 * n - 1))
+    for j in range(table.shape[0]):
+        for i in range(n):
+            seen = love(i * dX, j * dY / kappa, 0.5 * dX, 0.5 * dY / kappa)
+            table[j, n - 1 + i] = table[j, n - 1 - i] = kappa / (math.pi * elliptic_K) * seen
+    return table
+
+
 @jit(fastmath=REORDER_SUMS)
-def contact_check(cells, wear, pressure):
+def contact_check(cells, influence, wear, pressure):
     """Gap, overlap, tension and load of a pressure (m, n).
 
     Parameters
     ----------
     cells : Cells
         Of which only the places and the unworn gap are taken.
+    influence : ndarray (2 m, 2 n - 1)
+        Of `check_influence`.
     wear : ndarray (n,)
         As in `worn_contact.worn_pressure`.
 
@@ -52,14 +75,7 @@ def contact_check(cells, wear, pressure):
     ContactCheck
     """
     m, n = pressure.shape
-    kappa = math.exp(cells.log_kappa)
-    elliptic_K, _, _ = elliptic_integrals(1.0 / kappa)
     dX, dY = cells.X[1] - cells.X[0], 2.0 * cells.Y[0]
-    # By the distance in cells, along and across
-    table = np.empty((2 * m, n))
-    for j in range(2 * m):
-        for i in range(n):
-            table[j, i] = love(i * dX, j * dY / kappa, 0.5 * dX, 0.5 * dY / kappa)
     largest_gap = overlap = tension = load = 0.0
     deflection = np.zeros((m, n))
     for k in range(-m, m):
@@ -71,10 +87,10 @@ def contact_check(cells, wear, pressure):
             if p != 0.0:
                 for j in range(m):
                     for i in range(n):
-                        deflection[j, i] += p * table[abs(j - k), abs(i - q)]
+                        deflection[j, i] += p * influence[abs(j - k), n - 1 - q + i]
     for j in range(m):
         for i in range(n):
-            gap = cells.gap[j, i] + wear[i] + kappa / (math.pi * elliptic_K) * deflection[j, i]
+            gap = cells.gap[j, i] + wear[i] + deflection[j, i]
             if pressure[j, i] > 0.0:
                 largest_gap = max(largest_gap, abs(gap))
             else:

@@ -303,9 +303,7 @@ class Pair:
 
         x = self.nearby.at(losses) if self.nearby.known else self._start(losses, F_ext)
         x, found = balanced(trial, x, self._rounded, self.nearby, tolerance)
-        return self._state(
-            losses, x, found, lambda states: (x, states[0].stiffness + states[1].stiffness)
-        )
+        return self._state(losses, x, found, lambda states: x)
 
     @functools.cached_property
     def _rounded(self) -> float:
@@ -317,7 +315,7 @@ class Pair:
         losses: tuple[float, float],
         at: float,
         found: RotorTrial | int,
-        system: Callable[[Sequence[SideState]], Any],
+        shift: Callable[[Sequence[SideState]], float],
     ) -> PairState:
         """The state at a place, or why there is none."""
         if isinstance(found, int):
@@ -325,8 +323,19 @@ class Pair:
             lost = self.sides[0].unsteady if found == code.NO_STEADY_STATE else found
             return PairState(lost)
         self.nearby.found(losses, at)
-        shift, stiffness = system(found.states)
-        return PairState(worse_status(found.states), found.states, shift, stiffness)
+        states = found.states
+        stiffness = self.stiffness(states)
+        return PairState(worse_status(states), states, shift(states), stiffness)
+
+    def stiffness(self, states: Sequence[SideState]) -> float:
+        """Axial stiffness of the arrangement [N/m]."""
+        a = self.scene.pair
+        assert a is not None
+        k_1, k_2 = states[0].stiffness, states[1].stiffness
+        if a.kind == "rigid_pair":
+            return k_1 + k_2
+        k_s = a.spring_stiffness_N_um * N_UM
+        return k_1 + k_s * k_2 / (k_s + k_2)
 
     def _start(self, losses: tuple[float, float], F_ext: float) -> float:
         """Place of the rotor by the mechanics of rolling balls, without friction [m]."""
@@ -373,13 +382,9 @@ class Pair:
             soft = sum(k_s / state.stiffness for state in states if state.status in USABLE)
             return RotorTrial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
 
-        def system(states: Sequence[SideState]) -> tuple[float, float]:
-            k_1, k_2 = states[0].stiffness, states[1].stiffness
-            return states[0].place - one.mounted, k_1 + k_s * k_2 / (k_s + k_2)
-
         e = self.nearby.at(losses) if self.nearby.known else 0.0
         e, found = balanced(trial, e, 0.0, self.nearby, tolerance)
-        return self._state(losses, e, found, system)
+        return self._state(losses, e, found, lambda states: states[0].place - one.mounted)
 
     def lift_off(self, losses: tuple[float, float]) -> float:
         """Least axial force on the rotor that lifts off a bearing at rest [N]."""

@@ -1,9 +1,9 @@
 """What has worn off a bearing along its grooves and balls, and a state with it (section 21)."""
 
+import functools
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.hertz import OUTER, race_contact
@@ -20,6 +20,7 @@ _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
 NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
 NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
 """Of a point that was not solved."""
+_TAILS = 6.0  # times its rms, how far a Gaussian reaches
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +90,17 @@ def wandering(
     if total > 0.0:
         found *= values.sum() * (places[1] - places[0]) / total
     if wander > 0.0:
-        found = gaussian_filter1d(found, wander / step, mode="constant", truncate=6.0)
+        weights = _gaussian(float(wander / step))
+        found = np.convolve(found, weights)[weights.size // 2 :][: grid.size]
     return found
+
+
+@functools.lru_cache(maxsize=16)
+def _gaussian(rms: float) -> np.ndarray:
+    """Weights of a Gaussian at whole places about its middle, out to six times its rms."""
+    reach = int(_TAILS * rms + 0.5)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / rms) ** 2)
+    return weights / weights.sum()
 
 
 def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:

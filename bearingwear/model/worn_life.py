@@ -25,7 +25,8 @@ from bearingwear.scene.scene import LARGEST_LOSS, Scene
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.08  # deepest wear of a step, over the gap A a^2
-WORN_ROTOR_BALANCED = 1e-7  # force left on a rotor, over the larger one
+WORN_ROTOR_BALANCED = 1e-6  # force left on a rotor, over the larger one
+ON_THE_WAY_BALANCED = 1e-4  # the same in the middle of a step
 _MOST_STEPS = 1000
 _SHORTENINGS = 6  # of a step that fails, each by half
 _SHORT = 0.3  # of the step before
@@ -94,9 +95,10 @@ class WornLife:
         self.scene, self.step, self.cells, self.perturbed = scene, step, cells, perturbed
         self.end = scene.wear.end_of_life or EndOfLife()
         self.solves = 0
+        self.before: tuple[Instant, float] | None = None  # the last step: its start and time
         self.pair: Pair | None = None
         by_stiffness = self.end.system_axial_stiffness_N_um is not None
-        self.stiff = by_stiffness or scene.pair is not None or not only_times
+        self.stiff = by_stiffness or not only_times
         self.status = code.OK
         self.sides: tuple[WornSide, ...] = self._pair() if scene.pair else self._single()
 
@@ -139,23 +141,32 @@ class WornLife:
         problem = ThrustProblem.of(scene)
         return problem if self.perturbed is None else problem.perturbed(scene)[self.perturbed]
 
-    def at(self, wears: Wears, stiff: bool = True) -> Instant:
-        """The state with some wear; with its stiffness, or with that of the last one."""
+    def at(self, wears: Wears, on_the_way: bool = False) -> Instant:
+        """The state with some wear; what a life is told of it only if it is not on the way on."""
         self.solves += 1
         for side, wear in zip(self.sides, wears, strict=True):
-            side.wear, side.stiff = wear, stiff and self.stiff
+            side.wear = wear
+        shift, stiffness = np.nan, np.nan
         if self.pair is None:
             states: tuple[SideState, ...] = (self.sides[0].alone(),)
-            status, shift, stiffness = states[0].status, np.nan, np.nan
+            status = states[0].status
         else:
+            self.pair.tolerance = ON_THE_WAY_BALANCED if on_the_way else WORN_ROTOR_BALANCED
             found = self.pair.solve((self.sides[0].progress, self.sides[1].progress))
-            states, status = found.sides, found.status
-            shift, stiffness = found.shift, found.stiffness
+            states, status, shift = found.sides, found.status, found.shift
         if status != code.OK:
             return Instant(status, wears)
-        made = []
         for side, state in zip(self.sides, states, strict=True):
             side.bearing.count_from(state.answer)
+        if on_the_way:
+            return Instant(status, wears, states)
+        if self.stiff:
+            both = zip(self.sides, states, strict=True)
+            states = tuple(side.with_stiffness(state) for side, state in both)
+        if self.pair is not None:
+            stiffness = self.pair.stiffness(states)
+        made = []
+        for side, state in zip(self.sides, states, strict=True):
             one = side.wear_state(0.0, state)
             if self.pair is None:
                 one = in_half_of_pair(self.scene, side.mounted, one)
@@ -170,7 +181,11 @@ class WornLife:
 
     def heun(self, now: Instant, rates: Wears, dt: float) -> Instant:
         """The state after the time dt; the one that failed, if one does."""
-        ahead = self.at(_after(now.wears, dt, rates), stiff=False)
+        if self.before is not None:
+            earlier, passed = self.before
+            for side, was, point in zip(self.sides, earlier.points, now.points, strict=True):
+                side.bearing.start_ahead(was, point, dt / passed)
+        ahead = self.at(_after(now.wears, dt, rates), on_the_way=True)
         if ahead.status != code.OK:
             return ahead
         mean = tuple(a.mean(b) for a, b in zip(rates, self.rates(ahead), strict=True))
@@ -278,6 +293,7 @@ class WornLife:
                 k = int(met[np.argmin(shares)])
                 dt, new = self._end_of(now, rates, dt, k, (before[k], after[k]), new)
                 course.criterion, course.status = k, code.OK
+            self.before = now, dt
             course.instants.append(new)
             course.times.append(course.times[-1] + dt)
             far = any(s.loss > most for s, most in zip(new.states, largest, strict=True))

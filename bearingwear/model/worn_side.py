@@ -70,7 +70,6 @@ class WornSide(SteadySide):
             films=WornFilms.of(scene) if filmed else None,
         )
         self.wear = WornDepths(0.0, np.zeros(0), np.zeros(0))
-        self.stiff = True  # whether each state is solved with its stiffness, not with the last one
         self._stiffness = float(problem.g.n_balls * case.S_xx)
         self._offset: float | None = None  # of the even loss, at the start [m]
         self._ahead = 0.0  # of the last even loss to that of the approaches, over the approaches
@@ -90,8 +89,6 @@ class WornSide(SteadySide):
         point = self._point(problem)
         if point.status != code.OK:
             return SideState(point.status)
-        if self.stiff:
-            self._stiffness = self.bearing.axial_stiffness(point)
         return SideState(
             status=point.status,
             force=self.tandem * self.preload(point),
@@ -101,6 +98,11 @@ class WornSide(SteadySide):
             answer=point,
             warmed=self._warmed,
         )
+
+    def with_stiffness(self, state: SideState) -> SideState:
+        """A state with its own stiffness, not that of an earlier one."""
+        self._stiffness = self.bearing.axial_stiffness(state.answer)
+        return replace(state, stiffness=self.tandem * self._stiffness)
 
     def _point(self, problem: ThrustProblem) -> WornPoint:
         """The state of a problem, at the temperatures of its own heat where a network has them."""

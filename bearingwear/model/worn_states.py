@@ -7,14 +7,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.ellipse import most_points
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.profile import contact_approach, contact_load, middle_height, profile
+from bearingwear.kernels.profile import contact_approach, middle_height, profile
 from bearingwear.kernels.summary import ANGLE, MAJOR
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
+from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.kernels.worn_balance import (
     Arc,
     WornForce,
@@ -31,8 +30,8 @@ from bearingwear.kernels.worn_friction import (
     worn_dissipation,
 )
 from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
-from bearingwear.kernels.worn_verification import contact_check, friction_of_cells
 from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.worn_check import WornCheck
 from bearingwear.model.worn_depths import (
     UNWORN_ARC,
     WornDepths,
@@ -49,9 +48,8 @@ ARC_END = 5.0  # initial semi-major axes from where the contact was, new
 BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
 CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
 SPARE = 3.0  # cells beyond the contact, at least
-LARGEST_GAP = 1e-7  # left by a contact, over the approach
-LARGEST_POWER_ERROR = 1e-8  # of the shaft power
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
+LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
 _MOST_WIDENINGS = 6
 
 
@@ -110,6 +108,7 @@ class WornBearing:
         self.u = self.case.u[:4].copy()
         self.state = state_work()
         self._work: tuple[tuple[int, ...], FrictionWork] | None = None
+        self.check = WornCheck()
 
     def _race(self, k: int) -> WornRace:
         """Race k with cells for its present length of contact, unworn."""
@@ -167,7 +166,11 @@ class WornBearing:
         forces = (seat.inner, seat.outer)
         if not self._within(races, seat, D):
             return WornPoint(code.BEYOND_GROOVE, wear, p)
-        if not self._verified(p, races, wear, seat, slip, u, D):
+        bare = [
+            self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
+            for k, force in enumerate(forces if self.films else ())
+        ]
+        if not self.check.passes(p, races, seat, slip, u, D, bare):
             return WornPoint(code.UNVERIFIED, wear, p)
         r = p.g.R_o + seat.X2
         return WornPoint(
@@ -188,6 +191,18 @@ class WornBearing:
             ),
             D=D,
         )
+
+    def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
+        """Let the next solve start where the way of two states leads, by a share of it."""
+        if share <= LONGEST_AHEAD:
+            old, new = before.seat, now.seat
+            self.seat = new._replace(
+                X1=new.X1 + share * (new.X1 - old.X1),
+                X2=new.X2 + share * (new.X2 - old.X2),
+                delta_a=new.delta_a + share * (new.delta_a - old.delta_a),
+                beta=new.beta + share * (new.beta - old.beta),
+            )
+            self.u = now.u + share * (now.u - before.u)
 
     def _settled(
         self, p: ThrustProblem, D: float, wear: WornDepths
@@ -353,46 +368,6 @@ class WornBearing:
             s = elliptic_integrals(float(np.exp(-race.cells.log_kappa)))[2]
             gaps.append(s * force.approach)
         return np.array(gaps)
-
-    def _verified(
-        self,
-        p: ThrustProblem,
-        races: tuple[WornRace, ...],
-        wear: WornDepths,
-        seat: WornSeat,
-        slip: np.ndarray,
-        u: np.ndarray,
-        D: float,
-    ) -> bool:
-        """Whether contacts and power balance by sums that the solver did not take."""
-        g, op = p.g, p.op
-        for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
-            check = contact_check(race.cells, race.wear, race.pressure)
-            unworn = race.cells.fresh.sum() * race.cells.area
-            load = contact_load(force.hertz.K, force.approach) * check.load / unworn
-            if not (
-                max(check.gap, check.overlap) <= LARGEST_GAP
-                and check.tension == 0.0
-                and abs(load / force.Q - 1.0) <= LARGEST_RESIDUAL
-            ):
-                return False
-            if self.films is not None:
-                Q = contact_load(force.hertz.K, force.approach)
-                law = (
-                    *((op.S_i, op.mu_i), (op.S_o, op.mu_o))[k],
-                    1.5 * Q / (np.pi * force.a * force.b),
-                )
-                bare = self.at_cells(self.bare(wear, k), k, race.x, force.alpha, g)
-                found = friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without)
-                if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
-                    return False
-        r = g.R_o + seat.X2
-        drag = drag_force(g, D, op.drag, u[3])[0] * r * u[3]
-        power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
-        given = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
-        floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
-        self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
-        return bool(self.power_error <= LARGEST_POWER_ERROR)
 
     def axial_stiffness(self, point: WornPoint) -> float:
         """Of all balls, their centres free, in the state last solved [N/m]."""

@@ -9,6 +9,7 @@ from support import scene_file
 
 from bearingwear.api import new
 from bearingwear.kernels import status as code
+from bearingwear.kernels.profile import semi_axis
 from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.life import life, life_history, steady_states
@@ -97,7 +98,8 @@ class UniformWear(WornLife):
     def rates(self, now):
         (found,) = super().rates(now)
         volume = found.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
-        depth = volume / (2.0 * now.states[0].major)
+        forces = self.sides[0].bearing.forces(now.points[0])
+        depth = volume / (2.0 * np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]))
         grooves = np.ones_like(found.grooves) * depth[:, None]
         return (WornDepths(found.ball, grooves, found.band),)
 
