@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.integrators import ROSENBROCK
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
-from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.dynamic import STEPS_PER_TURN, DynamicSystem
 from bearingwear.model.dynamic_outputs import histories, window_values
 from bearingwear.model.estimate import DOUBLED, MEASURED, changed, halved_part, measured, summed
 from bearingwear.model.fidelity import NotAvailable
@@ -30,7 +31,8 @@ DRIFT = 4.0  # times the observed drift, because slower processes hide behind it
 _SCATTER = 4.0  # standard errors of a mean; many, as the turns are few and not independent
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
 TIGHTER = 100.0  # times as tight, after a run whose energy account does not close
-TIGHTEST_RUN = 1e-7  # no run is tightened further from here
+TIGHTEST_RUN = 1e-9  # no run is tightened further from here
+MOSTLY_LONGEST = 4.0  # times the fewest steps: with fewer the longest is shortened as well
 MOST_TRIES = 50_000  # steps: longer runs are not repeated
 
 
@@ -56,16 +58,18 @@ def solve_dynamic(
         Averages over the evaluated window under the names of the steady solution, histories of the
         whole run, checks.
     """
-    start, tolerance = start_of(scene), scene.model.dynamic_tolerance
+    start, tolerance, longest = start_of(scene), scene.model.dynamic_tolerance, 1.0
     while True:
-        values, attrs = run_of(scene, start, restart, progress, tolerance)
+        values, attrs = run_of(scene, start, restart, progress, tolerance, longest)
         open_account = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
         tries = values.get("steps_accepted", 0) + values.get("steps_rejected", 0)
         if not open_account or tries > MOST_TRIES or tolerance < TIGHTEST_RUN:
             return values, attrs
         # With next to no friction, or balls off the inner race, errors that hardly change the slip
-        # change the heat.
+        # change the heat, or work that goes to and fro and is far larger than it.
         tolerance /= TIGHTER
+        if tries * longest < MOSTLY_LONGEST * STEPS_PER_TURN * values["simulated_turns"]:
+            longest /= TIGHTER ** (1.0 / ROSENBROCK.order)
         if progress is not None:
             error = values["energy_account_error"]
             progress(f"energy account {error:.1e} of the heat: again, with tolerance {tolerance:g}")
@@ -130,8 +134,9 @@ def run_of(
     restart: Mapping[str, Any] | None,
     progress: Callable[[str], None] | None,
     tolerance: float,
+    longest: float,
 ) -> tuple[dict, dict]:
-    """One run of `solve_dynamic` with this tolerance of a step."""
+    """One run of `solve_dynamic` with this tolerance and longest step, see `TimeRun`."""
     system, kind = begin(scene, start, restart)
     values: dict = {
         "status": system.diagnose(system.update()),
@@ -159,7 +164,7 @@ def run_of(
             return values | {"status": code.NOT_CONVERGED}, attrs
     begun = system.packed(), system.time
     with Interrupt() as interrupt:
-        run = TimeRun(scene, system, progress, tolerance, grid)
+        run = TimeRun(scene, system, progress, tolerance, grid, longest)
         if restart is not None or motion is not None:
             system.unpack(*begun)  # what compiles first has moved it
         last = run_until_settled(scene, run, slow, interrupt)

@@ -244,7 +244,10 @@ class RunGrid:
 
 
 class TimeRun:
-    """A dynamic run of a scene."""
+    """A dynamic run of a scene.
+
+    `longest` is the longest step over the usual one, a twentieth of a turn.
+    """
 
     def __init__(
         self,
@@ -253,12 +256,15 @@ class TimeRun:
         progress: Callable[[str], None] | None,
         tolerance: float | None = None,
         grid: RunGrid | None = None,
+        longest: float = 1.0,
     ):
         model, layout, n = scene.model, system.layout, len(system.bearing.D)
         self.system = system
         self.grid = grid = grid or RunGrid.of(scene, system.time, system.turn)
         self.tolerance = tolerance or model.dynamic_tolerance
-        self.control = system.control(self.tolerance, INTEGRATORS[model.integrator])
+        self.control = system.control(
+            self.tolerance, INTEGRATORS[model.integrator], longest * system.turn / STEPS_PER_TURN
+        )
         self.keeps_history = model.history_points_per_turn > 0
         integrals = layout.size - layout.qv
         self.recorder = Recorder(
