@@ -298,13 +298,13 @@ CAUTIONS = (
         "growth_left_out",
         lambda e: growth_left_out(e.scene),
         "growth of the inner ring at speed is left out: with a bore of {bore:.3g} mm (assumed) it "
-        "changes the preload of the fixed position by about {value:+.0f} %",
+        "would change the preload of the fixed position by about {value:+.0f} %",
         "set bearing.bore_mm",
     ),
     Caution(
         "temperature_left_out",
         lambda e: temperature_left_out(e.scene),
-        "temperature is left out: an inner ring {kelvin:g} K warmer than the rest changes the "
+        "temperature is left out: an inner ring {kelvin:g} K warmer than the rest would change the "
         "preload of the fixed position by about {value:+.0f} %",
         "set temperature or thermal",
     ),

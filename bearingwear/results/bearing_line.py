@@ -27,12 +27,19 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         for words, value in (
             ("radial load", _length(operation.get("radial_load_N"))),
             ("rotating load", operation.get("rotating_load_N") or 0.0),
+            ("axial force", (scene.get("arrangement") or {}).get("external_axial_N") or 0.0),
         )
         if value
     ]
     mu = scene["friction"].get("ball_race")
     drag = (scene.get("lubricant") or {}).get("drag_density_kg_m3") or 0.0
+    size = [
+        f"{words} {bearing[key]:g}\N{NO-BREAK SPACE}mm"
+        for words, key in (("bore", "bore_mm"), ("outside", "outside_diameter_mm"))
+        if bearing.get(key)
+    ]
     parts = (
+        *([", ".join(size)] if size else []),
         f"{bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g}\N{NO-BREAK SPACE}mm "
         f"on a pitch of {bearing['pitch_diameter_mm']:g}\N{NO-BREAK SPACE}mm",
         f"contact angle {bearing['contact_angle_deg']:g}°",

@@ -159,7 +159,7 @@ def causes_told(scene: Mapping[str, Any]) -> str:
     """What the interval of an L10 comes from, and what makes the bearings of a batch differ."""
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
     of_batch, scatter = (
-        ", ".join(key_in_words(k)[0] for k, one in given.items() if is_same_for_batch(k, one) == of)
+        ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == of)
         for of in (True, False)
     )
     if not of_batch:
@@ -170,6 +170,10 @@ def causes_told(scene: Mapping[str, Any]) -> str:
         f"of {of_batch}. {spread}± is the error of its ends from the size of the sample, "
         f"{100 * CONFIDENCE:g} % confidence."
     )
+
+
+def _cause(key: str) -> str:
+    return "friction of ball and race" if key == "ball_race" else key_in_words(key)[0]
 
 
 def hours_of(lives: Iterable[Quantiles | None], way: str) -> dict[str, list[float]]:

@@ -280,7 +280,7 @@ def test_every_kind_is_drawn(kinds, kind, tmp_path, capsys):
     assert main(["plot", str(copy)]) == 0
     assert capsys.readouterr().out.endswith(f"{tmp_path / 'a.svg'}: written\n")
     text = (tmp_path / "a.svg").read_text(encoding="utf-8")
-    assert "<path" in text and (kind != "dynamic case" or "turns, dynamic: contact loads" in text)
+    assert "<path" in text and (kind != "dynamic case" or ": contact loads of" in text)
 
 
 @pytest.mark.parametrize("kind", NOT_DRAWN)

@@ -153,7 +153,7 @@ def preload_answer(
         bearing=bearing_line(scene),
         rank=0,
         title="The preload to take",
-        headline=_headline(recommendation),
+        headline=_headline(design, recommendation),
         points=points,
         notes=notes,
         tables=[
@@ -181,7 +181,7 @@ def _words(found: xr.Dataset, method: str) -> str:
     return method_words(scene_of(found), method)
 
 
-def _headline(recommendation: xr.Dataset) -> str:
+def _headline(design: xr.Dataset, recommendation: xr.Dataset) -> str:
     scene = scene_of(recommendation)
     name = scene["name"]
     taken = [
@@ -192,7 +192,12 @@ def _headline(recommendation: xr.Dataset) -> str:
         return f"{name}: no preload keeps to all limits"
     if int(recommendation["verdict"]) == NEITHER_LONGER:
         return f"{name}: neither method lasts longer; take {' or '.join(taken)}"
-    return f"{name}: take {taken[0]}"
+    one = _lives(recommendation)[0][1]
+    end = ""
+    if ACTIVE[int(one["active_limit"])] == "end_of_range":
+        least = float(one["preload"]) < float(design["preload"].mean())
+        end = f", the {'least' if least else 'largest'} preload tried"
+    return f"{name}: take {taken[0]}{end}"
 
 
 def _gives(recommendation: xr.Dataset) -> str:
@@ -205,6 +210,7 @@ def _gives(recommendation: xr.Dataset) -> str:
         more = f"{percent_in_text(ratio - 1.0)} more than"
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
         words = _words(recommendation, other)
+        words = f"a {words}" if is_pair(scene_of(recommendation)) else words
         said += f": {times} the {digits(less)} h of {words} at {preload_text(twin)} N"
     return f"{said}."
 
@@ -212,9 +218,12 @@ def _gives(recommendation: xr.Dataset) -> str:
 def _held(one: xr.Dataset) -> str:
     """What keeps a preload from another one with a longer life."""
     name = ACTIVE[int(one["active_limit"])]
+    given = limits_of(one).given
+    if name == "end_of_range" and not given:
+        return f"{_HELD[name]} No limit was given: set what the machine needs, such as a stiffness."
     if name not in LIMITED:
         return _HELD[name]
-    limit = limits_of(one).given[name]
+    limit = given[name]
     return f"A preload with a longer life would pass a limit: {limit_text(name, limit)}."
 
 
@@ -266,15 +275,24 @@ def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
             f"Neither method can be said to last longer: a change of {100 * CLAIMED:g} % in one "
             "assumption, or the other ball track, would reverse the order."
         )
-    said += [
-        f"{q.name} is {digits(q.hours)} h; it lies between {q.low:.2g} and {q.high:.2g} h "
-        f"{'in' if q.between == OF_BATCHES else 'at'} {q.between}."
-        for q in spread[method]
-        if q.hours > 0.0
-    ]
+    said += quantiles_told([q for q in spread[method] if q.hours > 0.0])
+    said += [NO_CLOCK, *track_told(recommendation)]
     if math.isfinite(error):
         said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
-    return [*said, *track_told(recommendation), NO_CLOCK]
+    return said
+
+
+def quantiles_told(found: Sequence[Quantile]) -> list[str]:
+    """A sentence for each quantile; one for all of them where bearings do not differ."""
+    told: dict[str, list[str]] = {}
+    for q in found:
+        where = "in" if q.between == OF_BATCHES else "at"
+        numbers = f"{digits(q.hours)} h, between {q.low:.2g} and {q.high:.2g} h {where} {q.between}"
+        told.setdefault(numbers, []).append(q.name)
+    return [
+        f"{' and '.join(names)} {'is' if len(names) == 1 else 'are both'} {numbers}."
+        for numbers, names in told.items()
+    ]
 
 
 def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:

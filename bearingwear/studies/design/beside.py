@@ -12,9 +12,10 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words, methods
+from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.answer import AnswerTable
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import digits, display
 from bearingwear.results.variable import Variable
 from bearingwear.scene.arrangement import held_by
@@ -107,7 +108,7 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
     rows = [
         [
             words,
-            in_words(method),
+            method_words(scene_of(recommendation), method),
             digits(float(one["life"].isel(loss_basis=basis))),
             *(unit.text(one[name]) for name, (_, unit) in units.items()),
             passed(one),

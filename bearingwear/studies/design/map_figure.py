@@ -56,24 +56,28 @@ def map_overview(design: xr.Dataset) -> Figure:
         len(quantities), len(columns), 7.2, 1.75 * len(quantities) + 0.9, sharex=True, sharey=True
     )
     basis = counted(design)
+    zero = never = False
     for row, (quantity, look) in zip(panels, quantities.items(), strict=True):
         unit = display(look.units, plane[quantity])
         values = unit.of(plane[quantity])
         if "loss_basis" in values.dims:
             values = values.isel(loss_basis=basis)
+        zero, never = zero or bool((values == 0.0).any()), never or bool((values == np.inf).any())
         _mapped(figure, row, plane, values, look.cmap, unit.label(look.label))
     for panel, (name, _) in zip(panels[0], columns, strict=True):
         panel.set_title(method_words(scene_of(design), name))
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
+    blank = [key("white: zero, from the start on", linestyle="none")] if zero else []
+    grey = key("limit of slip not reached in the life", color="0.87", linewidth=8)
     frame(
         figure,
-        f"{scene['name']} at {speed:g} r/min: where life, stiffness and slip lie; counting "
+        f"{scene['name']} at {speed:g} r/min: life and limits over preload and friction; counting "
         f"{in_words(COUNTS[basis])}",
         [
-            key("white: zero, from the start on", linestyle="none"),
-            key("limit of slip not reached in the life", color="0.87", linewidth=8),
+            *blank,
+            *([grey] if never else []),
             *failed_keys(bool((plane["status"] != OK).any())),
         ],
         columns=3,

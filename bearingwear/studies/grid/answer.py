@@ -213,7 +213,7 @@ def _at_once(lives: Sequence[Life]) -> str:
         for life in lives
         if life.spread and any(one.hours == 0.0 for one in life.spread[life.counts])
     ]
-    text = f"one in ten or more is beyond a limit when new: {', '.join(found)}"
+    text = f"one bearing in ten or more is beyond a limit when new: {', '.join(found)}"
     return _sentence(text) if found else ""
 
 

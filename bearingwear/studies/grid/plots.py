@@ -42,7 +42,7 @@ def _histories(case: xr.Dataset) -> Figure:
     name, turns = scene_of(case)["name"], digits(float(case["simulated_turns"]))
     frame(
         figure,
-        f"{name}, {turns} turns, dynamic: contact loads of {span(load.values.ravel())} N",
+        f"{name}: contact loads of {span(load.values.ravel())} N over {turns} turns",
         [key("each ball", **balls), key("whole bearing", **whole)],
         columns=2,
     )

@@ -7,6 +7,7 @@ from typing import Any
 
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
+from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.design.plan import DesignLimits, axes_around
 
 FRICTIONS = (0.5, 1.0, 1.5, 2.0)
@@ -53,8 +54,21 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     elif scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": HALF_OF_THE_LIVES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
-    design = {"scenes": {name: {"small_map": small_map, "limits": limits.given}}}
+    of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
+    design = {"scenes": {name: of_scene}}
     return {"config/config.yaml": config, "config/design.yaml": design}
+
+
+def _beside(scene: Scene) -> dict[str, Any]:
+    """What a reader asks next: the bearing cold if it is warm, and warm if it is cold."""
+    from bearingwear.model.growth_told import WARMER
+
+    if scene.temperature or scene.thermal:
+        words = "all parts at the temperature of mounting"
+        return {"cold": {"words": words, "set": {"temperature": None, "thermal": None}}}
+    inner = Temperature().reference_C + WARMER
+    words = f"an inner ring {WARMER:g} K warmer"
+    return {"warm": {"words": words, "set": {"temperature.inner_ring_C": inner}}}
 
 
 def _frictions(scene: Scene, source: str) -> list[float]:

@@ -9,9 +9,9 @@ from support import step
 
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
-from bearingwear.results.quantiles import RECOMMENDED, quantiles_of
+from bearingwear.results.quantiles import OF_BATCHES, RECOMMENDED, Quantile, quantiles_of
 from bearingwear.results.units import digits
-from bearingwear.studies.design.answer import preload_answer
+from bearingwear.studies.design.answer import preload_answer, quantiles_told
 from bearingwear.studies.design.beside import beside_told
 from bearingwear.studies.design.plan import DesignPlan
 from bearingwear.studies.design.verdict import NEITHER_LONGER
@@ -88,6 +88,29 @@ def test_neither_lasts_longer(files):
     assert answer.headline.startswith("mine: neither method lasts longer; take a spring of")
     assert " or a fixed position preloaded with " in answer.headline
     assert "a change of 5 % in one assumption" in told(answer)["How sure"]
+
+
+def test_an_answer_at_the_end_of_the_map_says_so(files):
+    """Without any limit the least preload lasts longest, which is no advice by itself."""
+    design, found = load(files["design"]), load(files["recommendation"])
+    ends = found.active_limit.attrs["flag_meanings"].split()
+    found["active_limit"][...] = ends.index("end_of_range")
+    for end, word in (("min", "least"), ("max", "largest")):
+        found["preload"][...] = float(getattr(design["preload"], end)())
+        found.attrs["limits"] = "{}"
+        answer = preload_answer(design, found)
+        assert answer.headline.endswith(f", the {word} preload tried")
+        assert "No limit was given: set what the machine needs" in told(answer)["What limits it"]
+        found.attrs["limits"] = load(files["recommendation"]).attrs["limits"]
+        assert "No limit was given" not in told(preload_answer(design, found))["What limits it"]
+
+
+def test_bearings_that_do_not_differ_have_one_sentence():
+    same = {"hours": 2.0, "low": 1.0, "high": 4.0, "between": OF_BATCHES}
+    l10, l50 = (Quantile(name=name, **same) for name in ("L10", "L50"))
+    (both,) = quantiles_told([l10, l50])
+    assert both == f"L10 and L50 are both 2 h, between 1 and 4 h in {OF_BATCHES}."
+    assert len(quantiles_told([l10, l50._replace(hours=3.0)])) == 2
 
 
 def test_no_preload_within_the_limits(files):

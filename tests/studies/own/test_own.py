@@ -49,7 +49,22 @@ def test_plan_is_around_the_scene(scene):
     assert 7.0 in axes["preload_N"]
     assert axes["preload_N"][0] < 1.0 and axes["preload_N"][-1] > 200.0
     assert design["limits"] == {"axial_stiffness_N_um": 3.0}
+    assert design["beside"]["warm"]["set"] == {"temperature.inner_ring_C": 25.0}
     assert yaml.safe_load(yaml.safe_dump(design)) == design
+
+
+CARRIED_AWAY = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
+
+
+@pytest.mark.parametrize(
+    "given", [{"temperature.inner_ring_C": 30.0}, {"thermal.conductance_W_K": CARRIED_AWAY}]
+)
+def test_a_warm_bearing_is_also_tried_cold(scene, given):
+    warm = scene.with_(given)
+    _, design = plans(warm)
+    (case,) = design["beside"].values()
+    cold = warm.with_(case["set"])
+    assert cold.temperature is None and cold.thermal is None
 
 
 def test_what_the_scene_does_not_say_is_left_out(scene):
