@@ -52,14 +52,25 @@ def sources(*modules: str) -> tuple[Path, ...]:
 @functools.cache
 def _data(path: Path) -> tuple[Path, ...]:
     """Files beside a module that are not Python and whose names stand in it."""
-    text = path.read_text(encoding="utf-8")
-    beside = (file for file in path.parent.iterdir() if file.is_file() and file.suffix != ".py")
+    beside = _not_python(path.parent)
+    text = path.read_text(encoding="utf-8") if beside else ""
     return tuple(file for file in beside if f'"{file.name}"' in text)
 
 
+@functools.cache
+def _not_python(folder: Path) -> tuple[Path, ...]:
+    return tuple(file for file in folder.iterdir() if file.suffix != ".py" and file.is_file())
+
+
+@functools.cache
 def _file(module: str) -> Path:
     path = PACKAGE.joinpath(*module.split(".")[1:])
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+@functools.cache
+def _is_module(name: str) -> bool:
+    return _file(name).is_file()
 
 
 # The text is searched, not parsed: a command shall not spend a tenth of a second on naming sources.
@@ -81,7 +92,7 @@ def _imported(path: Path) -> tuple[str, ...]:
         # `from package import name`: a module of that package, or a name in it
         for name in re.findall(r"(\w+)(?: as \w+)?", re.sub("#.*", "", listed or rest)):
             inner = f"{module}.{name}"
-            names[inner if module and _file(inner).is_file() else module] = None
+            names[inner if module and _is_module(inner) else module] = None
     # the package itself imports its Python interface only where somebody asks for it
     return tuple(name for name in names if name.startswith("bearingwear."))
 

@@ -103,6 +103,9 @@ CACHED = (
     provenance.sources_hash,
     provenance._imported,
     provenance._data,
+    provenance._not_python,
+    provenance._file,
+    provenance._is_module,
     provenance._file_hash,
 )
 

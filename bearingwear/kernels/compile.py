@@ -16,9 +16,9 @@ from numba import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.runtime import rtsys
 from numba.core.sigutils import normalize_signature
 from numba.extending import overload
-from numba.np import linalg
 
 from bearingwear.kernels.code import Callee, entry
 from bearingwear.provenance import contents_hash, kernel_cache_folder, kernels_hash
@@ -35,11 +35,14 @@ _STACK = 2**26  # bytes, enough for LLVM on any system
 _FOLDER = kernel_cache_folder()  # of the sources as they are imported
 
 
+@functools.cache
 def _start_without_scipy() -> None:
     """Let numba load its NumPy functions without looking for SciPy's BLAS, which takes 0.15 s.
 
     It only notes that there is one, as SciPy is required; `np.dot` in a kernel still looks for it.
     """
+    from numba.np import linalg
+
     before, linalg.ensure_blas = linalg.ensure_blas, lambda: None
     try:
         from numba.np import arraymath
@@ -47,9 +50,6 @@ def _start_without_scipy() -> None:
         arraymath.ensure_blas = before
     finally:
         linalg.ensure_blas = before
-
-
-_start_without_scipy()
 
 
 class _ByContents(_CacheLocator):
@@ -83,8 +83,11 @@ class _Cache(FunctionCache):
     _impl_class = _Kept
 
     def load_overload(self, sig, target_context):
+        # What numba knows of Python's and NumPy's functions is for who compiles, and takes 0.1 s to
+        # load: here only the memory of arrays is made ready.
+        rtsys.initialize(target_context)
         try:
-            return super().load_overload(sig, target_context)
+            return self._load_overload(sig, target_context)
         except Exception:  # whatever a truncated file unpickles to: it can be compiled again
             with contextlib.suppress(OSError):
                 self.flush()
@@ -177,6 +180,9 @@ class Kernel(CPUDispatcher):
         """As other kernels call it."""
         return Callee(self.py_func, self.targetoptions)
 
+    def _compilation_chain_init_hook(self):
+        pass  # other packages' extensions of numba are for who compiles
+
     def get_call_template(self, args, kws):
         # One version for all constants; LLVM puts them in where that pays.
         args = tuple(types.unliteral(arg) for arg in args)
@@ -206,6 +212,7 @@ class Kernel(CPUDispatcher):
             if found is None:
                 tell("compiling the solver, once on this machine; it may take a minute ...")
                 with global_compiler_lock:
+                    _start_without_scipy()
                     found = entry(self.callee, args)
                     self.add_overload(found)
                     self.disk.save_overload(args, found)

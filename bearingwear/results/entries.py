@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import sys
 from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -69,6 +70,8 @@ def common_attributes() -> dict[str, Any]:
 
 @functools.cache
 def _numba_version() -> str:
+    if "numba" in sys.modules:  # quicker than asking the installed packages
+        return sys.modules["numba"].__version__
     import importlib.metadata as metadata
 
     return metadata.version("numba")
