@@ -212,7 +212,8 @@ def spread(errors):
     return f"{np.median(errors):8.1e}{np.max(errors):8.1e}"
 
 
-def main():
+def solved_cases():
+    """Scene, ball diameter and case of every steady state."""
     cases = []
     for v_r in REGULARISATIONS:
         for s in scenes(v_r):
@@ -221,6 +222,11 @@ def main():
             case = problem.solve(D)
             assert case.status == OK, s.name
             cases.append((problem, D, case))
+    return cases
+
+
+def main():
+    cases = solved_cases()
     pairs = [pair for case in cases for pair in contacts(*case)]
     fine = split_power(60, 1)
     exact = [[integrals(place_sinh, fine, *c)[0] for c in pair] for pair in pairs]

@@ -17,28 +17,15 @@ Files = Mapping[str, str | Sequence[str]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
-    """One kind of job of a study.
+class Task:
+    """What a rule of the workflow is made from.
 
     Attributes
     ----------
     name : str
         What its rule is called, after the name of the study.
-    run : str
-        The function that does it, from the package on: `studies.grid.gather.study`. It takes
-        `inputs` and `settings` as keyword arguments and returns what is written: a Result, a
-        Dataset, a Figure, a text, or several of these, one for each output.
-    outputs : tuple of str
-        Paths, with wildcards in braces. A figure is written to each of them.
-    inputs : mapping, or function of the wildcards
-        Files by the names of their arguments: a path, or a list of paths. Wildcards may stand in
-        those of a mapping.
-    settings : mapping, or function of the wildcards
-        All else that decides the result, as plain data.
-    label : str, or function of the wildcards
-        What a person reads while it runs; may contain wildcards.
     about : str
-        What the list of rules says of it, where the label is a function.
+        What the list of rules says of it, where that is not its label.
     matches : mapping
         Regular expressions for wildcards.
     seconds : float
@@ -52,19 +39,9 @@ class Step:
         Whether what it says on its way is seen while it runs, besides in its log.
     after : sequence of str
         Files that must be there first although the function does not read them.
-    caption, category, result : str
-        Where the outputs for a reader (figures as SVG, tables as Markdown) stand in the report of
-        the jobs; no caption: they do not.
     """
 
     name: str
-    run: str
-    outputs: tuple[str, ...]
-    inputs: Files | Callable[[Wildcards], Files] = field(default_factory=dict)
-    settings: Mapping[str, Any] | Callable[[Wildcards], Mapping[str, Any]] = field(
-        default_factory=dict
-    )
-    label: str | Callable[[Wildcards], str]
     about: str = ""
     matches: Mapping[str, str] = field(default_factory=dict)
     seconds: float = 0.0
@@ -72,6 +49,39 @@ class Step:
     alone: bool = False
     tells: bool = False
     after: Sequence[str] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step(Task):
+    """One kind of job of a study, as `Task` and with:
+
+    Attributes
+    ----------
+    run : str
+        The function that does it, from the package on: `studies.grid.gather.study`. It takes
+        `inputs` and `settings` as keyword arguments and returns what is written: a Result, a
+        Dataset, a Figure, a text, or several of these, one for each output.
+    outputs : tuple of str
+        Paths, with wildcards in braces. A figure is written to each of them.
+    inputs : mapping, or function of the wildcards
+        Files by the names of their arguments: a path, or a list of paths. Wildcards may stand in
+        those of a mapping.
+    settings : mapping, or function of the wildcards
+        All else that decides the result, as plain data.
+    label : str, or function of the wildcards
+        What a person reads while it runs; may contain wildcards.
+    caption, category, result : str
+        Where the outputs for a reader (figures as SVG, tables as Markdown) stand in the report of
+        the jobs; no caption: they do not.
+    """
+
+    run: str
+    outputs: tuple[str, ...]
+    inputs: Files | Callable[[Wildcards], Files] = field(default_factory=dict)
+    settings: Mapping[str, Any] | Callable[[Wildcards], Mapping[str, Any]] = field(
+        default_factory=dict
+    )
+    label: str | Callable[[Wildcards], str]
     caption: str = ""
     category: str = "{scene}"
     result: str = ""
@@ -121,29 +131,17 @@ class Step:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bundle:
+class Bundle(Task):
     """Steps without wildcards that one process does: a start of Python takes longer than a figure.
 
     Attributes
     ----------
-    name : str
-        What its rule is called, after the name of the study.
     steps : tuple of Step
     label : str
-    about : str
-        What the list of rules says of it, where that is not its label.
     """
 
-    name: str
     steps: tuple[Step, ...]
     label: str
-    about: str = ""
-    matches: Mapping[str, str] = field(default_factory=dict)
-    seconds: float = 0.0
-    priority: int = 0
-    alone: bool = False
-    tells: bool = False
-    after: Sequence[str] = ()
 
     def one(self, wildcards: Wildcards) -> Bundle:
         """Itself, since it has no wildcards."""
