@@ -50,16 +50,21 @@ class GrowthRates:
     def told(self) -> str:
         """The same in words."""
         if self.other > LEAST_GROWTH:
-            return f"unstable: disturbances grow e-fold in {1.0 / self.other:.2g} turns"
+            return f"unstable: disturbances grow e-fold in {_turns(self.other)}"
         spacing = (
-            f"grow e-fold in {1.0 / self.spacing:.2g} turns"
+            f"grow e-fold in {_turns(self.spacing)}"
             if self.spacing > LEAST_GROWTH
             else "do not grow"
         )
         return (
-            f"disturbances die out e-fold in {-1.0 / self.other:.2g} turns; those of the balls' "
+            f"disturbances die out e-fold in {_turns(self.other)}; those of the balls' "
             f"even spacing {spacing}"
         )
+
+
+def _turns(rate: float) -> str:
+    """Turns of an e-fold change, two digits in words."""
+    return f"{float(f'{1.0 / abs(rate):.2g}'):g} turns"
 
 
 def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
@@ -75,12 +80,12 @@ def unstable_told(
     growth = {name: values.get(name, -np.inf) for name in GrowthRates(0.0, 0.0).values}
     spacing, other = growth.values()
     if other > LEAST_GROWTH:
-        said = f"its disturbances grow e-fold in {1.0 / other:.2g} shaft turns"
+        said = f"its disturbances grow e-fold in {_turns(other)}"
         return None, {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (
             "nothing keeps the balls apart, and disturbances of their even spacing grow e-fold in "
-            f"{1.0 / spacing:.2g} shaft turns"
+            f"{_turns(spacing)}"
         )
         return None, {"said": said, "advice": "give the scene its cage"}
     return None

@@ -69,6 +69,8 @@ RUN = (
     "evaluated_turns",
     "qv_drift_per_turn",
     "wear_rate_drift_per_turn",
+    "spacing_growth_per_turn",
+    "disturbance_growth_per_turn",
     "slow_time_scale",
 )
 WARMTH = ("part_temperature", "thermal_growth")
