@@ -57,6 +57,9 @@ VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
 _UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?!\w))")
 """The space between a number and its unit."""
 
+_MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}N/)u(?=m)")
+"""The prefix of a unit as a terminal has it."""
+
 
 @dataclass
 class Section:
@@ -195,8 +198,11 @@ def _named(path: Path) -> str:
 
 
 def _unbroken(value: Any) -> Any:
-    """A text whose numbers stay in one line with their units; anything else as it is."""
-    return _UNIT.sub("\N{NO-BREAK SPACE}", value) if type(value) is str else value
+    """A text with its numbers in one piece with their units, µ for u; anything else as it is."""
+    if type(value) is not str:
+        return value
+    text = _UNIT.sub("\N{NO-BREAK SPACE}", value)
+    return _MICRO.sub("µ", text).replace("N/µm", "N/\N{WORD JOINER}µm")
 
 
 def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answered]:

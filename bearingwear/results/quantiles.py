@@ -173,7 +173,8 @@ def causes_told(scene: Mapping[str, Any]) -> str:
 
 
 def _cause(key: str) -> str:
-    return "friction of ball and race" if key == "ball_race" else key_in_words(key)[0]
+    words = "friction of ball and race" if key == "ball_race" else key_in_words(key)[0]
+    return words.replace("brinell", "Brinell")
 
 
 def hours_of(lives: Iterable[Quantiles | None], way: str) -> dict[str, list[float]]:

@@ -37,7 +37,8 @@ def study(tmp_path, monkeypatch, capfd):
 
 
 def text_of(page):
-    return page.read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
+    text = page.read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
+    return text.replace("\N{WORD JOINER}", "")
 
 
 def rules(output):

@@ -147,14 +147,16 @@ def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> 
             beyond.append(f"{words} ({limits})")
         else:
             same.append(words)
+    flag = int(recommendation["preload_method"][method])
+    name = method_words(scene_of(recommendation), PRELOAD_METHODS[flag]).capitalize()
     said = (
         ("The other method lasts longer with {}.", turned),
-        ("It passes a limit with {}.", beyond),
+        (f"{name} passes a limit with {{}}.", beyond),
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(found)) for text, found in said if found]
     rest = "every other" if exceptions else "every"
-    hold = [f"It stays the better method within its limits under {rest} assumption below."]
+    hold = [f"{name} stays the better method within its limits under {rest} assumption below."]
     return [*exceptions, *(hold if same else [])]
 
 

@@ -128,15 +128,16 @@ def test_no_preload_within_the_limits(files):
 def test_what_other_assumptions_change_is_told(files):
     found, beside = load(files["recommendation"]), load(files["beside"])
     assert beside_told(beside, found, 0) == [
-        "It passes a limit with a warm inner ring (stiffness of the arrangement).",
-        "It stays the better method within its limits under every other assumption below.",
+        "Constant force passes a limit with a warm inner ring (stiffness of the arrangement).",
+        "Constant force stays the better method within its limits "
+        "under every other assumption below.",
     ]
     beside["life"][1, 1] = 2.0 * beside["life"][1, 0]
     beside["system_axial_stiffness"][0, 0] = 2.9e6
     said = beside_told(beside, found, 0)
     assert said == [
         "The other method lasts longer with a warm inner ring.",
-        "It passes a limit with nothing (stiffness of the arrangement).",
+        "Constant force passes a limit with nothing (stiffness of the arrangement).",
     ]
     beside["status"][0, 0] = 1
     assert "No life was found with nothing." in beside_told(beside, found, 0)

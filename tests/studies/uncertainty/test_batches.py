@@ -120,7 +120,7 @@ def test_page_and_sheet_tell_the_interval_and_its_causes():
     assert one.ends == "0.5 ± 0.061 to 3 ± 0.4"
     assert Quantile("L10", 1.2, 0.5, 3.0).ends == "0.5 to 3"
     told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
-    batch = "brinell hardness, wear coefficient, friction of ball and race, drag density"
+    batch = "Brinell hardness, wear coefficient, friction of ball and race, drag density"
     assert f"each with one unknown value of {batch}. " in told
     assert (
         "Bearings of a batch differ in ball diameter, contact angle, inner groove factor, " in told
