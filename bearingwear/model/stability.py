@@ -9,9 +9,9 @@ import numpy as np
 from bearingwear.scene.scene import Scene
 
 LEAST_GROWTH = 1e-5
-"""GrowthRates a turn from which a motion is unstable: less is left open by `tangents`."""
+"""Growth a turn from which a motion is unstable: less is left open by `tangents`."""
 
-_NOTHING = 1e-300  # the least of multipliers, where there are none
+_NOTHING = 1e-300  # the least of multipliers: all others may underflow
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class GrowthRates:
     their spacing a little larger or smaller. All others belong to slip and spin.
     """
 
-    spacing: float  # of the balls' even spacing, the fastest; -inf for a single ball
+    spacing: float  # of the balls' even spacing, the fastest
     other: float  # the slowest to die out of all others
 
     @classmethod
