@@ -20,7 +20,7 @@ from bearingwear.model.tangents import tangents
 
 _TURN = 2.0 * np.pi
 CONVERGED = 1e-9  # change over a passing, of the largest speed or in rad
-ACCEPTED = 1e-6  # where the steps in time are too rough for better
+ACCEPTED = 1e-6  # where the time steps are too rough for better
 _MOST_STEPS = 25  # of the quasi-Newton method
 _STALLED = 6  # steps without a smaller change
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try

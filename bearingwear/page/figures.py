@@ -144,7 +144,7 @@ def _small(root: ET.Element) -> str:
 
 
 def _unwrapped(node: ET.Element, tag: str) -> None:
-    """Put what elements of a tag without attributes hold in their place; metadata just goes."""
+    """Replace elements of a tag without attributes by their contents; drop metadata."""
     for child in list(node):
         _unwrapped(child, tag)
     kept: list[ET.Element] = []

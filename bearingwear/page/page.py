@@ -182,7 +182,7 @@ def _environment() -> jinja2.Environment:
 
 
 def _csp_hash(text: str) -> str:
-    """What a policy of content names a text by."""
+    """The name of a text in a content security policy."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
 
 
@@ -257,7 +257,7 @@ def _sections(datasets: dict[Path, xr.Dataset]) -> dict[Path, Section]:
 
 
 def _what(dataset: xr.Dataset) -> str:
-    """What the file of a scene holds many of."""
+    """What a scene's file holds several of."""
     if _is_life(dataset):
         return "lives"
     return "dynamic cases" if dataset.attrs.get("fidelity") == "dynamic" else "cases"

@@ -27,7 +27,7 @@ RACE_STYLES = {
 }
 BALL_STYLE = {"linestyle": ":", "marker": "^"}
 FORMATS = (".svg", ".png", ".pdf")
-"""Those that can be written without a clock time."""
+"""Formats that can be written without a clock time."""
 DASHES = ("-", "--", ":", "-.")
 CHARACTERS_PER_INCH = 14
 MESSAGE = "message"
@@ -229,7 +229,7 @@ def from_zero(axes: Any) -> None:
 
 
 def power_of_ten(values: Sequence[xr.DataArray]) -> int:
-    """Power of ten that takes the largest of the values to 1 to 1000, a multiple of three."""
+    """Power of ten, a multiple of three, that brings the largest value to 1 to 1000."""
     largest = max((float(abs(v).max()) for v in values if v.size and v.notnull().any()), default=0)
     return 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
 

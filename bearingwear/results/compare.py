@@ -21,14 +21,14 @@ SAID_OF_RESULTS = ("fidelity", "modelled", "settled")
 
 _VARIABLES = CASE | LIFE
 _SHOWN = {name for name, variable in _VARIABLES.items() if variable.label} - DIAGNOSTICS
-"""Results that have a name for a person."""
+"""Results that have a label for a person."""
 
 WIDEST = 60
 """Characters of a text that are shown."""
 
 
 class Difference(NamedTuple):
-    """Of one variable: where its values are furthest apart."""
+    """One variable, and where its values are furthest apart."""
 
     name: str
     units: str
@@ -39,7 +39,7 @@ class Difference(NamedTuple):
 
 
 class Differences(NamedTuple):
-    """Of two files: what is in each of them, as short texts, wherever they differ."""
+    """What differs between two files, as short texts from each."""
 
     scene: dict[str, tuple[str, str]]
     model: dict[str, tuple[str, str]]

@@ -21,7 +21,7 @@ Registry = Mapping[str, str]
 def kind_of(file: Any) -> str:
     """The kind of a result file: a case, a life, a study, a wear life, or a kind of some study.
 
-    A case and a life are told by their variables. Every other file says it itself: by its attribute
+    A case and a life are known by their variables. Every other file names its kind by its attribute
     `kind`, or else by its title up to the first ` of ` or colon.
 
     Parameters

@@ -34,7 +34,7 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""
 
 LONG_COORDINATES, MOST_KNOWN = 1000, 16
-"""Coordinates with more values are indexed anew each time; so many sets of others are kept."""
+"""Most values of coordinates whose indexes are kept, and how many sets of them are."""
 
 COMPRESSED_ABOVE = 100_000
 """Variables with more values than this are compressed, and histories over time always."""
@@ -63,7 +63,7 @@ def write_result(result: Result, path: str | os.PathLike[str]) -> None:
 
 @contextlib.contextmanager
 def in_memory(result: Result) -> Iterator[Any]:
-    """The `netCDF4.Dataset` of a result, open for reading, that is nowhere on the disk."""
+    """The `netCDF4.Dataset` of a result, open for reading, in memory alone."""
     import netCDF4
 
     entries, attrs = entries_of(result)

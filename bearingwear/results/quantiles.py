@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 KIND = "uncertainty"
 PLACES_BESIDE = ("spread/*.nc", "design/uncertainty.nc", "uncertainty.nc")
-"""Where such files lie beside the results of a scene, the last beside those of the design study."""
+"""Where such files stand beside the results of a scene; the last is that of the design study."""
 
 PRELOAD_CHOICE, UNCERTAIN_INPUTS = "preload_choice", "uncertain_inputs"
 """Dimensions of such a file: which preload, and which of the uncertain inputs vary."""
@@ -156,7 +156,7 @@ def interval_text(ends: Iterable[float], errors: Iterable[float]) -> str:
 
 
 def causes_told(scene: Mapping[str, Any]) -> str:
-    """What the interval of an L10 comes from, and what makes the bearings of a batch differ."""
+    """Where the interval of an L10 comes from, and what differs among the bearings of a batch."""
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
     of_batch, scatter = (
         ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == of)

@@ -17,7 +17,7 @@ from bearingwear.scene.keys import leaves
 from bearingwear.scene.scene import Scene
 
 MAY_DIFFER = ("description", "wear", "uncertainty", "model", REGULARISATION)
-"""What of a scene a run may change when it goes on from another; the rest decides the state."""
+"""What a continued run may change in its scene; the rest decides the state."""
 
 
 def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> dict[str, Any]:
@@ -28,7 +28,7 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
     path : path
         A case file of `fidelity: dynamic`, solved.
     scene : Scene, optional
-        The scene that shall go on; it may differ from the file's in wear and model alone.
+        The scene to continue; it may differ from the file's in wear and model alone.
 
     Returns
     -------

@@ -18,7 +18,7 @@ _R_PER_MIN = 30.0 / math.pi
 
 
 class _Scale(NamedTuple):
-    """A unit, what takes a value of the file to it, and the least number that is shown in it."""
+    """A unit, its factor on a value of the file, and the least number that is shown in it."""
 
     unit: str
     factor: float
@@ -52,7 +52,7 @@ LEAST_PERCENT = 1e-3
 
 
 class Display(NamedTuple):
-    """How a quantity is shown: its unit, and what takes a value of the file to it."""
+    """How a quantity is shown: its unit, and the factor on a value of the file."""
 
     unit: str
     factor: float
@@ -85,7 +85,7 @@ def display(units: str, *values: Any, shown: str = "") -> Display:
     *values : array_like
         Those that are shown; the largest magnitude decides.
     shown : str
-        What the quantity is shown as, where its unit does not say: `%`.
+        How the quantity is shown where its unit does not say: `%`.
     """
     scales = SCALES.get(shown or units, (_Scale(shown or units, 1.0),))
     numbers = [np.abs(np.asarray(v, dtype=float)).ravel() for v in values]
@@ -104,7 +104,7 @@ def rounded(value: float) -> float:
 def digits(value: float, unit: str = "") -> str:
     """A number with three significant digits; a dash where it is not known.
 
-    Of a percentage too small to matter it only says so.
+    A percentage too small to matter is only said to be less than that.
     """
     if not math.isfinite(value):
         return "–" if math.isnan(value) else f"{value:g}"

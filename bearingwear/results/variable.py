@@ -32,7 +32,7 @@ class Variable:
     dtype : str
         `f8` and `f4` have NaN as `_FillValue`; whole numbers have no fill value.
     scale : float
-        What takes the program's SI value to the file's units.
+        Factor on the program's SI value in the file's units.
     flags : tuple of str, optional
         Meanings of 0, 1, ...
     comment : str, optional

@@ -93,7 +93,7 @@ STUDY_COORDINATES = table(
     Variable("friction", ("friction",), "1", "ball/race friction coefficient"),
     Variable("ball_diameter_loss", ("ball_diameter_loss",), "um", "loss of ball diameter by wear"),
 )
-"""Along which the studies repeat solves."""
+"""Axes along which the studies repeat solves."""
 
 STRIP_POSITION = Variable(
     "strip_position",
@@ -343,4 +343,4 @@ DIAGNOSTICS = frozenset(
     "final_state",
     "final_time",
 }
-"""What says how well a result was solved, and not what came of it."""
+"""Variables on how well a result was solved, not on what came of it."""

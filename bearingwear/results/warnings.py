@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 WARNING = "warning: "
-"""What a line of text about one begins with."""
+"""How a line about a warning begins."""
 
 
 def warnings_in(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
