@@ -9,12 +9,12 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.ball import ball_mass
+from bearingwear.kernels.body_forces import body_forces
 from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.equilibrium import (
     FORCE_BALANCED,
     LAST_STEP,
     Spring,
-    body_forces,
     closed_ball,
     cold_start,
     direction_cosine,

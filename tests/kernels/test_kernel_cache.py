@@ -14,7 +14,7 @@ from bearingwear import provenance
 PACKAGE = Path(bearingwear.__file__).parent
 PROGRAM = """
 import math
-from bearingwear.kernels.equilibrium import body_forces
+from bearingwear.kernels.body_forces import body_forces
 from bearingwear.kernels.params import BallLoad, Geometry
 from bearingwear.provenance import source_hash
 g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
