@@ -360,6 +360,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
         "a path",
         "unknown key",
         "not studied",
+        "life not studied",
         "a command",
         "no turns",
     ],
