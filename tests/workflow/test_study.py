@@ -339,6 +339,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
         ),
         (["studies", 0, "frictoin"], [0.1], "studies[0].frictoin: got an unknown key"),
         (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
+        (["figures", "lives"], {"a": {"scenes": ["other"], "friction": 0.02}}, "lives.a"),
         (
             ["dynamic"],
             [{**ONE_CASE, "model": {"simulated_turns": "1; touch results"}}],
@@ -359,6 +360,7 @@ def test_a_broken_scene_stops_with_one_line(new_project):
         "a path",
         "unknown key",
         "not studied",
+        "life not studied",
         "a command",
         "no turns",
     ],

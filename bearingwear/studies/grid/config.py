@@ -119,6 +119,9 @@ class Figures:
     spreads: Annotated[
         Mapping[str, Overlay], Key("Figures that lay several scenes over each other")
     ] = field(default_factory=dict)
+    lives: Annotated[
+        Mapping[str, Overlay], Key("Figures that lay the lives of several scenes over each other")
+    ] = field(default_factory=dict)
     running_averages: Annotated[
         Mapping[str, RunningAverage | None],
         Key("Scenes of `dynamic` with figures of the mean wear rates since the start"),

@@ -8,7 +8,7 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.studies.dataset import both_ways, loaded
 from bearingwear.studies.grid import dynamic_figures, figures
-from bearingwear.studies.grid.overlay import spread
+from bearingwear.studies.grid.overlay import lives_side_by_side, spread
 
 
 def draw_friction(study: Path, loss_um: float) -> Figure:
@@ -43,6 +43,12 @@ def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:
     """Scenes over each other."""
     found = [loaded(path, friction=[friction], ball_diameter_loss=()) for path in studies]
     return spread(found, friction)
+
+
+def draw_life_overlay(lives: Sequence[Path], friction: float) -> Figure:
+    """Lives of scenes over each other."""
+    found = [loaded(path, interpolated_step=(), friction=[friction]) for path in lives]
+    return lives_side_by_side(found, friction)
 
 
 def draw_dynamic(study: Path, dynamic: Path) -> Figure:

@@ -105,6 +105,16 @@ def _steps_across(plan: Plan) -> list[Step]:
         )
         for name, overlay in plan.spreads.items()
     ]
+    steps += [
+        _figure(
+            "",
+            f"lives_{name}",
+            "life_overlay",
+            {"lives": plan.lives(*overlay.scenes)},
+            {"friction": overlay.friction},
+        )
+        for name, overlay in plan.config.figures.lives.items()
+    ]
     if columns:
         studies = {"studies": plan.studies(*plan.column_scenes)}
         frictions = {"friction": [column.friction for column in columns]}

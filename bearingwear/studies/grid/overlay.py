@@ -13,6 +13,7 @@ from bearingwear.plotting.drawing import (
     from_zero,
     in_words,
     key,
+    list_failed,
     mark_failed,
     methods,
     mu_is,
@@ -20,7 +21,7 @@ from bearingwear.plotting.drawing import (
     percent,
     scene_of,
 )
-from bearingwear.results.units import display, in_print, key_in_words
+from bearingwear.results.units import Display, display, in_print, key_in_words
 from bearingwear.studies.grid.figures import LOSS_AXIS
 
 MARKERS = "osd^vP"
@@ -73,6 +74,56 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
         columns=1,
     )
     return figure
+
+
+def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
+    """QV over the loss and over the hours of a life, a line for each scene; balls and races."""
+    figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
+    looks = [{"color": f"C{k % 6}", "marker": MARKERS[k % len(MARKERS)]} for k in range(len(lives))]
+    drawn = [one for one in lives if "history_total_qv" in one]  # not if nothing at all was solved
+    power = display("W", *(one["history_total_qv"].sel(friction=friction) for one in drawn))
+    said, failed = [], []
+    for scene, look in zip(lives, looks, strict=True):
+        label, ratios = scene_of(scene)["name"], []
+        for column, (name, life) in zip(
+            panels.T, methods(scene.sel(friction=friction)), strict=False
+        ):
+            column[0].set_title(in_words(name))
+            ratios.append(percent(_qv_of_a_life(column, life, power, look)))
+            if ratios[-1] == percent(np.nan):
+                failed.append(f"{label}, {in_words(name)}")
+        said.append(f"{label} {' and '.join(ratios)}")
+    for row, along in zip(panels, (LOSS_AXIS, "running time (h)"), strict=True):
+        row[0].set_ylabel(power.label("QV of the bearing"))
+        for axes in row:
+            axes.set_xlabel(along)
+            from_zero(axes)
+    list_failed(panels[0, 0], failed)
+    words = " and ".join(in_words(name) for name, _ in methods(lives[0]))
+    labels = scene_labels([scene_of(one) for one in lives])
+    frame(
+        figure,
+        f"QV at the end of life over that when new, {mu_is(friction)}, {words}: {'; '.join(said)}",
+        [key(label, **look) for label, look in zip(labels, looks, strict=True)],
+        columns=1,
+    )
+    return figure
+
+
+def _qv_of_a_life(
+    column: np.ndarray, life: xr.Dataset, power: Display, look: Mapping[str, Any]
+) -> float:
+    """One life in the two panels of a column, marked at its end; its last QV over its first."""
+    if "history_time" not in life:
+        return float("nan")
+    time = life["history_time"].isel(counts=-1).values
+    qv, loss = life["history_total_qv"].values, 1e6 * life["history_ball_diameter_loss"].values
+    lived = np.isfinite(qv) & np.isfinite(time)
+    if not lived.any():
+        return float("nan")
+    for axes, along in zip(column, (loss, time), strict=True):
+        axes.plot(along[lived], power.of(qv[lived]), **look, markevery=[-1])
+    return float(qv[lived][-1] / qv[lived][0])
 
 
 def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -65,9 +65,11 @@ class Plan:
     def __post_init__(self) -> None:
         for column in self.config.figures.wear_columns:
             self._check_studied("wear_columns", column.scene, column.friction)
-        for name, overlay in self.spreads.items():
-            for scene in overlay.scenes:
-                self._check_studied(f"spreads.{name}", scene, overlay.friction)
+        figures = self.config.figures
+        for kind, overlays in (("spreads", figures.spreads), ("lives", figures.lives)):
+            for name, overlay in overlays.items():
+                for scene in overlay.scenes:
+                    self._check_studied(f"{kind}.{name}", scene, overlay.friction)
         for scene in self.uncertain_lives.scenes:
             if scene not in self.grids:
                 allowed = ", ".join(self.grids) or "none, since studies is empty"
@@ -193,9 +195,9 @@ class Plan:
         """Study files of the given scenes, or of all."""
         return [f"results/{scene}/study.nc" for scene in scenes or self.grids]
 
-    def lives(self) -> list[str]:
-        """Files of wear life."""
-        return [f"results/{scene}/wear_life.nc" for scene in self.grids]
+    def lives(self, *scenes: str) -> list[str]:
+        """Files of wear life of the given scenes, or of all."""
+        return [f"results/{scene}/wear_life.nc" for scene in scenes or self.grids]
 
     def spreads_of_lives(self, *scenes: str) -> list[str]:
         """Files of how lives spread, of those of the given scenes that have one, or of all."""

@@ -330,6 +330,7 @@ FIGURES = {
     "wear": ({"studies": ["study.nc"]}, {"friction": [0, 0.08]}),
     "life": ({"lives": "wear_life.nc"}, {"friction": [0, 0.08]}),
     "overlay": ({"studies": ["study.nc", "study.nc"]}, {"friction": 0.08}),
+    "life_overlay": ({"lives": ["wear_life.nc", "wear_life.nc"]}, {"friction": 0.08}),
     "slip": (
         {
             "cases": [
