@@ -7,10 +7,11 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model.films import COVERED, Bare
-from bearingwear.model.life import life_history, steady_states
+from bearingwear.model.life import life_history
 from bearingwear.model.life_integrator import LifeHistory, WearState
 from bearingwear.model.pair_life import PairLife, PairStates, pair_states
 from bearingwear.model.rotor import lowest_frequency
+from bearingwear.model.states_at_loss import steady_states
 from bearingwear.scene.scene import COUNTS, Scene
 
 WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a life's tolerance

@@ -12,9 +12,10 @@ from bearingwear.model import parameters
 from bearingwear.model.dynamic_wear import OF_CAGE, DynamicCourse, DynamicWear
 from bearingwear.model.estimate import ROUNDING
 from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.life import history_values, life_history, steady_states
+from bearingwear.model.life import history_values, life_history
 from bearingwear.model.life_integrator import CRITERIA, LifeHistory
 from bearingwear.model.start import thrust_alone
+from bearingwear.model.states_at_loss import steady_states
 from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
 
 SCATTER = 2.0  # standard errors

@@ -149,15 +149,9 @@ def run_of(
     slow = start.scales.get("slow_time_scale", 0.0) / system.turn
     motion = grid = None
     if is_found_periodic(scene):
-        begun = system.packed(), system.time
-        motion = found_periodic(scene, system, tolerance)
-        if motion is not None and is_marched_instead(scene, motion.growth):
-            system.unpack(*begun)
-            attrs["start"] = f"{kind}; a periodic motion was found and left, {motion.told}"
-            motion = None
-        elif motion is not None:
+        motion, attrs["start"] = kept_periodic(scene, system, tolerance, kind)
+        if motion is not None:
             grid = RunGrid.of_orbit(scene, motion, system.turn)
-            attrs["start"] = f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
             values |= motion.growth.values if motion.growth else {}
         elif scene.model.dynamic_solution == "periodic":
             attrs["residual"] = "not solved: no periodic motion was found"
@@ -176,8 +170,7 @@ def run_of(
         final_state = system.packed()
     values |= window_values(scene, run) | start.scales | run.counts(last.turns)
     if last.slopes is not None:
-        qv_drift, wear_drift, *_ = last.slopes
-        values |= {"qv_drift_per_turn": qv_drift, "wear_rate_drift_per_turn": wear_drift}
+        values |= drifts(last.slopes)
     if run.keeps_history:
         values |= histories(scene, run.recorder.history, run.done)
     values |= {"final_state": final_state, "final_time": system.time}
@@ -186,17 +179,42 @@ def run_of(
         values |= dynamic_error_estimates(scene, run, start, slow, last.turns, motion)
     else:
         values["status"] = system.diagnose(code.UNVERIFIED)
-    asked = scene.model.dynamic_tolerance
-    tightened = "" if tolerance == asked else f": the energy account did not close with {asked:g}"
     attrs |= {
         "residual": (
             f"normal balance {residual:.1e} of the contact load, allowed {_LARGEST_RESIDUAL:.0e}; "
             f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
         ),
         "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
-        "integrator": f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}",
+        "integrator": integrator_sentence(scene, run, tolerance),
     }
     return values, attrs
+
+
+def kept_periodic(
+    scene: Scene, system: DynamicSystem, tolerance: float, kind: str
+) -> tuple[PeriodicMotion | None, str]:
+    """The periodic motion that a run records, unless there is none or it is left; and the start."""
+    begun = system.packed(), system.time
+    motion = found_periodic(scene, system, tolerance)
+    if motion is None:
+        return None, kind
+    if is_marched_instead(scene, motion.growth):
+        system.unpack(*begun)
+        return None, f"{kind}; a periodic motion was found and left, {motion.told}"
+    return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
+
+
+def drifts(slopes: np.ndarray) -> dict[str, float]:
+    """What QV and wear rate still change by in a turn."""
+    qv_drift, wear_drift, *_ = slopes
+    return {"qv_drift_per_turn": qv_drift, "wear_rate_drift_per_turn": wear_drift}
+
+
+def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
+    """With which tolerance it went, and why with another than the one asked for."""
+    asked = scene.model.dynamic_tolerance
+    tightened = "" if tolerance == asked else f": the energy account did not close with {asked:g}"
+    return f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}"
 
 
 def dynamic_error_estimates(

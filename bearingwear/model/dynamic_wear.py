@@ -16,8 +16,9 @@ from bearingwear.kernels import status as code
 from bearingwear.model import parameters
 from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.heat import warmed_for, warmth_of
-from bearingwear.model.life import in_half_of_pair, margins
+from bearingwear.model.life import margins
 from bearingwear.model.life_integrator import CRITERIA, WearState
+from bearingwear.model.states_at_loss import in_half_of_pair
 from bearingwear.model.worn_parts import WornParts
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 

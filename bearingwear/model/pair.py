@@ -20,7 +20,6 @@ from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
 from bearingwear.model.heat import SteadyHeat, race_control_heat, warmth_of
-from bearingwear.model.life import race_control_wear_state, steady_wear_state
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.pair_balance import (
     ROTOR_BALANCED,
@@ -32,6 +31,7 @@ from bearingwear.model.pair_balance import (
     worse_status,
 )
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
+from bearingwear.model.states_at_loss import race_control_wear_state, steady_wear_state
 from bearingwear.model.steady import ThrustProblem, axial_force, solve_steady
 from bearingwear.model.thermal import HEAT_BALANCED, HeatFlow, Warmed, warmed
 from bearingwear.scene.scene import Scene

@@ -23,8 +23,6 @@ from bearingwear.model.life import (
     life_history,
     life_values,
     margins,
-    race_control_states,
-    steady_states,
 )
 from bearingwear.model.life_integrator import (
     FIRST_STEP,
@@ -36,6 +34,7 @@ from bearingwear.model.life_integrator import (
 from bearingwear.model.met_within import at_end, first_crossing, within
 from bearingwear.model.pair import Pair, SteadySide
 from bearingwear.model.pair_case import stacked_sides
+from bearingwear.model.states_at_loss import race_control_states, steady_states
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, EndOfLife, Scene
 from bearingwear.sides import SHARED

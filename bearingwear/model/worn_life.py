@@ -9,11 +9,12 @@ from scipy.optimize import brentq
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
 from bearingwear.model.heat import SteadyHeat
-from bearingwear.model.life import in_half_of_pair, margins
+from bearingwear.model.life import margins
 from bearingwear.model.life_integrator import LifeHistory, WearState
 from bearingwear.model.outputs import wear_values
 from bearingwear.model.pair import Pair
 from bearingwear.model.pair_balance import SideState
+from bearingwear.model.states_at_loss import in_half_of_pair
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import warmed
 from bearingwear.model.worn_depths import WornDepths, WornPoint

@@ -11,9 +11,10 @@ from bearingwear.kernels.worn_balance import arc_shift
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING
 from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.life import life_history, life_values, steady_states
+from bearingwear.model.life import life_history, life_values
 from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.pair_life import PairLife, of_both, pair_states
+from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
 from bearingwear.scene.scene import Scene
 

@@ -21,9 +21,10 @@ from bearingwear.kernels.verification import friction_check
 from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.model.film_life import FilmLife
 from bearingwear.model.films import Cover, Films
-from bearingwear.model.life import life, steady_states
+from bearingwear.model.life import life
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.solve import solve
+from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA

@@ -12,7 +12,8 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.profile import semi_axis
 from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
 from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.life import life, life_history, steady_states
+from bearingwear.model.life import life, life_history
+from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.worn_depths import WornDepths
 from bearingwear.model.worn_life import WornLife
 from bearingwear.model.worn_outputs import half_lengths, wear_over_gap

@@ -19,7 +19,8 @@ from scipy.optimize import brentq
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.thrust import OUTER_SPIN
 from bearingwear.model import parameters
-from bearingwear.model.life import life_history, steady_states
+from bearingwear.model.life import life_history
+from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array

@@ -88,7 +88,7 @@ def _losses(scene: Scene) -> list[float]:
     Where one of the methods has no solution so far worn, to the sooner of the ends of their lives.
     """
     from bearingwear.kernels.status import OK
-    from bearingwear.model.life import steady_states
+    from bearingwear.model.states_at_loss import steady_states
     from bearingwear.scene.arrangement import held_by
     from bearingwear.studies.design.map import life_point
 
