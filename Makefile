@@ -15,13 +15,15 @@ study: $(STAMP)
 	$(BIN)/snakemake -j$(JOBS)
 
 test: $(STAMP) # on all cores; the solver is compiled while the text is checked
-	$(BIN)/python tests/compile_solver.py & \
+	trap 'kill $$compiling 2> /dev/null' EXIT INT TERM; \
+	$(BIN)/python tests/compile_solver.py unworn & compiling=$$!; \
 	$(BIN)/ruff check . && \
 	$(BIN)/ruff format --check . && \
 	$(BIN)/snakefmt --check Snakefile workflow && \
 	$(BIN)/codespell && \
 	$(BIN)/mypy && \
-	wait $$!
+	$(BIN)/python tests/compile_solver.py worn && \
+	wait $$compiling
 	$(BIN)/python -m pytest $(ALL_CORES)
 
 quick: $(STAMP) # half a minute: what solves little and starts no other programs

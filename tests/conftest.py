@@ -1,6 +1,7 @@
 """Fixtures shared by all tests, and how the tests are dealt out to processes."""
 
 import fcntl
+import gc
 import os
 import shutil
 import signal
@@ -15,6 +16,8 @@ SPREAD_OUT = ROOT / "tests" / "workflow"
 LONGEST_FIRST = "workflow", "studies", "model", "kernels"
 """Folders whose files take seconds to half a minute: a process has no work beside a late one."""
 
+_NEW_OBJECTS = 20_000  # before Python looks for garbage; 700 by default
+
 
 def pytest_configure():
     """Let the programs that tests start be as a user's.
@@ -24,6 +27,12 @@ def pytest_configure():
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+def pytest_collection_finish():
+    """What is loaded by now is no garbage, and is not looked through again and again."""
+    gc.freeze()
+    gc.set_threshold(_NEW_OBJECTS, *gc.get_threshold()[1:])
 
 
 def pytest_collection_modifyitems(items):
