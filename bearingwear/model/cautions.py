@@ -323,7 +323,7 @@ CAUTIONS = (
     ),
     Caution(
         "motion_unstable",
-        lambda e: unstable_told(e.scene, e.values),
+        lambda e: unstable_told(e.scene, e.growth),
         "the periodic motion does not last: {said}",
         "{advice}",
     ),

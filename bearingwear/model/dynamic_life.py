@@ -14,6 +14,7 @@ from bearingwear.model.estimate import ROUNDING
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.life import history_values, life_history
 from bearingwear.model.life_integrator import CRITERIA, LifeHistory
+from bearingwear.model.stability import GROWTHS
 from bearingwear.model.start import thrust_alone
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
@@ -122,6 +123,9 @@ def life_histories(integrator: DynamicWear, course: DynamicCourse) -> dict:
         "history_race_worn_volume": worn[:, p.race],
         "history_each_ball_wear_rate": rates[:, p.ball],
     }
+    if any(GROWTHS[0] in node.values for node in nodes):
+        for name in GROWTHS:
+            values[f"history_{name}"] = [node.values.get(name, math.nan) for node in nodes]
     if integrator.scene.cage is None:
         return values
     pocket, guide = np.array([integrator.parts.clearances(row) for row in worn]).T

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.model.fidelity import Choice
+from bearingwear.model.stability import GROWTHS
 from bearingwear.scene.scene import Scene
 
 INNER_SIDE, OUTER_SIDE = 0, 1
@@ -32,7 +33,7 @@ class Evidence:
     lifted: float = 0.0  # share of time that any ball is off the inner race
     loss: float = math.nan  # of ball diameter [m]
     life: Mapping[str, Any] | None = None  # values of a life
-    values: Mapping[str, Any] = field(default_factory=dict)  # of a case
+    growth: Mapping[str, float] = field(default_factory=dict)  # see `GrowthRates.values`
 
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
@@ -45,6 +46,7 @@ def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iter
     if not all(found.size for found in solved.values()):
         yield Evidence(scene, chosen)
         return
+    growth = {name: values[prefix + name] for name in GROWTHS if prefix + name in values}
     for k in (0, -1) if history else (...,):
         state = {key: np.atleast_2d(solved[key][k]) for key in ("angle", "major", "load")}
         qv = np.atleast_2d(values.get(f"{prefix}qv", np.full((1, 2), math.nan))[k])
@@ -61,6 +63,6 @@ def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iter
             slip=float(qv.sum() / state["load"].sum()) if state["load"].any() else math.nan,
             torque_error=float(values.get("shaft_torque_error_estimate", math.nan)),
             life=values if history else None,
-            values={} if history else values,
+            growth={name: float(np.asarray(found)[k]) for name, found in growth.items()},
             **state,
         )

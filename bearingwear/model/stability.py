@@ -11,6 +11,9 @@ from bearingwear.scene.scene import Scene
 LEAST_GROWTH = 1e-5
 """Growth a turn from which a motion is unstable: less is left open by `tangents`."""
 
+GROWTHS = ("spacing_growth_per_turn", "disturbance_growth_per_turn")
+"""Variables of the two fields of `GrowthRates`."""
+
 _NOTHING = 1e-300  # the least of multipliers: all others may underflow
 
 
@@ -44,7 +47,7 @@ class GrowthRates:
     @property
     def values(self) -> dict[str, float]:
         """The same as variables of a result."""
-        return {"spacing_growth_per_turn": self.spacing, "disturbance_growth_per_turn": self.other}
+        return dict(zip(GROWTHS, (self.spacing, self.other), strict=True))
 
     @property
     def told(self) -> str:
@@ -77,8 +80,7 @@ def unstable_told(
     scene: Scene, values: Mapping[str, float]
 ) -> tuple[None, Mapping[str, Any]] | None:
     """What is said of a periodic motion that does not last, and the advice."""
-    growth = {name: values.get(name, -np.inf) for name in GrowthRates(0.0, 0.0).values}
-    spacing, other = growth.values()
+    spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
     if other > LEAST_GROWTH:
         said = f"its disturbances grow e-fold in {_turns(other)}"
         return None, {"said": said, "advice": "set model.dynamic_solution: march"}

@@ -101,6 +101,11 @@ LIFE = table(
     Variable("history_start", _STEP, "", "where the dynamic run began", "i1",
         flags=("start_anew", "end_of_the_step_before")),
     Variable("history_simulated_turns", _STEP, "1", "shaft turns simulated"),
+    Variable("history_spacing_growth_per_turn", _STEP, "1",
+        "growth rate of disturbances of the balls' even spacing in a periodic motion, per shaft "
+        "turn, the fastest"),
+    Variable("history_disturbance_growth_per_turn", _STEP, "1",
+        "growth rate of all other disturbances of a periodic motion, per shaft turn, the fastest"),
     Variable("history_worn_diameter", _STEP_BALL, "m",
         "worn off the diameter of one ball since the start", label="diameter of one ball"),
     Variable("history_groove_depth", _STEP, "m", "depth worn into both grooves since the start",

@@ -136,6 +136,7 @@ def test_lives_use_it(scene):
     asked = scene("gyro_s1", RADIAL | worn).without_cage
     direct = life(asked).values
     assert max(direct["history_simulated_turns"]) < 3.0
+    assert max(direct["history_disturbance_growth_per_turn"]) < 0.0
     worn_away = direct["history_worn_diameter"]
     assert_allclose(worn_away, worn_away[:, :1].repeat(9, axis=1), rtol=1e-5)
     assert 0.5 < np.nanmax(direct["life"]) / direct["steady_life"] < 1.5
