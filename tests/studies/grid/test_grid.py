@@ -134,7 +134,7 @@ def test_a_chunk_is_named_by_its_points():
 
 def test_jobs_of_scenes_have_names_of_their_own():
     """Whatever scenes are called, no two rules have one name."""
-    scenes = ["across", "x", "dynamic_x", "in_time_drawn_x"]
+    scenes = ["across", "x", "dynamic_x", "dynamic_drawn_x"]
     block = {**CONFIG["studies"][0], "scenes": scenes}
     in_time = {**CONFIG["dynamic"][0], "scenes": scenes}
     column = {"scene": "x", "friction": 0.02}
