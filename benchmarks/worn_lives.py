@@ -15,6 +15,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.model.life import life
+from bearingwear.plotting.drawing import in_words
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 
@@ -88,7 +89,11 @@ def table() -> None:
             films, _ = hours(scene_of(name, method, "worn", *filmed(name)))
             rows.setdefault(name, {})[method] = (hertz, worn, bands, films)
             cells = (hertz, worn, worn / hertz, bands, films, spent)
-            print(f"| {name} | {method} | " + " | ".join(told(cell) for cell in cells) + " |")
+            print(
+                f"| {name} | {in_words(method)} | "
+                + " | ".join(told(cell) for cell in cells)
+                + " |"
+            )
     pair = ("arrangement.external_axial_N=50",)
     rigid = ("arrangement.kind=rigid_pair", *pair)
     spring = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1", *pair)
@@ -98,7 +103,7 @@ def table() -> None:
         worn, spent = hours(scene_of(name, method, "worn", *kind))
         bands, _ = hours(scene_of(name, method, "worn", *kind, "wear.ball_track=bands"))
         cells = (hertz, worn, worn / hertz, bands, np.nan, spent)  # films: refused
-        print(f"| {name}, pair, 50 N | {method} | " + " | ".join(map(told, cells)) + " |")
+        print(f"| {name}, pair, 50 N | {in_words(method)} | " + " | ".join(map(told, cells)) + " |")
     print(
         "\nConstant force over fixed position:\n\n| bearing | Hertzian | worn | in bands | filmed |"
     )
