@@ -151,7 +151,7 @@ for line in sys.stdin:
     def close(self):
         self.python.stdin.close()
         self.python.stdout.close()
-        self.python.wait(10)
+        self.python.wait(120)  # a busy machine takes its time
 
 
 def typed(run, page, languages):
