@@ -104,6 +104,12 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
     return ellipse_rule(name, refined * strips, refined * model.points_across)
 
 
+@functools.cache
+def split_points(count: int, across: int) -> EllipsePoints:
+    """Points of a split rule over the ellipse in time, shared, so never to be written to."""
+    return EllipsePoints(True, *spread_ellipse(count, across))
+
+
 def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
     """Points from which the motion in time sums friction, with so many times those of `quadrature`.
 
@@ -111,7 +117,7 @@ def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
     """
     rule = quadrature(scene, refined)
     if rule.split and rule.across.size > 1:
-        return EllipsePoints(True, *spread_ellipse(rule.t.size, rule.across.size))
+        return split_points(rule.t.size, rule.across.size)
     if rule.split:
         middle = np.zeros(rule.t.size)
         return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle)
