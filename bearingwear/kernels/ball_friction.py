@@ -4,13 +4,9 @@ from typing import NamedTuple
 
 from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.compile import jit
-from bearingwear.kernels.contact import (
-    LARGEST_AXIS,
-    ellipse_sums,
-    slip_coefficients,
-    traction_slope,
-)
-from bearingwear.kernels.ellipse import contact_points, quadrature_points
+from bearingwear.kernels.contact import LARGEST_AXIS, slip_coefficients
+from bearingwear.kernels.ellipse import quadrature_points
+from bearingwear.kernels.ellipse_friction import ellipse_friction
 from bearingwear.kernels.state import BALL, OMEGA, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
 from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
@@ -46,12 +42,12 @@ def friction_sums(bearing, buf, contact, c, R, slopes, gradient, hessian):
     Parameters
     ----------
     slopes : bool
-        Whether `gradient` and `hessian` are filled too, as by `contact.traction_slope`.
+        Whether `gradient` and `hessian` are filled too, as by `traction.traction_slope`.
 
     Returns
     -------
     g_1, g_0, g_h, g_x, g_t, qv
-        As `contact.ellipse_sums`.
+        As `traction.ellipse_sums`.
     """
     m, rule = bearing.op, bearing.rule
     if rule.across.size == 1 and not bearing.traction:
@@ -61,17 +57,9 @@ def friction_sums(bearing, buf, contact, c, R, slopes, gradient, hessian):
             return gradient[0], gradient[1], gradient[2], gradient[3], 0.0, qv
         g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, contact.mu, m.v_r, t, weight)
         return g_1, g_0, g_h, g_x, 0.0, qv
-    t, weight = contact_points(
-        rule, contact, R, c, m.v_r, buf.t, buf.weight, buf.h, buf.width, buf.across, buf.share
+    g_1, g_0, g_h, g_x, g_t, qv = ellipse_friction(
+        bearing.points, contact, R, c, m.v_r, slopes, buf.places, gradient, hessian
     )
-    g_1, g_0, g_h, g_x, g_t, qv = ellipse_sums(
-        contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share
-    )
-    if slopes:
-        traction_slope(
-            contact, c, contact.mu, m.v_r, t, weight, buf.h, buf.width, buf.across, buf.share,
-            gradient, hessian,
-        )  # fmt: skip
     return g_1, g_0, g_h, g_x, (g_t if bearing.traction else 0.0), qv
 
 

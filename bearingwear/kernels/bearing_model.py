@@ -10,6 +10,7 @@ from bearingwear.kernels.cage_law import CageBuffers, cage_buffers
 from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import loaded_contact
 from bearingwear.kernels.ellipse import Rule, most_points
+from bearingwear.kernels.ellipse_friction import EllipsePoints, Places, places
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.kernels.profile import semi_axis
 from bearingwear.kernels.quasistatic import (
@@ -43,6 +44,9 @@ class BearingModel(NamedTuple):
     cage: CageModel
     traction: bool  # enters the balance of normal forces
     rule: Rule  # for the contact ellipses
+    points: (
+        EllipsePoints  # from which the motion sums friction, but on a line that bears no traction
+    )
     layout: StateLayout
 
 
@@ -54,10 +58,7 @@ class Buffers(NamedTuple):
     rest: np.ndarray  # (3,) displacement of the race at rest, a safe start [m]
     t: np.ndarray  # (points,) of the contact at hand, if they depend on it
     weight: np.ndarray  # (points,)
-    h: np.ndarray  # (points,)
-    width: np.ndarray  # (points,)
-    across: np.ndarray  # (points across,), likewise
-    share: np.ndarray  # (points across,)
+    places: Places  # of the points of the contact at hand
     L: np.ndarray  # (4, 6) derivative of the slip coefficients, see contact_changes.slip_changes
     gradient: np.ndarray  # (n, 2, 4) of the friction potentials, or (n, 2, 5) with traction
     hessian: np.ndarray  # (n, 2, 4, 4) or (n, 2, 5, 5)
@@ -66,22 +67,19 @@ class Buffers(NamedTuple):
     inner: np.ndarray  # (n, 2, 8) likewise
 
 
-def buffers(n, rule, traction):
-    """Work space for n balls and a rule, with or without traction in the balance."""
-    points, sums = most_points(rule), 5 if traction else 4
+def buffers(n, rule, points, traction):
+    """Work space for n balls, a rule and spread points, with or without traction in the balance."""
+    length, size = most_points(rule), 5 if traction else 4
     return Buffers(
         balls=suspension(n),
         cage=cage_buffers(n),
         rest=np.zeros(3),
-        t=np.empty(points),
-        weight=np.empty(points),
-        h=np.empty(points),
-        width=np.zeros(points),
-        across=np.zeros(rule.across.size),
-        share=np.ones(rule.across.size),
+        t=np.empty(length),
+        weight=np.empty(length),
+        places=places(points),
         L=np.zeros((4, 6)),
-        gradient=np.zeros((n, 2, sums)),
-        hessian=np.zeros((n, 2, sums, sums)),
+        gradient=np.zeros((n, 2, size)),
+        hessian=np.zeros((n, 2, size, size)),
         change=np.zeros((5, 7)),
         blocks=np.empty((n, 8, 8)),
         inner=np.empty((n, 2, 8)),

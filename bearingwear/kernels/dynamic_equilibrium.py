@@ -13,15 +13,24 @@ from bearingwear.kernels.bearing_model import load_at
 from bearingwear.kernels.cage import INNER_LAND
 from bearingwear.kernels.cage_contacts import cage_contacts, set_race_velocity
 from bearingwear.kernels.compile import jit
+from bearingwear.kernels.jacobian import INNER_1, INNER_2, OUTER_1, OUTER_2
 from bearingwear.kernels.linear import add_multiple, copy
 from bearingwear.kernels.quasistatic import (
     FORCE_1,
     FORCE_2,
+    I_11,
+    I_12,
+    I_21,
+    I_22,
     K_11,
     K_12,
     K_21,
     K_22,
     LOG_KAPPA,
+    O_11,
+    O_12,
+    O_21,
+    O_22,
     add_traction_stiffness,
     assemble_condensed,
     back_substitute,
@@ -197,6 +206,33 @@ def equilibrium(time, y, bearing, buf):
         if status == OK and with_cage:
             status = joint_equilibrium(time, y, bearing, buf)
     return status
+
+
+@jit
+def correct_places(bearing, buf):
+    """One step of Newton's method for places, from what `jacobian.ball_blocks` left.
+
+    Returns
+    -------
+    bool
+        False where there is no such step, or a long one.
+    """
+    balls = buf.balls
+    if bearing.cage.present:
+        linearise_cage_forces(bearing, balls, buf.cage)
+    for j in range(bearing.D.size):
+        block, inner, k = buf.blocks[j], buf.inner[j], balls.stiffness[j]
+        k[I_11], k[I_12], k[I_21], k[I_22] = (
+            inner[0, INNER_1], inner[0, INNER_2], inner[1, INNER_1], inner[1, INNER_2],
+        )  # fmt: skip
+        k[O_11], k[O_12], k[O_21], k[O_22] = (
+            -block[0, OUTER_1], -block[0, OUTER_2], -block[1, OUTER_1], -block[1, OUTER_2],
+        )  # fmt: skip
+    if not (
+        assemble_condensed(bearing, bearing.axial_is_held, balls) and solve_race(bearing, balls)
+    ):
+        return False
+    return back_substitute(bearing, balls) < LONGEST_PLACE_STEP * bearing.g.BD
 
 
 def places_size(n):

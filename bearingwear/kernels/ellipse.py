@@ -94,12 +94,11 @@ def cluster_points(rule, start, end, n, t, weight):
 
 
 @jit
-def fill_points(rule, contact, R, c, v_r, t, weight):
-    """Fill the buffers of `quadrature_points`; returns how many points they have got."""
-    if not rule.split:
-        for k in range(rule.t.size):
-            t[k], weight[k] = rule.t[k], rule.weight[k]
-        return rule.t.size
+def pure_rolling(contact, R, c, v_r):
+    """Both pure-rolling points x/a of a contact, the lower one first, none beyond its ends.
+
+    A point that lies far out is taken to be where the other is, and both far out in the middle.
+    """
     low, high = rolling_points(contact, R, c, v_r)
     if low > high:
         low, high = high, low
@@ -109,7 +108,17 @@ def fill_points(rule, contact, R, c, v_r, t, weight):
         high = low
     if not abs(low) < FAR:
         low = high = 0.0
-    low, high = min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
+    return min(max(low, -1.0), 1.0), min(max(high, -1.0), 1.0)
+
+
+@jit
+def fill_points(rule, contact, R, c, v_r, t, weight):
+    """Fill the buffers of `quadrature_points`; returns how many points they have got."""
+    if not rule.split:
+        for k in range(rule.t.size):
+            t[k], weight[k] = rule.t[k], rule.weight[k]
+        return rule.t.size
+    low, high = pure_rolling(contact, R, c, v_r)
     n = 0
     if low > -1.0:
         n = cluster_points(rule, low, -1.0, n, t, weight)
@@ -148,6 +157,13 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
     return points, shares
 
 
+@jit
+def middle_shift(contact, R, c):
+    """How far, over the half-width, the middle of the places across is carried: see below."""
+    e = c[0] * R / (c[3] * contact.b)
+    return e if abs(e) < EDGE else math.copysign(EDGE, e)  # NaN too
+
+
 @jit(fastmath=REORDER_SUMS)
 def place_across(rule, contact, R, c, across, share):
     """Places across the strips of a contact with the slip c, and their shares of a strip's load.
@@ -162,9 +178,7 @@ def place_across(rule, contact, R, c, across, share):
     """
     e = 0.0
     if rule.split and across.size > 1:
-        e = c[0] * R / (c[3] * contact.b)
-        if not abs(e) < EDGE:  # NaN too
-            e = math.copysign(EDGE, e)
+        e = middle_shift(contact, R, c)
     total = 0.0
     for j in range(across.size):
         y = rule.across[j]

@@ -15,13 +15,7 @@ import numpy as np
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.ball_response import joined_equilibrium, load_rates
 from bearingwear.kernels.compile import inlined, jit
-from bearingwear.kernels.contact import (
-    LARGEST_AXIS,
-    race_contacts,
-    slip_coefficients,
-    traction,
-    traction_slope,
-)
+from bearingwear.kernels.contact import LARGEST_AXIS, race_contacts, slip_coefficients
 from bearingwear.kernels.contact_changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
@@ -29,6 +23,7 @@ from bearingwear.kernels.friction import friction_capacity, friction_coefficient
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.profile import contact_approach
 from bearingwear.kernels.status import BEYOND_GROOVE, CONTACT_LOST, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.traction import traction, traction_slope
 
 LAST_BIT = 2.0**-50  # of the ball's speeds, with what the sums that make a slip of them add
 

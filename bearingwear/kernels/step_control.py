@@ -16,12 +16,17 @@ from bearingwear.kernels.closures import (
     predicted_closure,
 )
 from bearingwear.kernels.compile import inlined, jit
-from bearingwear.kernels.dynamic_equilibrium import restore_places, size_of_unbalanced
+from bearingwear.kernels.dynamic_equilibrium import (
+    correct_places,
+    restore_places,
+    size_of_unbalanced,
+)
 from bearingwear.kernels.integrators import Tableau, begin_step, take_step
+from bearingwear.kernels.jacobian import ball_blocks
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.profile import STORED
 from bearingwear.kernels.quasistatic import HERTZ_K
-from bearingwear.kernels.rates import agreed_rates, rates_here, state_rates
+from bearingwear.kernels.rates import agreed_rates, corrected_rates, rates_here, state_rates
 from bearingwear.kernels.state import (
     BALL,
     CAGE,
@@ -212,7 +217,7 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage, last):
     Parameters
     ----------
     last : bool
-        Whether `make_ready` follows, so that slopes are not needed there.
+        Whether `make_ready` follows. Slopes are then needed for tractions alone, see `accept_step`.
     """
     status = take_step(control.method, time, step, y, bearing, buf, stage)
     if status == OK:
@@ -225,11 +230,18 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage, last):
     if error <= 1.0:
         status = NOT_CONVERGED
         implicit = control.method.implicit
-        slopes = implicit and not last
+        slopes = implicit and (bearing.traction or not last)
         if implicit:
             status = rates_here(now, stage.new, bearing, buf, stage.end_rates, slopes)
         left = LEFT * control.tolerance * buf.balls.Q.max()
-        if status != OK or size_of_unbalanced(buf.balls) > left:
+        if status == OK and size_of_unbalanced(buf.balls) > left:
+            status = NOT_CONVERGED
+            if slopes and bearing.traction:
+                # After the last step places are corrected in any case.
+                status = (
+                    OK if last else corrected_rates(now, stage.new, bearing, buf, stage.end_rates)
+                )
+        if status != OK:
             status = state_rates(now, stage.new, bearing, buf, stage.end_rates, slopes)
         if status == OK:
             interferences(buf, stage.after)
@@ -239,7 +251,10 @@ def try_step(control, time, now, step, depth, y, bearing, buf, stage, last):
 
 @jit
 def accept_step(control, step, y, bearing, buf, stage, last):
-    """Go on from the end of the step tried last; after the `last` one, `make_ready` follows."""
+    """Go on from the end of the step tried last; after the `last` one, `make_ready` follows.
+
+    It finds balls and race nearly in balance where tractions bear on that.
+    """
     for i in range(stage.closing.size):
         stage.closing[i] = (stage.after[i] - stage.before[i]) / step
     copy(stage.new, y)
@@ -251,6 +266,9 @@ def accept_step(control, step, y, bearing, buf, stage, last):
     copy(stage.after, stage.before)
     if not last:
         begin_step(control.method, y, bearing, buf, stage)
+    elif control.method.implicit and bearing.traction:
+        ball_blocks(y, bearing, buf)
+        correct_places(bearing, buf)
 
 
 @jit

@@ -3,9 +3,10 @@
 import math
 
 from bearingwear.kernels.compile import ESTIMATE_ROOTS, jit
-from bearingwear.kernels.contact import point_slip, store_slopes
+from bearingwear.kernels.contact import point_slip
 from bearingwear.kernels.friction import quick_force_per_slip, quick_force_slope
 from bearingwear.kernels.profile import height, profile
+from bearingwear.kernels.traction import store_slopes
 
 
 @jit(fastmath=ESTIMATE_ROOTS)

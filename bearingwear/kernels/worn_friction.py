@@ -18,7 +18,6 @@ from bearingwear.kernels.contact import (
     slip_coefficients,
     slip_map,
     surface_height,
-    traction_slope,
 )
 from bearingwear.kernels.ellipse import contact_points, most_points
 from bearingwear.kernels.friction import friction_capacity
@@ -32,6 +31,7 @@ from bearingwear.kernels.steady_balance import (
     subtract_gradient,
     subtract_projected,
 )
+from bearingwear.kernels.traction import traction_slope
 
 FRICTION_LEFT = 1e-12  # as a share of the friction forces, where Newton ends [1]
 LEVELS = 5  # of v_r, each

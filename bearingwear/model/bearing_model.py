@@ -143,5 +143,6 @@ def bearing_model(scene: Scene) -> BearingModel:
         cage=cage,
         traction=scene.model.traction_bears,
         rule=parameters.quadrature(scene),
+        points=parameters.spread_points(scene),
         layout=state_layout(len(D), cage.present),
     )

@@ -78,8 +78,8 @@ class DynamicSystem:
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        n = len(self.bearing.D)
-        self.buffers = buffers(n, self.bearing.rule, self.bearing.traction)
+        bearing, n = self.bearing, len(self.bearing.D)
+        self.buffers = buffers(n, bearing.rule, bearing.points, bearing.traction)
         self.stages = stages(n, self.layout)
         self.dy = np.zeros(self.y.size)
         self.h = _FIRST_STEP * self.turn

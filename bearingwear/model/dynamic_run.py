@@ -241,7 +241,10 @@ def dynamic_error_estimates(
         "op": bearing.op._replace(v_r=v_r),
         "cage": bearing.cage._replace(v_r=v_r),
     }
-    twice = {"rule": parameters.quadrature(scene, refined=2)}
+    twice = {
+        "rule": parameters.quadrature(scene, refined=2),
+        "points": parameters.spread_points(scene, refined=2),
+    }
     # A new regularisation disturbs every ball; tight steps through that would take long.
     tolerance = max(run.tolerance, TIGHTEST)
     other = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER

@@ -6,8 +6,10 @@ import math
 import numpy as np
 
 from bearingwear.kernels.ellipse import SEGMENTS, Rule
+from bearingwear.kernels.ellipse_friction import EllipsePoints
 from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.profile import PEAK
 from bearingwear.model.films import Films, friction_law
 from bearingwear.model.growth import axial_change, grown, growth_of
 from bearingwear.model.mounted import GPA as GPA
@@ -22,6 +24,8 @@ from bearingwear.model.quadrature import (
     equal_strips,
     gathered,
     gauss_halves,
+    spread_ellipse,
+    spread_fixed,
 )
 from bearingwear.scene.scene import Arrangement, Scene
 
@@ -98,6 +102,26 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
         return ellipse_rule(name, refined * strips)
     refined = min(refined, 2)
     return ellipse_rule(name, refined * strips, refined * model.points_across)
+
+
+@functools.cache
+def split_points(count: int, across: int) -> EllipsePoints:
+    """Points of a split rule over the ellipse in time, shared, so never to be written to."""
+    return EllipsePoints(True, *spread_ellipse(count, across))
+
+
+def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
+    """Points from which the motion in time sums friction, with so many times those of `quadrature`.
+
+    They cost less than those of the rule and err as little.
+    """
+    rule = quadrature(scene, refined)
+    if rule.split and rule.across.size > 1:
+        return split_points(rule.t.size, rule.across.size)
+    if rule.split:
+        middle = np.zeros(rule.t.size)
+        return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle)
+    return EllipsePoints(False, *spread_fixed(*rule[1:]))
 
 
 def search_rule(scene: Scene) -> Rule:

@@ -4,6 +4,9 @@ import numpy as np
 
 from bearingwear.kernels.profile import PEAK, pressure, pressure_integral
 
+FEWEST_ACROSS = 6  # of `spread_ellipse`
+MANY_ACROSS = 16  # likewise
+NEAR = 0.25  # of a segment: farther from its pure-rolling point friction is smooth across a strip
 SLOPE = 0.1  # ds/dz at 0 of a split rule: benchmarks/rules.py
 
 
@@ -42,15 +45,27 @@ def gauss_halves(n):
     return t, PEAK * pressure(t) * w
 
 
-def gathered(m):
+def gathered(m, power=3):
     """Points and weights of m Gauss-Legendre points on 0 to 1 that gather at 0.
 
     They are s = 0.1 z + 0.9 z^3 of the points z: friction turns round at s = 0 within a width that
     is not known beforehand (anything from 1e-6 to 1), and the integrand is smooth in z at any.
+    Where spin across the ellipse makes that width large, the square of z takes fewer points.
     """
     x, w = gauss_legendre(m)
     z = 0.5 * (x + 1.0)
-    return SLOPE * z + (1.0 - SLOPE) * z**3, 0.5 * w * (SLOPE + 3.0 * (1.0 - SLOPE) * z**2)
+    slope = SLOPE + power * (1.0 - SLOPE) * z ** (power - 1)
+    return SLOPE * z + (1.0 - SLOPE) * z**power, 0.5 * w * slope
+
+
+def normalised(t, weight):
+    """Weights of points on 0 to 1 changed a little, so that up to t^2 is integrated exactly.
+
+    So the load over an ellipse is, as it has to be.
+    """
+    powers = np.array([np.ones_like(t), t, t * t])
+    left = 1.0 / np.arange(1.0, 4.0) - powers @ weight
+    return weight + weight * (powers.T @ np.linalg.solve(powers * weight @ powers.T, left))
 
 
 def chebyshev(n):
@@ -93,3 +108,35 @@ def chebyshev_halves(n):
     half, vectors = np.linalg.eigh(np.diag(mean) + np.diag(side, 1) + np.diag(side, -1))
     share = 0.5 * vectors[0] ** 2
     return np.concatenate([-half[::-1], half]), np.concatenate([share[::-1], share])
+
+
+def spread_ellipse(m, across):
+    """Points of a split rule over the ellipse as the motion in time takes them.
+
+    For m points a segment and so many across. They err as little with half as many points
+    (benchmarks/ellipse.py): about the pure-rolling point there are three for four across, farther
+    off, where friction is smooth, fewer and fewer. In a segment so short that it is not smooth
+    there, they err on little load; with `MANY_ACROSS` all strips are alike. With less than
+    `FEWEST_ACROSS` the points' own motion would upset the balance that they measure, so these are
+    taken.
+
+    Returns
+    -------
+    s, weight, y, moved : ndarray (n,)
+        As in kernels.ellipse_friction.EllipsePoints.
+    """
+    t, weight = gathered(m, power=2)
+    across = max(across, FEWEST_ACROSS)
+    rows = []
+    for s, w in zip(t, PEAK * normalised(t, weight), strict=True):
+        count = round(across * max(0.25, 0.55 - 0.5 * s))
+        near = s < NEAR or across >= MANY_ACROSS
+        y, share = chebyshev_halves(2 * -(-3 * across // 8)) if near else chebyshev(count)
+        rows.append((np.full(y.size, s), w * share, y, np.full(y.size, float(near))))
+    return tuple(np.concatenate(column) for column in zip(*rows, strict=True))
+
+
+def spread_fixed(t, weight, across, share):
+    """Points of a fixed rule, in the same form."""
+    shares = np.outer(weight / pressure(t), share)
+    return t.repeat(across.size), shares.ravel(), np.tile(across, t.size), np.zeros(shares.size)

@@ -8,21 +8,18 @@ from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from scipy.special import ellipe
 
-from bearingwear.kernels.contact import (
-    dissipation,
-    ellipse_slope,
-    ellipse_sums,
-    half_width,
-    slip_velocity,
-    strip_slope,
-    strip_traction,
-    surface_height,
-    traction,
-)
+from bearingwear.kernels.contact import dissipation, half_width, slip_velocity, surface_height
 from bearingwear.kernels.ellipse import EDGE, most_points, place_across, quadrature_points
 from bearingwear.kernels.friction import potential
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.strip_friction import strip_sums
+from bearingwear.kernels.traction import (
+    ellipse_slope,
+    ellipse_sums,
+    strip_slope,
+    strip_traction,
+    traction,
+)
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.quadrature import chebyshev, chebyshev_halves, gauss_halves
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.contact import point_slip, strip_slope, strip_traction
+from bearingwear.kernels.contact import point_slip
 from bearingwear.kernels.friction import force_per_slip, force_slope, potential
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, profile
 from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
+from bearingwear.kernels.traction import strip_slope, strip_traction
 from bearingwear.model.quadrature import gauss_halves
 
 R, MU, V_R = 1e-3, 0.07, 2e-3

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from published_bearings import B218
 from scipy.special import ellipe, ellipkm1
 
-from bearingwear.kernels.contact import strip_traction, surface_height
+from bearingwear.kernels.contact import surface_height
 from bearingwear.kernels.hertz import (
     INNER,
     OUTER,
@@ -18,6 +18,7 @@ from bearingwear.kernels.hertz import (
     race_contact,
 )
 from bearingwear.kernels.params import Contact
+from bearingwear.kernels.traction import strip_traction
 from bearingwear.model.parameters import geometry
 from bearingwear.model.quadrature import equal_strips, gauss_halves
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.contact import traction
 from bearingwear.kernels.ellipse import Rule
 from bearingwear.kernels.micro_slip import Flexibility, micro_slip
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, profile
+from bearingwear.kernels.traction import traction
 from bearingwear.model.quadrature import chebyshev, gauss_halves
 
 A, B, R, Q, V = 1.0e-4, 3.0e-5, 1.0e-3, 2.3, 5.5

@@ -8,11 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from bearingwear.kernels.contact import slip_velocity, strip_traction, surface_height
+from bearingwear.kernels.contact import slip_velocity, surface_height
 from bearingwear.kernels.ellipse import FAR, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.strip_friction import strip_sums
 from bearingwear.kernels.summary import QV
+from bearingwear.kernels.traction import strip_traction
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.steady import ThrustProblem

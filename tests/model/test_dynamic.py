@@ -44,7 +44,9 @@ def started(scene):
         {},
         {"operation.preload_method": "fixed_position", "friction.ball_race": 0.02},
         {"lubricant.drag_density_kg_m3": 250.0, "friction.ball_race": 0.02},
-        HERTZ,  # a pure-rolling point comes to where the split rule lets it go
+        # A pure-rolling point comes to where the split rule lets it go. With few points the steady
+        # state, which does not take the same ones, is another: by 3e-4 of the motion.
+        HERTZ | {"model.strips": 48, "model.points_across": 24},
     ],
 )
 def test_returns_to_the_steady_state(scene, changes):
@@ -55,10 +57,11 @@ def test_returns_to_the_steady_state(scene, changes):
     u = case.u * [1.03, 1.0, 1.03, 1.0] + [0.0, 50.0, 0.0, 0.0]
     motion = DynamicSystem.of(dataclasses.replace(s, cage=None), u)
     slow = 1.0 / scales[0]
-    distance = []
+    passed = []
     for _ in range(14):
         assert motion.advance(slow, 1e-5).status == OK
-        distance.append(np.abs(motion.balls[0, :4] - case.u).max())
+        passed.append(motion.balls[0, :4].copy())
+    distance = np.abs(np.array(passed) - passed[-1]).max(axis=1)
     assert_allclose(motion.balls[:, :4], np.tile(case.u, (9, 1)), atol=1e-4 * np.abs(case.u).max())
     before = motion.qv.copy()
     motion.advance(motion.turn)

@@ -1,0 +1,103 @@
+"""Friction over the ellipse as the motion in time sums it: against the steady sums, and errors."""
+
+import itertools
+
+import numpy as np
+import pytest
+from kernels.test_ellipse import CONTACT, MU, SCALE, SLIPS, STEPS, V_R, R, placed
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.ellipse_friction import EllipsePoints, ellipse_friction, places
+from bearingwear.kernels.profile import PEAK
+from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
+from bearingwear.model.parameters import ellipse_rule
+from bearingwear.model.quadrature import (
+    chebyshev,
+    gathered,
+    gauss_halves,
+    normalised,
+    spread_ellipse,
+    spread_fixed,
+)
+
+FIXED = EllipsePoints(False, *spread_fixed(*gauss_halves(40), *chebyshev(5)))
+SPREAD = EllipsePoints(True, *spread_ellipse(5, 8))
+FINE = EllipsePoints(True, *spread_ellipse(25, 32))
+LINE = EllipsePoints(True, *(column := gathered(10))[:1], PEAK * column[1], *np.zeros((2, 10)))
+
+
+def friction(points, c, v_r=V_R, size=5):
+    """Sums without slopes, and with: gradient and Hessian, `size` of each."""
+    gradient, hessian = np.zeros(size), np.zeros((size, size))
+    args = points, CONTACT, R, c, v_r
+    sums = ellipse_friction(*args, False, places(points), gradient, hessian)
+    again = ellipse_friction(*args, True, places(points), gradient, hessian)
+    assert_allclose(again, sums, rtol=1e-12, atol=1e-15)
+    assert_allclose(gradient, sums[:size], rtol=1e-12, atol=1e-15)
+    return np.array(sums), hessian
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_fixed_points_sum_as_the_steady_rule(c):
+    points = placed(ellipse_rule("gauss", 40, 5), c)
+    gradient, hessian = np.empty(5), np.empty((5, 5))
+    ellipse_slope(CONTACT, c, MU, V_R, *points, gradient, hessian)
+    sums, found = friction(FIXED, c)
+    assert_allclose(sums, ellipse_sums(CONTACT, c, MU, V_R, *points), rtol=1e-11, atol=1e-14)
+    scale = SCALE[:, None] * SCALE
+    size = np.abs(hessian / scale).max()
+    assert_allclose(found / scale, hessian / scale, rtol=1e-10, atol=1e-12 * size)
+    four = friction(FIXED, c, size=4)[1]
+    assert_allclose(four, found[:4, :4], rtol=1e-13)
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_line_with_traction_sums_as_the_steady_rule(c):
+    points = placed(ellipse_rule("split", 40), c)
+    expected = ellipse_sums(CONTACT, c, MU, V_R, *points)
+    assert_allclose(friction(LINE, c)[0], expected, rtol=1e-11, atol=1e-14)
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_many_points_are_right(c):
+    """Against many fixed points, and slopes against differences: both to what V_R leaves."""
+    many, hessian = friction(FINE, c)
+    right = ellipse_sums(CONTACT, c, MU, V_R, *placed(ellipse_rule("split", 200, 64), c))
+    assert_allclose(many[:5] / SCALE, np.array(right[:5]) / SCALE, atol=1e-6 * MU * CONTACT.Q)
+    assert_allclose(many[5], right[5], rtol=1e-6)
+    scale = SCALE[:, None] * SCALE
+    for i, step in enumerate(STEPS):
+        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
+        low, high = (friction(FINE, m)[0][:5] for m in moved)
+        found = (high - low) / (2.0 * step) / scale[i]
+        assert_allclose(found, hessian[i] / scale[i], atol=2e-4 * np.abs(hessian / scale).max())
+
+
+SPINS = list(itertools.product((0.0, 0.02, -0.2), (-0.9, -0.2, 0.0, 0.5), (1.0, -1.0)))
+
+
+def spinning(gyroscopic, rolling, sign):
+    """Slip of a spin of 5e3 rad/s that rolls at x/a, with a gyroscopic slip [m/s]."""
+    spin = 5e3 * sign
+    return gyroscopic / R, -spin * rolling * CONTACT.a, 0.0, spin
+
+
+@pytest.mark.parametrize("spin", SPINS)
+def test_errors_of_few_points(spin):
+    """As of the 20 x 8 points of the steady state: QV within 1e-3, forces within 5e-3 mu Q."""
+    c = spinning(*spin)
+    few, many = friction(SPREAD, c, 1e-4)[0], friction(FINE, c, 1e-4)[0]
+    steady = ellipse_sums(CONTACT, c, MU, 1e-4, *placed(ellipse_rule("split", 20, 8), c, v_r=1e-4))
+    assert abs(few[5] / many[5] - 1.0) < 1e-3
+    assert abs(steady[5] / many[5] - 1.0) < 1e-3
+    assert np.abs((few - many)[:5] / SCALE).max() < 5e-3 * MU * CONTACT.Q
+
+
+def test_weights_hold_the_whole_load():
+    """QV of gross slip is load times slip, however few the points; moved across, nearly so."""
+    assert_allclose(friction(SPREAD, (0.0, 3.0, 0.0, 1e-9))[0][5], 3.0 * CONTACT.Q, rtol=1e-12)
+    assert_allclose(friction(SPREAD, (1e-9, 3.0, 0.0, 0.0))[0][5], 3.0 * CONTACT.Q, rtol=2e-4)
+    t, weight = gathered(4, power=2)
+    exact = normalised(t, weight)
+    assert_allclose([exact @ t**k for k in range(3)], [1.0, 1 / 2, 1 / 3], rtol=1e-13)
+    assert_allclose(exact, weight, rtol=2e-2)
