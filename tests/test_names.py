@@ -1,4 +1,4 @@
-"""One name, one meaning: no public name of the package is defined in two of its modules."""
+"""Names and sizes: a public name is defined once, no file or function is too long to read."""
 
 import ast
 import re
@@ -9,6 +9,9 @@ import bearingwear
 from bearingwear import studies
 
 PACKAGE = Path(bearingwear.__file__).parent
+
+LINES_OF_A_FILE = 400
+LINES_OF_A_FUNCTION = 60  # beside its docstring
 
 # Files whose names repeat those of others on purpose.
 REPEATING = {
@@ -73,6 +76,29 @@ def test_page_show_and_rules_know_no_study():
     ]
     texts = {file.name: file.read_text(encoding="utf-8") for file in files if file.is_file()}
     assert {name: named.findall(text) for name, text in texts.items() if named.search(text)} == {}
+
+
+def lines_of(function: ast.FunctionDef) -> int:
+    """Lines of a function without its docstring."""
+    first = function.body[0]
+    told = ast.get_docstring(function) is not None
+    docstring = (first.end_lineno or 0) - first.lineno + 1 if told else 0
+    return (function.end_lineno or 0) - function.lineno + 1 - docstring
+
+
+def test_files_and_functions_are_short():
+    long = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        place = path.relative_to(PACKAGE).as_posix()
+        if text.count("\n") > LINES_OF_A_FILE:
+            long.append(place)
+        long += [
+            f"{place}: {node.name}"
+            for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.FunctionDef) and lines_of(node) > LINES_OF_A_FUNCTION
+        ]
+    assert long == []
 
 
 def test_a_name_with_two_meanings_is_found(tmp_path):
