@@ -35,7 +35,7 @@ from bearingwear.kernels.state import BALL, CAGE, CENTRE, OMEGA, PSI, W_X, W_Y, 
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 
 CORRECTIONS = 3  # of places, before `equilibrium` seeks them
-AGREED = 5e-7  # share of the largest load that a balance may leave; half of what is verified
+AGREED = 1e-8  # share of the largest load that a balance may leave, a hundredth of what is verified
 
 
 @jit(forceinline=True)
