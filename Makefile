@@ -45,11 +45,12 @@ test-page: $(STAMP)
 test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
 	$(BIN)/python -m pytest -m faults
 
-# 107 000 steady and race-control solves, pairs among them, and 340 short dynamic runs of random scenes, half an hour;
+# 122 000 steady and race-control solves, pairs among them, and 490 short dynamic runs of random scenes, half an hour;
 # exit 3 if one is wrong.
 # A few that are drawn in time are no bearing, hence 306.
 FUZZ := steady:25000 steady_stress:35000 race_control:20000 race_control_stress:20000 dynamic:153 dynamic_stress:153 \
-	steady_warm:2000 race_control_warm:2000 dynamic_warm:40 steady_pair:1500 race_control_pair:1500
+	steady_warm:2000 race_control_warm:2000 dynamic_warm:40 steady_pair:1500 race_control_pair:1500 \
+	steady_hertz:10000 race_control_hertz:5000 dynamic_hertz:153
 FUZZ_FILES := $(foreach f,$(FUZZ),results/fuzz/$(firstword $(subst :, ,$(f))).nc)
 SEED ?= 2
 fuzz: $(STAMP)

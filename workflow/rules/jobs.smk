@@ -23,7 +23,7 @@ for study in STUDIES.values():
                 made_from=made_from(job),
                 calls=calls_of(job),
                 label=label_of(job),
-                to_log="|& tee /dev/stderr >" if job.tells else "&>",
+                to_log="|& tee >&2" if job.tells else "&>",
             message:
                 "{params.label}"
             shell:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
@@ -14,7 +15,7 @@ from bearingwear.scene.scene import Scene
 WORN_LIFE = "worn_life"
 """The `fidelity` of a class of random lives."""
 
-_VOLUME_ERROR = 0.05  # of the worn volume against the trapezoids of QV over the steps of a life
+_VOLUME_ERROR = 0.05  # of the worn volume against the integral of QV through the steps of a life
 _END_ERROR = 1e-3  # of the limit that ends a life
 _MAY_BE_MISSING = frozenset(
     {"life_error_estimate", "life_error_bound", "history_ball_diameter_loss_rate"}
@@ -77,7 +78,8 @@ def _wear(scene: Scene, values: Mapping[str, Any]) -> list[str]:
         "history_one_ball_worn_volume": ball * values["history_qv"].sum(axis=1),
     }
     for name, rate in worn.items():
-        volume = np.trapezoid(rate, time, axis=0)
+        # Where QV rises fivefold within eight steps, trapezoids err by 3 % themselves.
+        volume = PchipInterpolator(time, rate).integrate(time[0], time[-1])
         if not np.abs(values[name][-1] / volume - 1.0).max() <= _VOLUME_ERROR:
             found.append(f"{name} {values[name][-1]} is not that of the slip, {volume}")
     if not (np.diff(values["history_deepest_groove"], axis=0) >= 0.0).all():

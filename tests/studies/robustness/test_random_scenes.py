@@ -50,6 +50,7 @@ def of_class(name, seed):
         ("race_control_warm", 0.02),
         ("steady_pair", 0.01),
         ("race_control_pair", 0.02),
+        ("steady_hertz", 0.01),
     ],
 )
 def test_random_scenes_are_never_wrong(name, unexplained):
