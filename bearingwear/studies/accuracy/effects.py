@@ -64,8 +64,9 @@ def effect_tables(trade: xr.Dataset, plan: AccuracyPlan) -> list[FactorTable]:
 def effects_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
     tables = "\n\n".join(table.text() for table in effect_tables(trade, plan))
-    return f"""{_PART.begin}
-Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not to be edited here.
+    return _PART.holding(
+        f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
+to be edited here.
 Each number is a factor over the first point of its sweep (`config/accuracy.yaml`): the bearing as
 mounted, or alone, or without traction, always with slip over the whole ellipse. Preload and QV are
 those of the first bearing, at the wear of the scene; a life is that from new, and 0 where a limit
@@ -73,8 +74,8 @@ is passed when new. Times are processor times of whole steady solves and lives, 
 the median of {plan.repeats}. A run of the study compares: answers agree within
 {answers_agree_within()}, times within a factor {plan.tolerance.time:g}.
 
-{tables}
-{_PART.end}"""
+{tables}"""
+    )
 
 
 def effects_table(trade: Path, plan: Path) -> str:

@@ -202,6 +202,7 @@ def overview_figure(trade: xr.Dataset) -> Figure:
     ):
         points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
         panel(axes, points, "total_qv")
+        label_times(axes)
         for handle in keys_of(points):
             handles.setdefault(str(handle.get_label()), handle)
         axes.set_title(text)

@@ -128,8 +128,9 @@ def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
 def groove_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
     tables = "\n\n".join(table.text() for table in groove_tables(trade, plan))
-    return f"""{_PART.begin}
-Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not to be edited here.
+    return _PART.holding(
+        f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
+to be edited here.
 Lives end at a loss of so many gaps between ball and groove at the edge of the new contact, A a²,
 or at 40 % of the preload. The first tables have factors over the life with Hertz' contact that ends
 at the same loss; balls wear evenly or in bands. "End QV" is that at the end of life. Times are
@@ -140,8 +141,8 @@ compares: answers agree within {answers_agree_within()}, errors within a factor
 
 {what_auto_saves(trade, plan)}
 
-{tables}
-{_PART.end}"""
+{tables}"""
+    )
 
 
 def grooves_table(trade: Path, plan: Path) -> str:

@@ -1,9 +1,22 @@
 """Parts of docs/accuracy.md that are made from a study: each stands between two marks."""
 
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
 from bearingwear.results.netcdf import CaseFileError
+
+
+def wrapped(text: str) -> str:
+    """Markdown with the lines of its paragraphs at most 100 columns long; the rest as it is."""
+    return "\n\n".join(
+        part if part.lstrip().startswith(("|", "#", "<!--")) else _filled(part)
+        for part in text.split("\n\n")
+    )
+
+
+def _filled(paragraph: str) -> str:
+    return textwrap.fill(paragraph, width=100, break_long_words=False, break_on_hyphens=False)
 
 
 @dataclass(frozen=True)
@@ -19,6 +32,10 @@ class MarkedPart:
     @property
     def end(self) -> str:
         return f"<!-- {self.name}: end -->"
+
+    def holding(self, text: str) -> str:
+        """The part with this text between its marks."""
+        return f"{self.begin}\n{wrapped(text)}\n{self.end}"
 
     def stands_in(self, text: str) -> bool:
         return self.begin in text and self.end in text

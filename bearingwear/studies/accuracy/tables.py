@@ -106,9 +106,10 @@ def markdown(trade: xr.Dataset, plan: AccuracyPlan) -> str:
 def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
     tolerance = plan.tolerance
-    scenes = ", ".join(f"`{name}`" for name in plan.scenes)
-    return f"""{_PART.begin}
-## Accuracy against time
+    of_table = trade["scene"].values[np.isin(trade["sweep"].values, [r.sweep for r in plan.table])]
+    scenes = ", ".join(f"`{name}`" for name in plan.scenes if name in of_table)
+    return _PART.holding(
+        f"""## Accuracy against time
 
 Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here.
 Errors are in percent of the reference of each scene (`config/accuracy.yaml`), without sign, for the
@@ -138,9 +139,8 @@ faster: draft than standard, standard than reference
 included. The doubt of the reference (its own estimate and its check) is subtracted.
 "Over error": the median of the estimate over the error
 
-{estimates(trade)}
-{_PART.end}
-"""
+{estimates(trade)}"""
+    )
 
 
 def of_weight(trade: xr.Dataset) -> str:
@@ -228,8 +228,8 @@ def docs_with_block(trade: Path, plan: Path, docs: Path) -> str:
     old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
     if _PART.stands_in(old):
         before, _, after = _PART.split(docs)
-        return before + text.rstrip("\n") + after
-    return old.rstrip("\n") + "\n\n" + text
+        return before + text + after
+    return f"{old.rstrip()}\n\n{text}\n"
 
 
 def check_docs(trade: Path, plan: Path, docs: Path) -> str:
