@@ -13,6 +13,8 @@ from bearingwear.studies.accuracy.factor_table import (
     TIME_FACTOR,
     FactorTable,
     answers_agree_within,
+    table_differences,
+    tables_text,
 )
 from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import AccuracyPlan
@@ -63,7 +65,6 @@ def effect_tables(trade: xr.Dataset, plan: AccuracyPlan) -> list[FactorTable]:
 
 def effects_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
-    tables = "\n\n".join(table.text() for table in effect_tables(trade, plan))
     return _PART.holding(
         f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
 to be edited here.
@@ -74,14 +75,14 @@ is passed when new. Times are processor times of whole steady solves and lives, 
 the median of {plan.repeats}. A run of the study compares: answers agree within
 {answers_agree_within()}, times within a factor {plan.tolerance.time:g}.
 
-{tables}"""
+{tables_text(effect_tables(trade, plan))}"""
     )
 
 
 def effects_table(trade: Path, plan: Path) -> str:
     """Step: the tables alone."""
     tables = effect_tables(loaded(trade, point=()), read_record(AccuracyPlan, plan))
-    return "\n\n".join(table.text() for table in tables) + "\n"
+    return tables_text(tables) + "\n"
 
 
 def docs_with_effects(trade: Path, plan: Path, docs: Path) -> str:
@@ -92,12 +93,10 @@ def docs_with_effects(trade: Path, plan: Path, docs: Path) -> str:
     CaseFileError
         Where they have no such block.
     """
-    before, _, after = _PART.split(docs)
-    return before + effects_block(loaded(trade, point=()), read_record(AccuracyPlan, plan)) + after
+    text = effects_block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
+    return _PART.renewed(docs, text)
 
 
 def effect_differences(trade: xr.Dataset, plan: AccuracyPlan, docs: Path) -> list[str]:
     """Where the block of the docs differs from a run; a line each."""
-    _, old, _ = _PART.split(docs)
-    tables = effect_tables(trade, plan)
-    return [f"{docs}: {line}" for t in tables for line in t.differences(old, plan.tolerance)]
+    return table_differences(effect_tables(trade, plan), _PART, docs, plan.tolerance)

@@ -2,12 +2,14 @@
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from bearingwear.results.units import digits, display
+from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import Tolerance
 
 FACTOR, ERROR, TIME_FACTOR, WHETHER = "factor", "error", "time", "whether"
@@ -49,6 +51,19 @@ class FactorTable:
                 if not _alike(cell, value, kind, tolerance):
                     given = digits(100.0 * value if kind == ERROR else value)
                     yield f"{where}: {name}: says {cell}, a run gives {given}"
+
+
+def tables_text(tables: Iterable[FactorTable]) -> str:
+    """Tables one below the other, as Markdown."""
+    return "\n\n".join(table.text() for table in tables)
+
+
+def table_differences(
+    tables: Iterable[FactorTable], part: MarkedPart, docs: Path, tolerance: Tolerance
+) -> list[str]:
+    """Where a part of the docs differs from tables; a line each."""
+    _, old, _ = part.split(docs)
+    return [f"{docs}: {line}" for table in tables for line in table.differences(old, tolerance)]
 
 
 def cell_texts(numbers: Sequence[float], kinds: Sequence[str]) -> list[str]:

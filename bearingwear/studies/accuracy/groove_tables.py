@@ -16,6 +16,8 @@ from bearingwear.studies.accuracy.factor_table import (
     WHETHER,
     FactorTable,
     answers_agree_within,
+    table_differences,
+    tables_text,
 )
 from bearingwear.studies.accuracy.marked import MarkedPart
 from bearingwear.studies.accuracy.plan import AccuracyPlan
@@ -120,14 +122,13 @@ def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     even, bands = (digits(100.0 * max(found)) for found in errors.values())
     return (
         f"`auto` leaves the {len(saved)} of these {lives} lives below {REQUIRED:g} gaps to Hertz' "
-        f"contact. That takes\n{span(saved)} times less, and differs by up to {even} % from balls "
+        f"contact. That takes {span(saved)} times less, and differs by up to {even} % from balls "
         f"that wear evenly, {bands} % from bands."
     )
 
 
 def groove_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     """The marked part of docs/accuracy.md."""
-    tables = "\n\n".join(table.text() for table in groove_tables(trade, plan))
     return _PART.holding(
         f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
 to be edited here.
@@ -141,14 +142,14 @@ compares: answers agree within {answers_agree_within()}, errors within a factor
 
 {what_auto_saves(trade, plan)}
 
-{tables}"""
+{tables_text(groove_tables(trade, plan))}"""
     )
 
 
 def grooves_table(trade: Path, plan: Path) -> str:
     """Step: the tables alone."""
     tables = groove_tables(loaded(trade, point=()), read_record(AccuracyPlan, plan))
-    return "\n\n".join(table.text() for table in tables) + "\n"
+    return tables_text(tables) + "\n"
 
 
 def docs_with_grooves(trade: Path, plan: Path, docs: Path) -> str:
@@ -159,12 +160,10 @@ def docs_with_grooves(trade: Path, plan: Path, docs: Path) -> str:
     CaseFileError
         Where they have no such block.
     """
-    before, _, after = _PART.split(docs)
-    return before + groove_block(loaded(trade, point=()), read_record(AccuracyPlan, plan)) + after
+    text = groove_block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
+    return _PART.renewed(docs, text)
 
 
 def groove_differences(trade: xr.Dataset, plan: AccuracyPlan, docs: Path) -> list[str]:
     """Where the block of the docs differs from a run; a line each."""
-    _, old, _ = _PART.split(docs)
-    tables = groove_tables(trade, plan)
-    return [f"{docs}: {line}" for t in tables for line in t.differences(old, plan.tolerance)]
+    return table_differences(groove_tables(trade, plan), _PART, docs, plan.tolerance)

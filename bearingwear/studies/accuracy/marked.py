@@ -54,3 +54,14 @@ class MarkedPart:
         before, _, rest = text.partition(self.begin)
         inside, _, after = rest.partition(self.end)
         return before, inside, after
+
+    def renewed(self, docs: Path, text: str) -> str:
+        """The file with this text in the place of the part.
+
+        Raises
+        ------
+        CaseFileError
+            Where the file has no such part.
+        """
+        before, _, after = self.split(docs)
+        return before + text + after

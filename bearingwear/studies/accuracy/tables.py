@@ -227,8 +227,7 @@ def docs_with_block(trade: Path, plan: Path, docs: Path) -> str:
     text = block(loaded(trade, point=()), read_record(AccuracyPlan, plan))
     old = docs.read_text(encoding="utf-8") if docs.exists() else "# Accuracy\n"
     if _PART.stands_in(old):
-        before, _, after = _PART.split(docs)
-        return before + text + after
+        return _PART.renewed(docs, text)
     return f"{old.rstrip()}\n\n{text}\n"
 
 
