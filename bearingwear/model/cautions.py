@@ -69,13 +69,15 @@ class Caution:
     """A warning: its id, what it looks at, its sentence, and what to do.
 
     `look` returns None where the warning does not apply. A fact is always warned of, a value beyond
-    its limit.
+    its limit. `impractical` says that nobody would build or run such a bearing; the others speak of
+    what the model leaves out, or of what the user may want.
     """
 
     id: str
     look: Callable[[Evidence], Finding | None]
     sentence: str
     advice: str
+    impractical: bool = False
 
 
 def _yield_pressure(e: Evidence) -> tuple[float, str]:
@@ -238,6 +240,7 @@ CAUTIONS = (
         _yield,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
         "balls and races dent: take less load or speed, or larger balls",
+        impractical=True,
     ),
     Caution(
         "pressure_above_practice",
@@ -252,6 +255,7 @@ CAUTIONS = (
         "the {race} contact ellipse reaches {value:.3g} degrees up its groove, past {limit:.3g}, "
         "{source}",
         "pressure at the edge is not modelled: take less thrust, or higher shoulders",
+        impractical=True,
     ),
     Caution(
         "speed_beyond_practice",
@@ -259,6 +263,7 @@ CAUTIONS = (
         "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the most "
         "that steel bearings reached on rigs",
         "check the speed and its unit, r/min",
+        impractical=True,
     ),
     Caution(
         "hoop_stress",
@@ -266,12 +271,14 @@ CAUTIONS = (
         "rotation alone stresses the inner ring to {value:.0f} MPa, above {limit:g} MPa (assumed "
         "for hardened steel)",
         "take less speed, or a ring of tough steel",
+        impractical=True,
     ),
     Caution(
         "inner_load_lost",
         _inner,
         "{said} (assumed)",
         "it may skid: take more preload, less speed or radial load, or ceramic balls",
+        impractical=True,
     ),
     Caution(
         "preload_too_small",
@@ -279,6 +286,7 @@ CAUTIONS = (
         "a preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below "
         "{limit:.2g} N (assumed)",
         "check its unit, newtons",
+        impractical=True,
     ),
     Caution(
         "groove_worn",
@@ -313,6 +321,7 @@ CAUTIONS = (
         lambda e: fit_lost(e.scene),
         "the ring is loose on its seat ({seats}): heat and speed have used up the interference",
         "take more interference, or less speed",
+        impractical=True,
     ),
     Caution(
         "cage_weightless",

@@ -31,7 +31,8 @@ def warnings_of(
     Returns
     -------
     list of dict
-        id, sentence, advice, and `excess`: how many times the value is the limit, None for a fact.
+        id, sentence, advice, whether it is `impractical` (`cautions.Caution`), and `excess`: how
+        many times the value is the limit, None for a fact.
     """
     if scene.pair is not None:
         return _of_both(scene, chosen, values or {})
@@ -72,5 +73,6 @@ def _said(caution: Caution, excess: float | None, words: Mapping[str, Any]) -> d
         "id": caution.id,
         "sentence": caution.sentence.format(**words),
         "advice": caution.advice.format(**words),
+        "impractical": caution.impractical,
         "excess": None if excess is None else float(f"{min(excess, LARGEST_EXCESS):.3g}"),
     }
