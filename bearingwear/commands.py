@@ -226,12 +226,12 @@ def step(args: argparse.Namespace) -> int:
 
 def _tried(path: str) -> list[str]:
     """How the scene that was written solves: its status, and what is to be warned of."""
+    from bearingwear.kernels.build.folder import compile_time, is_compiled
     from bearingwear.model.fidelity import LARGEST_KERNEL
-    from bearingwear.provenance import is_compiled
     from bearingwear.results.warnings import warning_lines
 
     if not is_compiled(LARGEST_KERNEL["steady"]):
-        return ["not solved: the first solve compiles the kernels, for about a minute"]
+        return [f"not solved: the first solve compiles the kernels, for up to {compile_time()}"]
     from bearingwear.model.solve import solve as solved
     from bearingwear.scene.read import load_scene
 

@@ -1,16 +1,13 @@
 """Which sources decide a result, found from the import statements, and hashes of them.
 
-Every result file carries the hash of the sources that solve a scene. numba's disk cache lives in a
-folder named by a hash of the kernels: numba itself checks only the file that holds a function, not
-the functions it calls nor the order of a NamedTuple's fields, and would silently go on returning
-old numbers.
+Every result file carries the hash of the sources that solve a scene, and the folder for compiled
+code has that of the kernels in its name.
 """
 
 import functools
 import hashlib
 import os
 import re
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -141,31 +138,4 @@ def source_hash() -> str:
 def kernels_hash() -> str:
     """Hash of the contents of the kernels as they lie on the disk now, 16 hexadecimal digits."""
     _file_hash.cache_clear()  # they may have been edited since
-    return contents_hash(sorted(PACKAGE.glob("kernels/*.py")))
-
-
-@functools.cache
-def kernel_cache_folder() -> str:
-    """Folder for numba's compiled code, named by the contents of the kernels.
-
-    Below `NUMBA_CACHE_DIR` if the user set it, else beside the package, else (package folder not
-    writable) below the user's cache folder, else below the folder for temporary files.
-    """
-    kernels = kernels_hash()
-    given = os.environ.get("NUMBA_CACHE_DIR")
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    parents = [given] if given else [PACKAGE / "__pycache__", Path(home) / "bearingwear"]
-    for parent in [*parents, Path(tempfile.gettempdir()) / f"bearingwear-{os.getuid()}"]:
-        folder = Path(parent).resolve() / f"numba-{kernels}"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return str(folder)
-    return tempfile.mkdtemp(prefix="bearingwear-numba-")
-
-
-def is_compiled(kernel: str) -> bool:
-    """Whether machine code of a kernel that Python calls is in the cache folder."""
-    return any(Path(kernel_cache_folder()).rglob(f"*.{kernel}-*.nbc"))
+    return contents_hash(sorted(PACKAGE.glob("kernels/**/*.py")))

@@ -7,9 +7,9 @@ import numpy as np
 from bearingwear.kernels.ball_friction import BallForces, race_friction
 from bearingwear.kernels.block_solve import solve_factorised
 from bearingwear.kernels.block_system import factorise, linearise
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.closures import first_closure, interferences
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import equilibrium
 from bearingwear.kernels.integrators import ROSENBROCK, take_step
 from bearingwear.kernels.jacobian import ball_blocks

@@ -2,7 +2,7 @@
 
 import math
 
-from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.build.decorators import inlined, jit
 
 
 @inlined

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from bearingwear.kernels.bearing_model import race_contact_of
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import LARGEST_AXIS, slip_coefficients
 from bearingwear.kernels.ellipse import quadrature_points
 from bearingwear.kernels.ellipse_friction import ellipse_friction

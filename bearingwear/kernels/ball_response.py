@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.body_forces import body_forces
-from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.equilibrium import (
     FORCE_BALANCED,
     LAST_STEP,

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import CageModel
 from bearingwear.kernels.cage_law import CageBuffers, cage_buffers
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.contact import loaded_contact
 from bearingwear.kernels.ellipse import Rule, most_points
 from bearingwear.kernels.ellipse_friction import EllipsePoints, Places, places

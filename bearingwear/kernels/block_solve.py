@@ -8,8 +8,8 @@ from bearingwear.kernels.block_system import (
     LOCAL,
     POCKET,
 )
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import INNER_LAND
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.jacobian import F_ORBIT, HEAT_POWER, SHAFT_POWER
 from bearingwear.kernels.linear import solve_factored
 from bearingwear.kernels.state import (

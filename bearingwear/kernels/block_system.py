@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import INNER_LAND, inverse_inertia
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.jacobian import INNER_1, INNER_2, MOTION, OUTER_1, OUTER_2, ball_blocks
 from bearingwear.kernels.linear import copy, factor_in_place
 from bearingwear.kernels.quasistatic import inner_force

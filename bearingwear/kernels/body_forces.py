@@ -3,7 +3,7 @@
 import math
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, race_control
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import (
     INNER_LAND,
     NO_LAND,
@@ -20,7 +21,6 @@ from bearingwear.kernels.cage_law import (
     contact_law,
     power_slopes,
 )
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.pocket import add_pocket, pocket_place
 from bearingwear.kernels.state import CAGE, CENTRE, ROTATION, VELOCITY
 from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple

@@ -14,7 +14,7 @@ friction.py, the shape of the contact in profile.py.
 
 import math
 
-from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.friction import force_per_slip, friction_coefficient
 from bearingwear.kernels.hertz import INNER, OUTER
 from bearingwear.kernels.params import Contact

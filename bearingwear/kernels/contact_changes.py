@@ -4,7 +4,7 @@ The first four changes are by the motion (w_x, w_y, w_z, Omega); the friction's 
 over. Where the ball stands changes the slip too, and the load the size of the ellipse.
 """
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.profile import middle_height, profile
 from bearingwear.kernels.state import OMEGA, W_X, W_Y, W_Z
 

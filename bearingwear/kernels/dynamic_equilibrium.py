@@ -10,9 +10,9 @@ import numpy as np
 
 from bearingwear.kernels.ball_friction import find_tractions
 from bearingwear.kernels.bearing_model import load_at
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import INNER_LAND
 from bearingwear.kernels.cage_contacts import cage_contacts, set_race_velocity
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.jacobian import INNER_1, INNER_2, OUTER_1, OUTER_2
 from bearingwear.kernels.linear import add_multiple, copy
 from bearingwear.kernels.quasistatic import (

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact import half_width, surface_height
 from bearingwear.kernels.profile import PEAK, base, pressure, profile
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import ESTIMATE_ROOTS, inlined, jit
+from bearingwear.kernels.build.decorators import ESTIMATE_ROOTS, inlined, jit
 from bearingwear.kernels.ellipse import SEGMENTS, middle_shift, pure_rolling
 from bearingwear.kernels.friction import quick_force_per_slip, quick_force_slope
 from bearingwear.kernels.profile import base, pressure, profile

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from bearingwear.kernels.body_forces import body_forces, body_forces_at
-from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad, BallState, Hertz

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.profile import semi_axis
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from bearingwear.kernels.block_solve import add_ball_powers, add_cage_powers, solve_factorised
 from bearingwear.kernels.block_system import BlockSystem, block_system, factorise, linearise
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.dynamic_equilibrium import keep_places, places_size
 from bearingwear.kernels.linear import accumulate, copy
 from bearingwear.kernels.rates import rates_here, state_rates

@@ -8,7 +8,7 @@ import math
 
 from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.bearing_model import race_contact_of
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import slip_coefficients
 from bearingwear.kernels.contact_changes import (
     BY_ANGLE,

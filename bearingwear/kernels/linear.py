@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 
 
 @jit

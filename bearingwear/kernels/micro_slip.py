@@ -18,7 +18,7 @@ Dynamics 11 (1982) 1; *Three-Dimensional Elastic Bodies in Rolling Contact*, Klu
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.profile import PEAK, height, pressure, pressure_integral, profile
 
 MEAN_PLACE = math.sqrt(0.2)  # root of the mean of (x/a)^2 by the load

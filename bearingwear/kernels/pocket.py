@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage_law import (
     ELASTIC,
     POCKET_DAMPING,
@@ -12,7 +13,6 @@ from bearingwear.kernels.cage_law import (
     contact_law,
     power_slopes,
 )
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.profile import contact_load, elastic_energy
 from bearingwear.kernels.state import BALL, CENTRE, OMEGA, VELOCITY, W_X, W_Y, W_Z
 from bearingwear.kernels.vectors import cross, dot, minus, plus, store, times, triple, unit

@@ -7,7 +7,7 @@ major axis, -1 < t = x/a < 1, the pressure is Hertz' semi-ellipse (theory.md sec
 import math
 from typing import NamedTuple
 
-from bearingwear.kernels.compile import inlined
+from bearingwear.kernels.build.decorators import inlined
 
 PEAK = 0.75  # load per length of t in the middle of the contact, as a share of the load [1]
 STORED = 0.4  # elastic energy over Q d: the integral of K d^1.5 is 2/5 K d^2.5 [1]

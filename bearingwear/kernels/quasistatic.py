@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.equilibrium import spring
 from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.linear import solve_in_place

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.equilibrium import ball_equilibrium, cold_start, groove_distance
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.params import BallLoad, BallState, Geometry, Hertz

@@ -5,6 +5,7 @@ import math
 from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.ball_friction import BallForces, race_friction
 from bearingwear.kernels.bearing_model import load_at
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import cage_rates
 from bearingwear.kernels.cage_contacts import cage_contacts, set_race_velocity
 from bearingwear.kernels.cage_law import (
@@ -16,7 +17,6 @@ from bearingwear.kernels.cage_law import (
     POCKET_HEAT,
     POCKET_TORQUE,
 )
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import (
     correct_places,
     equilibrium,

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import drag_force
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import axial_momentum, imbalance_vector
 from bearingwear.kernels.cage_law import INNER_TORQUE
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.linear import copy
 from bearingwear.kernels.params import BallState, Hertz
 from bearingwear.kernels.quasistatic import (

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.friction import friction_coefficients
 from bearingwear.kernels.level_solver import pseudo_transient

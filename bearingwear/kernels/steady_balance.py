@@ -14,7 +14,7 @@ import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.ball_response import joined_equilibrium, load_rates
-from bearingwear.kernels.compile import inlined, jit
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact import LARGEST_AXIS, race_contacts, slip_coefficients
 from bearingwear.kernels.contact_changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.level_solver import (
     NEAR_ROUNDING,

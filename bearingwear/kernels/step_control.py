@@ -8,6 +8,7 @@ error of slip velocities against the mean slip itself, and the error of QV.
 import math
 from typing import NamedTuple
 
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.cage import angular_velocity, turn
 from bearingwear.kernels.closures import (
     first_closure,
@@ -15,7 +16,6 @@ from bearingwear.kernels.closures import (
     interferences,
     predicted_closure,
 )
-from bearingwear.kernels.compile import inlined, jit
 from bearingwear.kernels.dynamic_equilibrium import (
     correct_places,
     restore_places,

@@ -2,7 +2,7 @@
 
 import math
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.equilibrium import Spring, loaded_spring, series_stiffness
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.profile import contact_approach

@@ -2,7 +2,7 @@
 
 import math
 
-from bearingwear.kernels.compile import ESTIMATE_ROOTS, jit
+from bearingwear.kernels.build.decorators import ESTIMATE_ROOTS, jit
 from bearingwear.kernels.contact import point_slip
 from bearingwear.kernels.friction import quick_force_per_slip, quick_force_slope
 from bearingwear.kernels.profile import height, profile

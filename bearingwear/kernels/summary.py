@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import (
     dissipation,
     loaded_contact,

@@ -7,7 +7,7 @@ in it as they do in the motion, so that a few steps are enough for the slow ones
 
 from bearingwear.kernels.block_solve import solve_factorised
 from bearingwear.kernels.block_system import factorise
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 
 
 @jit

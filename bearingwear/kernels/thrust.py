@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.kinematics import rolling_orbit
 from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, NOT_CONVERGED, OK, UNVERIFIED

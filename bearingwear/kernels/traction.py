@@ -7,7 +7,7 @@ ellipse_friction.py.
 
 import math
 
-from bearingwear.kernels.compile import REORDER_SUMS, inlined, jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact import point_slip
 from bearingwear.kernels.friction import force_per_slip, force_slope
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import race_contacts, slip_coefficients
 from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.hertz import race_contact
 from bearingwear.kernels.params import Hertz
 from bearingwear.kernels.profile import contact_load, semi_axis

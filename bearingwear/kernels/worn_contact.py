@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.hertz import elliptic_integrals
 from bearingwear.kernels.status import BEYOND_GROOVE, NOT_CONVERGED, OK
 from bearingwear.kernels.worn_cells import (

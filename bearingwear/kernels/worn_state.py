@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.compile import jit
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import LARGEST_AXIS
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.hertz import INNER, OUTER

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.compile import REORDER_SUMS, jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.hertz import elliptic_integrals
 
 

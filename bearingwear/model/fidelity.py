@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass, replace
 
+from bearingwear.kernels.build.folder import compile_time, is_compiled
 from bearingwear.model.creep import micro_slip_told
 from bearingwear.model.errors import NotAvailable as NotAvailable
 from bearingwear.model.films_told import films_refused, films_told
 from bearingwear.model.growth_told import growth_told
 from bearingwear.model.solution import check_solution, is_found_periodic, solution_told
-from bearingwear.provenance import is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
@@ -26,7 +26,6 @@ LARGEST_KERNEL = {
     "steady": "thrust_case",
     "dynamic": "advance_and_record",
 }
-COMPILING = "up to a minute to compile the solver, once on this machine; then "
 
 
 @dataclass(frozen=True)
@@ -259,7 +258,8 @@ def accuracy_told(scene: Scene, chosen: Choice) -> str:
 
 def effort(scene: Scene, chosen: Choice) -> str:
     """A rough estimate of what a solve costs, in words."""
-    before = "" if is_compiled(LARGEST_KERNEL[chosen.fidelity]) else COMPILING
+    compiled = is_compiled(LARGEST_KERNEL[chosen.fidelity])
+    before = "" if compiled else f"up to {compile_time()} to compile the solver, once; then "
     if chosen.fidelity != "dynamic":
         return f"effort: {before}milliseconds"
     if is_found_periodic(chosen.reduced(scene)):

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 import json
-import sys
 from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from bearingwear import __version__
+from bearingwear.kernels.build.versions import numba_version
 from bearingwear.provenance import source_hash
 from bearingwear.results.pair_variables import BEARINGS, OF_BEARING, is_pair, of_pair
 from bearingwear.results.variable import Variable
@@ -64,17 +63,8 @@ def common_attributes() -> dict[str, Any]:
         "package_version": __version__,
         "source_hash": source_hash(),
         "numpy_version": np.__version__,
-        "numba_version": _numba_version(),
+        "numba_version": numba_version(),
     }
-
-
-@functools.cache
-def _numba_version() -> str:
-    if "numba" in sys.modules:  # quicker than asking the installed packages
-        return sys.modules["numba"].__version__
-    import importlib.metadata as metadata
-
-    return metadata.version("numba")
 
 
 def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:

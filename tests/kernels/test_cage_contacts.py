@@ -8,8 +8,8 @@ import pytest
 from kernels.cage_states import TOUCHING, contacts, force_on_ball, touching_system
 from numpy.testing import assert_allclose
 
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage_law import CageContact, power_slopes
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.dynamic_equilibrium import linearise_cage_forces
 from bearingwear.kernels.quasistatic import K_11
 from bearingwear.kernels.state import CENTRE, VELOCITY

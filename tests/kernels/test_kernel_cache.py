@@ -10,6 +10,7 @@ import pytest
 
 import bearingwear
 from bearingwear import provenance
+from bearingwear.kernels.build.folder import code_folder
 
 PACKAGE = Path(bearingwear.__file__).parent
 PROGRAM = """
@@ -63,8 +64,8 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
         provenance._file_hash.cache_clear()
-        provenance.kernel_cache_folder.cache_clear()
-        return provenance.kernel_cache_folder()
+        code_folder.cache_clear()
+        return code_folder()
 
     try:
         first = folder("kernels/a.py", "x = 1\n")
@@ -73,7 +74,7 @@ def test_the_folder_of_compiled_code_is_named_by_the_kernels_alone(tmp_path, mon
         assert folder("kernels/a.py", "x = 1\n") == first
     finally:
         provenance._file_hash.cache_clear()
-        provenance.kernel_cache_folder.cache_clear()
+        code_folder.cache_clear()
 
 
 @pytest.fixture(scope="module")

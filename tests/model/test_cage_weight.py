@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage import imbalance_vector
 from bearingwear.kernels.cage_law import LAND_DAMPING, LAND_HEAT
-from bearingwear.kernels.compile import jit
 from bearingwear.kernels.pocket import pocket_force
 from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK

@@ -10,9 +10,9 @@ import sys
 
 import pytest
 
-from bearingwear import provenance
 from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
+from bearingwear.kernels.build import folder
 from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import load
 from bearingwear.scene.new import scene_text
@@ -262,7 +262,7 @@ def test_warnings_of_the_solve_are_told(tmp_path, capsys, monkeypatch):
 
 
 def test_nothing_is_compiled_for_it(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(provenance, "kernel_cache_folder", lambda: str(tmp_path / "empty"))
+    monkeypatch.setattr(folder, "code_folder", lambda: str(tmp_path / "empty"))
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "not solved: the first solve compiles" in told(capsys)
 

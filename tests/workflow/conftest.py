@@ -20,7 +20,7 @@ import pytest
 import yaml
 from support import ROOT
 
-from bearingwear.provenance import kernel_cache_folder
+from bearingwear.kernels.build.folder import code_folder
 
 CONFIG = {
     "studies": [
@@ -72,7 +72,7 @@ class Project:
     @property
     def environment(self) -> dict[str, str]:
         kept = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-        return kept | {"NUMBA_CACHE_DIR": str(Path(kernel_cache_folder()).parent)}
+        return kept | {"NUMBA_CACHE_DIR": str(Path(code_folder()).parent)}
 
     def command(self, *arguments: str, jobs: int = 2) -> list[str]:
         return [sys.executable, "-m", "snakemake", f"-j{jobs}", "--nocolor", *arguments]

@@ -1,4 +1,4 @@
-"""The decorators of all kernels, and what happens when one has to be compiled."""
+"""A kernel, and what happens when it has to be compiled."""
 
 import atexit
 import contextlib
@@ -11,28 +11,21 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 
-import numba
 from numba import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 from numba.core.sigutils import normalize_signature
-from numba.extending import overload
 
-from bearingwear.kernels.code import Callee, entry
-from bearingwear.provenance import contents_hash, kernel_cache_folder, kernels_hash
-
-# Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
-# signed zero keep their meaning, so that a broken number is still seen.
-REORDER_SUMS = {"reassoc", "contract", "nsz"}
-# And a root may begin with the processor's estimate of it, see friction.inverse_root.
-ESTIMATE_ROOTS = REORDER_SUMS | {"afn", "arcp"}
+from bearingwear.kernels.build.code import Callee, entry
+from bearingwear.kernels.build.folder import code_folder, tell, tell_of_compiling
+from bearingwear.provenance import contents_hash, kernels_hash
 
 _INTERRUPTED = 130  # exit status of a process ended by Ctrl-C
 _STACK = 2**26  # bytes, enough for LLVM on any system
 
-_FOLDER = kernel_cache_folder()  # of the sources as they are imported
+_FOLDER = code_folder()  # of the sources as they are imported
 
 
 @functools.cache
@@ -117,12 +110,6 @@ class _Cache(FunctionCache):
             yield
 
 
-@functools.cache
-def tell(line: str) -> None:
-    """Print a line to standard error, once."""
-    print(line, file=sys.stderr, flush=True)
-
-
 def interruptible(work: Callable):
     """What `work()` returns; Ctrl-C is answered at once, though LLVM goes on for seconds.
 
@@ -168,7 +155,7 @@ class Kernel(CPUDispatcher):
     """A compiled function. Python and other kernels may call it."""
 
     def __init__(self, function, options):
-        super().__init__(function, targetoptions=options)
+        super().__init__(function, targetoptions={"nopython": True} | options)
 
     @functools.cached_property
     def disk(self) -> _Cache:
@@ -210,34 +197,10 @@ class Kernel(CPUDispatcher):
         with self.disk.locked():
             found = self._known(args)  # by another process, meanwhile
             if found is None:
-                tell("compiling the solver, once on this machine; it may take a minute ...")
+                tell_of_compiling()
                 with global_compiler_lock:
                     _start_without_scipy()
                     found = entry(self.callee, args)
                     self.add_overload(found)
                     self.disk.save_overload(args, found)
         return found
-
-
-def jit(function=None, **options):
-    """`numba.njit` with a disk cache that a changed source invalidates.
-
-    `error_model="numpy"` because the check for division by zero would stop vectorisation. With
-    `forceinline=True` a function is always compiled into its callers; the functions that it calls
-    in its turn do not inherit that.
-    """
-    if function is None:
-        return lambda f: jit(f, **options)
-    if numba.config.DISABLE_JIT:
-        return function
-    return Kernel(function, {"nopython": True, "error_model": "numpy"} | options)
-
-
-def inlined(function):
-    """Write a formula into every kernel that calls it, as if it stood there.
-
-    It is then compiled under the caller's options, `fastmath` above all, and a loop that calls it
-    vectorises. From Python it stays an ordinary function.
-    """
-    overload(function, inline="always", strict=False)(lambda *args: function)
-    return function

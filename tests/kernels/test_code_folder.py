@@ -1,0 +1,149 @@
+"""Compiled code is loaded from a folder that nobody but its user can write to."""
+
+import os
+import pickle
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bearingwear.kernels.build import folder as place
+from bearingwear.kernels.build.folder import code_folder, is_private
+from bearingwear.kernels.build.versions import SWITCH
+
+ELSE = 54321  # a user's number that is nobody's here
+as_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
+
+PROGRAM = """
+from bearingwear.kernels.kinematics import rolling_orbit
+print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
+"""
+
+
+@pytest.fixture
+def chosen(tmp_path, monkeypatch):
+    """The folder chosen where `NUMBA_CACHE_DIR` is `tmp_path/given`, and what is said of it."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "given"))
+    monkeypatch.setattr(place.tempfile, "tempdir", str(tmp_path / "tmp"))
+    (tmp_path / "tmp").mkdir()
+    (tmp_path / "tmp").chmod(0o1777)
+    said: list[str] = []
+    monkeypatch.setattr(place, "tell", said.append)
+    return lambda: (Path(code_folder.__wrapped__()), said)
+
+
+def mode_of(folder):
+    return stat.S_IMODE(folder.stat().st_mode)
+
+
+def test_a_new_folder_is_the_users_alone(chosen, tmp_path):
+    before = os.umask(0)
+    try:
+        folder, said = chosen()
+    finally:
+        os.umask(before)
+    assert folder.parent == tmp_path / "given" and not said
+    assert mode_of(folder) == mode_of(folder.parent) == 0o700 and is_private(folder)
+
+
+def linked(folder):
+    folder.rename(folder.with_name("mine"))
+    folder.symlink_to(folder.with_name("mine"))
+
+
+UNSAFE = {
+    "group writes": lambda folder: folder.chmod(0o770),
+    "others write": lambda folder: folder.chmod(0o707),
+    "sticky": lambda folder: folder.chmod(0o1777),
+    "link": linked,
+    "others write above": lambda folder: folder.parent.chmod(0o777),
+    "file": lambda folder: (folder.rmdir(), folder.write_text("")),
+}
+GIVEN_AWAY = {
+    "of another user": lambda folder: os.chown(folder, ELSE, ELSE),
+    "of another user above": lambda folder: os.chown(folder.parent, ELSE, ELSE),
+    "of another user above, sticky": lambda folder: (
+        os.chown(folder.parent, ELSE, ELSE), folder.parent.chmod(0o1777)
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        *(pytest.param(spoil, id=name) for name, spoil in UNSAFE.items()),
+        *(pytest.param(spoil, id=name, marks=as_root) for name, spoil in GIVEN_AWAY.items()),
+    ],
+)
+def test_an_unsafe_folder_is_left_for_another_one(chosen, tmp_path, spoil):
+    folder, _ = chosen()
+    spoil(folder)
+    assert not is_private(folder)
+    other, said = chosen()
+    assert other.parent == tmp_path / "tmp" and is_private(other)
+    assert len(said) == 1 and said[0].startswith(f"NUMBA_CACHE_DIR: {tmp_path / 'given'} ")
+    assert said[0].endswith(f"compiled code is in {other}")
+    assert chosen()[0] == other  # kept from one process to the next
+
+
+def test_others_may_make_folders_beside_it_in_a_sticky_one(chosen):
+    folder, _ = chosen()
+    folder.parent.chmod(0o1777)
+    assert chosen()[0] == folder
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        pytest.param(linked, id="link"),
+        pytest.param(UNSAFE["others write"], id="others write"),
+        pytest.param(GIVEN_AWAY["of another user"], id="of another user", marks=as_root),
+    ],
+)
+def test_a_name_taken_in_the_folder_for_temporary_files(chosen, tmp_path, spoil):
+    """Anybody can make it there beforehand."""
+    (tmp_path / "given").write_text("no folder")
+    folder, _ = chosen()
+    assert folder.name.startswith(f"bearingwear-{os.geteuid()}-numba-")
+    assert folder.parent == tmp_path / "tmp"
+    spoil(folder)
+    other, _ = chosen()
+    assert other not in (folder, folder.resolve()) and is_private(other)
+    assert mode_of(other) == 0o700
+
+
+@pytest.mark.parametrize("plain", ["", "1"])
+def test_planted_code_is_not_run(tmp_path, plain):
+    """An index of numba's cache is a pickle, which runs whatever it says."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "jit"), SWITCH: plain}
+
+    def run():
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True
+        )
+        return done.stdout
+
+    class Planted:
+        def __reduce__(self):
+            return os.mkdir, (str(tmp_path / "planted"),)
+
+    numbers = run()
+    assert numbers
+    (folder,) = (tmp_path / "jit").iterdir()
+    indices = list(folder.rglob("*rolling_orbit*.nbi"))
+    assert indices
+
+    def plant():
+        for index in indices:
+            index.write_bytes(pickle.dumps(Planted()))
+
+    plant()
+    folder.chmod(0o777)
+    assert run() == numbers
+    assert not (tmp_path / "planted").exists()
+    folder.chmod(0o700)
+    plant()
+    run()
+    assert (tmp_path / "planted").exists()  # it would have run

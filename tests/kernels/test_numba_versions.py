@@ -1,0 +1,87 @@
+"""A version of numba whose internals are unknown solves as well, with the same numbers."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+from support import ROOT, scene_file
+
+from bearingwear.kernels.build.versions import SWITCH, TESTED, is_tested
+
+SOLVE = """
+import json, sys
+import numpy as np
+from bearingwear.model.solve import solve
+from bearingwear.scene.read import load_scene
+fidelity, file, *settings = sys.argv[1:]
+result = solve(load_scene(file, settings), fidelity)
+assert result.status == "ok", result.reason
+values = {name: np.asarray(value) for name, value in result.values.items()}
+numbers = {name: v.tolist() for name, v in values.items() if v.dtype.kind in "fi"}
+print(json.dumps(["bearingwear.kernels.build.code" in sys.modules, numbers]))
+"""
+OTHER_VERSION = """
+import numba, sys
+numba.__version__ = sys.argv[1]
+from bearingwear.kernels.linear import copy
+print(type(copy).__module__, type(copy).__name__)
+"""
+
+
+def run(program, *arguments, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", program, *map(str, arguments)],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize(
+    "fidelity",
+    ["race_control", *(pytest.param(f, marks=pytest.mark.long) for f in ("steady", "dynamic"))],
+)
+def test_the_same_numbers_by_the_public_interface_alone(fidelity):
+    arguments = (SOLVE, fidelity, scene_file("gyro_s1"), "model.simulated_turns=0.1")
+    builds_on_internals, numbers = json.loads(run(*arguments, **{SWITCH: ""}))
+    assert builds_on_internals
+    builds_on_internals, others = json.loads(run(*arguments, **{SWITCH: "1"}))
+    assert not builds_on_internals
+    assert numbers.keys() == others.keys() and len(numbers) > 30
+    for name, number in numbers.items():
+        one, other = np.array(number, float), np.array(others[name], float)
+        # an error estimate compares answers of a looser tolerance, and is itself over the answer
+        is_estimate = name.endswith("_error_estimate")
+        allowed = 1e-10 if is_estimate else 1e-12 * np.nanmax(np.abs(one), initial=0.0)
+        np.testing.assert_allclose(other, one, rtol=0, atol=allowed, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "version", ["0.62.1", "0.69.0", "0.69.0rc1", "1.0.0", "0.100.0dev0+12.gab"]
+)
+def test_another_version_is_used_by_its_public_interface(version):
+    assert not is_tested(version)
+    assert run(OTHER_VERSION, version).startswith("numba.")
+
+
+@pytest.mark.parametrize("version", ["0.67.0", "0.68.1", "0.68.0rc1"])
+def test_a_tested_version(version):
+    assert is_tested(version)
+    assert run(OTHER_VERSION, version, **{SWITCH: "0"}) == "bearingwear.kernels.build.kernel Kernel"
+
+
+def test_what_is_installed():
+    """pyproject.toml allows older versions than those tested; constraints.txt pins one of those."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    (allowed,) = (line for line in project["dependencies"] if line.startswith("numba"))
+    name, oldest = allowed.split(">=")
+    assert name == "numba" and tuple(map(int, oldest.split("."))) < TESTED[0]
+    pinned = (ROOT / "constraints.txt").read_text(encoding="utf-8").split("\nnumba==")[1].split()[0]
+    assert is_tested(pinned)
+    assert tuple(map(int, pinned.split(".")[:2])) == TESTED[1]
