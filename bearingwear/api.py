@@ -17,7 +17,8 @@ from bearingwear.results.netcdf import dataset
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
-from bearingwear.scene.assumed import PRELOAD_CLASSES
+from bearingwear.scene.assumed import CLASSES
+from bearingwear.scene.catalogue import MAKERS
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
@@ -38,7 +39,8 @@ if TYPE_CHECKING:
 
 CHOICES: Mapping[str, Collection[str]] = {
     "ball_material": BALL_MATERIALS,
-    "preload_class": PRELOAD_CLASSES,
+    "preload_class": CLASSES,
+    "maker": tuple(MAKERS),
     "clearance": CLEARANCES,
 }
 """Names that `new` takes."""
@@ -215,7 +217,7 @@ def new(
     name : str
         Of the scene.
     **known : float or str
-        What else is known, by the names of the command's options: `designation`, `balls`,
+        What else is known, by the names of the command's options: `designation`, `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
         `ball_material`, `preload_method`.
@@ -223,7 +225,7 @@ def new(
     Returns
     -------
     Scene
-        Its `description` says what was assumed.
+        Its `description` says what was assumed, or is of a catalogue.
 
     Raises
     ------
@@ -255,7 +257,8 @@ def new(
         source = _argument(error.source)
         raise SceneError(error.key, error.problem, error.involved, source) from None
     made = scene_from_dict(data_of(written, name), name)
-    return replace(made, description=f"{made.description} Assumed: {'; '.join(assumed)}.")
+    more = f"Not given: {'; '.join(assumed)}."
+    return replace(made, description=f"{made.description} {more}")
 
 
 def _argument(option: str) -> str:

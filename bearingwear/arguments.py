@@ -12,7 +12,8 @@ from typing import Any, NoReturn
 
 from bearingwear import __version__
 from bearingwear.console import one_line
-from bearingwear.scene.assumed import PRELOAD_CLASSES
+from bearingwear.scene.assumed import CLASSES
+from bearingwear.scene.catalogue import MAKERS
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
@@ -118,15 +119,23 @@ def _add_step(step: argparse.ArgumentParser) -> None:
 
 def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument(
-        "file",
-        metavar="MYBEARING.yaml",
-        help="the scene to write; an existing file is never replaced",
+        "names",
+        nargs="*",
+        metavar="[MYBEARING.yaml] DESIGNATION",
+        help="the scene to write, else named by the designation; an existing file is never "
+        "replaced. 70xx, 72xx, 73xx, 719xx with C, AC, A5, E, A or B; 60xx, 62xx, 63xx, 6xx: "
+        "7008C, 608; with --maker one of its catalogue",
     )
     new.add_argument(
-        "designation",
-        nargs="?",
-        metavar="DESIGNATION",
-        help="70xx, 72xx, 719xx with C, AC, E, A or B; 60xx, 62xx, 6xx: 7008C, 608",
+        "--maker",
+        choices=tuple(MAKERS),
+        help="take balls, grooves, preload classes and limits of speed of this maker's bearing",
+    )
+    new.add_argument(
+        "--list",
+        nargs="+",
+        metavar=("MAKER", "SERIES"),
+        help="print a maker's bearings that are known, those that begin with SERIES, and stop",
     )
     new.add_argument(
         "--bore", type=float, metavar="MM", help="bore diameter, without a designation"
@@ -140,8 +149,9 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument(
         "--preload-class",
-        choices=tuple(PRELOAD_CLASSES),
-        help="in place of --preload; light is assumed",
+        choices=CLASSES,
+        help="in place of --preload; light is assumed. With --maker one of its own: EL, L, M, H of "
+        "NSK, L, M, F of SNFA; L is assumed",
     )
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument(

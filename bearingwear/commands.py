@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import re
 import shlex
 import sys
 from collections.abc import Mapping
@@ -40,22 +41,52 @@ NEXT = (
 def new(args: argparse.Namespace) -> int:
     from bearingwear.scene.new import write_scene
 
+    if args.list is not None:
+        return _list(args.list)
+    path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     known = {key: value for key, value in values.items() if value is not None}
-    names = "designation bore outside clearance ball_material preload_method preload_class"
+    names = "bore outside clearance ball_material preload_method preload_class maker"
     others = {name: getattr(args, name) for name in names.split()}
-    assumed = write_scene(args.file, given=known, **others)
-    print(f"{args.file}: written; assumed, and marked so in it:")
-    for line in assumed:
+    lines = write_scene(path, given=known, designation=designation, **others)
+    print(f"{path}: written; assumed or of a catalogue, and marked so in it:")
+    for line in lines:
         print(f"  {line}")
-    for line in _tried(args.file):
+    for line in _tried(path):
         print(line)
     print("next:")
-    stem = str(Path(args.file).with_suffix(""))
+    stem = str(Path(path).with_suffix(""))
     for name, output in NEXT:
-        words = ["bearingwear", name, args.file, *(["-o", f"{stem}{output}"] if output else [])]
+        words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
         print(f"  {shlex.join(words)}")
     return OK
+
+
+def _list(words: list[str]) -> int:
+    """The bearings of a maker."""
+    from bearingwear.scene.catalogue import MAKERS, listed
+    from bearingwear.scene.errors import SceneError, shown
+
+    maker = words[0].upper()
+    if maker not in MAKERS:
+        problem = f"got {shown(words[0])}, expected {' or '.join(MAKERS)}"
+        raise SceneError("", problem, source="--list")
+    _print("\n".join(listed(maker, " ".join(words[1:]))))
+    return OK
+
+
+def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
+    """The scene's file and the designation, of words that are typed; SEA 60 is two."""
+    if not names:
+        from bearingwear.scene.errors import SceneError
+
+        problem = "got nothing, expected MYBEARING.yaml, a designation as 7008C, or both"
+        raise SceneError("", problem, source="new")
+    file, *words = names
+    if "." in file or "/" in file:
+        return file, " ".join(words) or None
+    designation = " ".join(names)
+    return re.sub(r"[^A-Za-z0-9_-]", "", designation) + ".yaml", designation
 
 
 def check(args: argparse.Namespace) -> int:
@@ -235,11 +266,21 @@ def _tried(path: str) -> list[str]:
     from bearingwear.model.solve import solve as solved
     from bearingwear.scene.read import load_scene
 
-    result = solved(load_scene(path))
+    scene = load_scene(path)
+    result = solved(scene)
     if result.status != "ok":
         return [f"does not solve: {result.status}: {result.reason}"]
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
+    if scene.bearing.maker is not None:
+        from bearingwear.model.at_rest import RestingPair
+
+        pair = RestingPair.of(scene)
+        axial, radial = (1e-6 * one for one in pair.rigidity)
+        told.append(
+            f"a rigid pair of these at rest: {axial:.3g} N/um axial, {radial:.3g} radial; an axial "
+            f"force of {pair.lift_off:.3g} N unloads one"
+        )
     return told + [f"  {line}" for line in warning_lines(result.attrs)]
 
 

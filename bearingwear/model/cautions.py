@@ -7,7 +7,7 @@ source or is called assumed. No warning is an error. A result has its warnings i
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from bearingwear.model.fidelity import unwatched
 from bearingwear.model.films_told import film_worn
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
 from bearingwear.model.stability import unstable_told
+from bearingwear.scene.catalogue import MAKERS, entry_of_bearing
 
 STEEL_YIELD = 4.2
 """Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
@@ -133,6 +134,26 @@ def _speed(e: Evidence) -> Finding:
     relative = abs(o.shaft_speed_rpm - o.outer_speed_rpm)
     value = 1e-6 * relative * e.scene.bearing.pitch_diameter_mm
     return value / FASTEST, {"value": value, "limit": FASTEST}
+
+
+def _makers_speed(e: Evidence) -> Finding | None:
+    """Of one under a light spring, or of a rigid pair by its preload; a starved bearing has no
+    oil that cools it, so the limit with grease counts."""
+    entry = entry_of_bearing(asdict(e.scene.bearing))
+    if entry is None:
+        return None
+    o = e.scene.operation
+    factor, name = entry.speed_factor(o.preload_method, o.preload_N)
+    limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
+    kind = f"a rigid pair of class {name}" if name else "one under a light spring"
+    return value / limit, {
+        "value": value,
+        "limit": limit,
+        "oil": factor * entry.speed_oil,
+        "bearing": f"{entry.maker} {entry.designation}",
+        "kind": kind,
+        "source": MAKERS[entry.maker].source,
+    }
 
 
 def _hoop(e: Evidence) -> Finding | None:
@@ -264,6 +285,13 @@ CAUTIONS = (
         "that steel bearings reached on rigs",
         "check the speed and its unit, r/min",
         impractical=True,
+    ),
+    Caution(
+        "speed_beyond_makers",
+        _makers_speed,
+        "{value:.6g} r/min is above the limit for {kind} of {bearing}: {limit:.0f} with grease, "
+        "{oil:.0f} with oil ({source})",
+        "take less speed or preload, or ask the maker",
     ),
     Caution(
         "hoop_stress",

@@ -11,6 +11,7 @@ import numpy as np
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.units import Display, display
 from bearingwear.results.variables import CASE, LIFE
+from bearingwear.scene.catalogue import identity_line
 from bearingwear.scene.scene import COUNTS
 
 VARIABLES = CASE | LIFE
@@ -86,8 +87,8 @@ def _pair_words(a: Mapping[str, Any]) -> list[str]:
     return words
 
 
-def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
-    """Two lines on the bearing and its operating point."""
+def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """Lines on the bearing, its operating point, and whose catalogue it is of."""
     bearing, operation = scene["bearing"], scene["operation"]
     loss = scene["wear"]["ball_diameter_loss_um"]
     worn = f"{loss:g}" if isinstance(loss, float) else "unequal"
@@ -114,6 +115,7 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, str]:
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
         ", ".join(parts),
+        *filter(None, [identity_line(bearing)]),
     )
 
 

@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from bearingwear.scene.catalogue import MAKERS, MAKERS_CLASSES, SOURCES, Entry, entry_of
 from bearingwear.scene.designations import Designation, clearance_range, designation_of
 from bearingwear.scene.errors import SceneError
 
@@ -26,37 +27,68 @@ Medium and heavy lie within 30 % of classes M and H of a catalogue (tests/scene/
 CONRAD_FILL_DEG = 186.0
 """Arc that the balls of a deep groove bearing fill when they are put between its rings."""
 
+CLASSES = (*PRELOAD_CLASSES, *MAKERS_CLASSES)
+
 LARGEST_ANGLE_DEG = 80.0
 
 
 @dataclass(frozen=True)
 class Origin:
-    """A number, and the rule it was made by; no rule where it was given."""
+    """A number, and the rule it was made by; no rule where it was given.
+
+    What a catalogue says is not `assumed`, whether printed there or identified.
+    """
 
     value: float
     rule: str = ""
+    assumed: bool = True
 
     @property
     def note(self) -> str:
         """The comment beside it."""
-        return f"# assumed: {self.rule}" if self.rule else "# given"
+        if not self.rule:
+            return "# given"
+        return f"# assumed: {self.rule}" if self.assumed else f"# {self.rule}"
 
 
-def size_of(designation: str | None, bore: float | None, outside: float | None) -> Designation:
+def size_of(
+    designation: str | None,
+    bore: float | None,
+    outside: float | None,
+    maker: str | None = None,
+    angle: float | None = None,
+) -> Designation:
     """The size of a bearing, of which either the designation or the diameters [mm] are given.
+
+    Parameters
+    ----------
+    designation : str, optional
+    bore, outside : float, optional
+    maker : str, optional
+        One of `MAKERS`, in whose catalogue the designation is looked up.
+    angle : float, optional
+        Contact angle [degree], which tells apart bearings of one designation there.
 
     Raises
     ------
     SceneError
         Both or neither are given, or the diameters leave no room.
     """
+    if maker is not None and designation is None:
+        raise refused_option("--maker", maker, "only allowed with a designation, as 7010C")
     if designation is not None:
         for option, given in (("--bore", bore), ("--outside", outside)):
             if given is not None:
                 raise refused_option(
                     option, given, f"only allowed without a designation, here {designation}"
                 )
-        return designation_of(designation)
+        if maker is None:
+            return designation_of(designation)
+        entry, ignored = entry_of(maker, designation, angle)
+        size = entry.bore, entry.outside, entry.width
+        return Designation(
+            *size, entry.designation, angle=entry.angle, ignored=ignored, entry=entry
+        )
     for option, given in (("--bore", bore), ("--outside", outside)):
         if given is None:
             problem = "got nothing, expected a designation as 7008C, or --bore and --outside"
@@ -74,8 +106,9 @@ def numbers_of(
     given: Mapping[str, float],
     clearance: str | float | None = None,
     preload_class: str | None = None,
+    preload_method: str = "constant_force",
 ) -> dict[str, Origin]:
-    """Every number of `OPTIONS`, given or made by its rule.
+    """Every number of `OPTIONS`, given, of a catalogue, or made by its rule.
 
     Parameters
     ----------
@@ -86,7 +119,8 @@ def numbers_of(
     clearance : str or float, optional
         Group of radial clearance, or the clearance itself [um], of a deep groove bearing.
     preload_class : str, optional
-        One of `PRELOAD_CLASSES`.
+        One of `PRELOAD_CLASSES`, or of the maker.
+    preload_method : str
 
     Raises
     ------
@@ -101,32 +135,75 @@ def numbers_of(
         raise refused_option("--preload-class", preload_class, "only allowed without --preload")
     found: dict[str, Origin] = {}
 
-    def decide(key: str, value: float, rule: str) -> float:
-        found[key] = Origin(given[key]) if key in given else Origin(value, rule)
+    def decide(key: str, value: float, rule: str, assumed: bool = True) -> float:
+        found[key] = Origin(given[key]) if key in given else Origin(value, rule, assumed)
         return found[key].value
 
-    bore, outside = size.bore, size.outside
+    bore, outside, entry = size.bore, size.outside, size.entry
     section = 0.5 * (outside - bore)
-    ball, pitch = rounded_to(0.6 * section), 0.5 * (bore + outside)
-    D = decide("bearing.ball_diameter_mm", ball, "0.3 of (outside diameter - bore)")
+    if entry is not None:
+        ball_rule = rounded_to(entry.ball, 6), SOURCES[entry.source], False
+    else:
+        ball_rule = rounded_to(0.6 * section), "0.3 of (outside diameter - bore)", True
+    D = decide("bearing.ball_diameter_mm", *ball_rule)
     if not 0.0 < D < section:
         allowed = f"a number > 0 and < {section:g}, half of the section"
         raise refused_option("--ball-diameter", D, allowed)
+    pitch = 0.5 * (bore + outside)
     dm = decide("bearing.pitch_diameter_mm", pitch, "mean of bore and outside diameter")
     if not bore + D < dm < outside - D:
         allowed = f"a number > {bore + D:g} and < {outside - D:g}"
         raise refused_option("--pitch-diameter", dm, allowed)
-    Z = decide("bearing.ball_count", *_usual_balls(D, dm, deep_groove))
-    angle = decide(angle_key, *_free_angle(size, D, clearance, deep_groove))
-    speed = rounded_to(SPEED_FACTOR / dm)
-    decide("operation.shaft_speed_rpm", speed, "a million mm r/min over the pitch diameter")
-    preload_class = preload_class or "light"
-    density = PRELOAD_CLASSES[preload_class]
-    preload = rounded_to(density * Z * D**2 * math.sin(math.radians(angle)))
-    rule = f"{preload_class}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
-    decide(preload_key, preload, rule)
+    if entry is not None:
+        Z = decide("bearing.ball_count", entry.balls, SOURCES[entry.source], False)
+        angle = decide(angle_key, entry.angle, SOURCES["printed"], False)
+    else:
+        Z = decide("bearing.ball_count", *_usual_balls(D, dm, deep_groove))
+        angle = decide(angle_key, *_free_angle(size, D, clearance, deep_groove))
+    if preload_class is not None or preload_key not in given:
+        preload = _preload(entry, preload_class, Z * D**2 * math.sin(math.radians(angle)))
+    else:
+        preload = Origin(given[preload_key])
+    found[preload_key] = preload
+    decide("operation.shaft_speed_rpm", *_usual_speed(entry, dm, preload_method, preload.value))
     decide("friction.ball_race", 0.08, "starved or solid-lubricated steel")
     return found
+
+
+def _preload(entry: Entry | None, preload_class: str | None, size: float) -> Origin:
+    """Preload [N] of a class; `size` is balls x diameter^2 x sin(contact angle) [mm2]."""
+    if entry is not None and entry.preloads:
+        name = preload_class or "L"
+        if name not in entry.preloads:
+            classes = ", ".join(entry.preloads)
+            raise refused_option("--preload-class", name, f"{classes}, {entry.maker}'s")
+        return Origin(entry.preloads[name], f"class {name} of {entry.maker}", False)
+    name = preload_class or "light"
+    if name not in PRELOAD_CLASSES:
+        why = f", none printed for {entry.designation}" if entry else "; others with their --maker"
+        raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)
+    density = PRELOAD_CLASSES[name]
+    rule = f"{name}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
+    return Origin(rounded_to(density * size), rule)
+
+
+def _usual_speed(entry: Entry | None, dm: float, method: str, preload: float) -> tuple[float, str]:
+    """Speed [r/min] that is assumed, and the rule."""
+    if entry is None:
+        return rounded_to(SPEED_FACTOR / dm), "a million mm r/min over the pitch diameter"
+    factor, name = entry.speed_factor(method, preload)
+    rule = f"{entry.maker}'s limit with grease"
+    if name:
+        rule += f", {factor:g} of it for a rigid pair of class {name}"
+    return rounded_to(factor * entry.speed_grease, 3), rule
+
+
+def grooves_of(entry: Entry | None) -> tuple[tuple[float, float], str]:
+    """Inner and outer groove factor, and where they come from."""
+    known = entry and MAKERS[entry.maker].grooves
+    if known:
+        return known, "inferred from printed rigidities"
+    return GROOVES, "assumed: the largest that ISO 281 rates"
 
 
 def _is_deep_groove(size: Designation, angle: float | None, clearance: str | float | None) -> bool:

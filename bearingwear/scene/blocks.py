@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import Annotated
 
+from bearingwear.scene.catalogue import MAKERS
 from bearingwear.scene.friction import Film, RunningIn
 from bearingwear.scene.records import NAME, Key
 
@@ -31,6 +32,14 @@ _RING = "(0, 20000]"
 class Bearing:
     """Nominal, unworn geometry."""
 
+    maker: Annotated[
+        str | None,
+        Key("Whose catalogue the designation is of, for its limit of speed", choices=tuple(MAKERS)),
+    ] = None
+    designation: Annotated[
+        str | None,
+        Key("Of the bearing in the catalogue, as `bearingwear new --list` has it", longest=40),
+    ] = None
     ball_count: Annotated[
         int,
         Key("Number of balls, which must fit side by side on the pitch circle", "1", "[3, 1000]"),

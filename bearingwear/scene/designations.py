@@ -1,8 +1,9 @@
 """Designations of common bearings, and the radial clearance of deep groove bearings.
 
-Sizes are the boundary dimensions of ISO 15 (dimension series 10, 02, 19 and, of the smallest, 18),
-clearances those of ISO 5753-1 for deep groove bearings with a cylindrical bore, before they are
-mounted. The balls, the grooves and the preload are the maker's choice: no designation tells them.
+Sizes are the boundary dimensions of ISO 15 (dimension series 10, 02, 03, 19 and, of the smallest,
+18), clearances those of ISO 5753-1 for deep groove bearings with a cylindrical bore, before they
+are mounted. The balls, the grooves and the preload are the maker's choice: no designation tells
+them; of two makers `catalogue` does.
 """
 
 from __future__ import annotations
@@ -10,7 +11,10 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
+from bearingwear.scene.catalogue import Entry
 from bearingwear.scene.errors import SceneError, shown
+
+LONGEST = 40  # characters of a designation
 
 # Outside diameter x width [mm] by bore code: 00 to 22, then every second one to 40.
 _CODES = (*range(23), *range(24, 41, 2))
@@ -21,11 +25,16 @@ _SERIES = {
     "02": "30x9 32x10 35x11 40x12 47x14 52x15 62x16 72x17 80x18 85x19 90x20 100x21 110x22 120x23 "
     "125x24 130x25 140x26 150x28 160x30 170x32 180x34 190x36 200x38 215x40 230x40 250x42 270x45 "
     "290x48 310x52 320x52 340x55 360x58",
+    "03": "35x11 37x12 42x13 47x14 52x15 62x17 72x19 80x21 90x23 100x25 110x27 120x29 130x31 "
+    "140x33 150x35 160x37 170x39 180x41 190x43 200x45 215x47 225x49 240x50 260x55 280x58 300x62 "
+    "320x65 340x68 360x72 380x75 400x78 420x80",
     "19": "22x6 24x6 28x7 30x7 37x9 42x9 47x9 55x10 62x12 68x12 72x12 80x13 85x13 90x13 100x16 "
     "105x16 110x16 120x18 125x18 130x18 140x20 145x20 150x20 165x22 180x24 190x24 210x28 220x28 "
     "230x28 250x33 260x33 280x38",
 }
-_SERIES_OF = {"70": "10", "72": "02", "719": "19", "60": "10", "62": "02"}
+_SERIES_OF = {
+    "70": "10", "72": "02", "73": "03", "719": "19", "79": "19", "60": "10", "62": "02", "63": "03"
+}  # fmt: skip
 
 # The smallest: the last digit is the bore [mm]; from the first digit in brackets on.
 _SMALL = {
@@ -35,7 +44,7 @@ _SMALL = {
     "69": (2, "6x2.3 8x3 11x4 13x4 15x5 17x5 19x6 20x6"),
 }
 
-ANGLES = {"C": 15.0, "AC": 25.0, "E": 25.0, "A": 30.0, "B": 40.0}
+ANGLES = {"C": 15.0, "AC": 25.0, "A5": 25.0, "E": 25.0, "A": 30.0, "B": 40.0}
 """Contact angle [degree] by the suffix of an angular contact bearing."""
 
 _MAKERS_DIFFER = "EA"
@@ -63,8 +72,8 @@ _CLEARANCE_TABLE = (
 )
 
 ALLOWED = (
-    "70xx, 72xx, 719xx (suffix C, AC, E, A or B), 60xx, 62xx (suffix C2, CN or C3), xx from 00 to "
-    "22 and even to 40, 604 to 609, 623 to 629, 682 to 689, 692 to 699"
+    "70xx, 72xx, 73xx, 719xx (suffix C, AC, A5, E, A or B), 60xx, 62xx, 63xx (suffix C2, CN or "
+    "C3), xx from 00 to 22 and even to 40, 604 to 609, 623 to 629, 682 to 689, 692 to 699"
 )
 
 
@@ -85,6 +94,10 @@ class Designation(NamedTuple):
         Why the angle is assumed, where makers mean different ones by the suffix.
     clearance : str
         Group of radial clearance, where a suffix says it.
+    ignored : str
+        Prefixes and suffixes that are not used: cage, seals, tolerance.
+    entry : Entry, optional
+        The bearing of a maker's catalogue.
     """
 
     bore: float
@@ -95,31 +108,62 @@ class Designation(NamedTuple):
     angle: float | None = None
     angle_rule: str = ""
     clearance: str = ""
+    ignored: str = ""
+    entry: Entry | None = None
 
 
 def designation_of(text: str) -> Designation:
-    """What a designation says: 7008C, 71914 E, 6204-C3, 608.
+    """What a designation says: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
 
     Raises
     ------
     SceneError
         One line that says which are known.
     """
-    plain = re.sub(r"[\s/_-]", "", text).upper()
-    match = re.fullmatch(r"(70|72|719|60|62)(\d\d)([A-Z]*\d?)", plain) or re.fullmatch(
-        r"(60|62|68|69)(\d)([A-Z]*\d?)", plain
+    plain = text.strip().upper()
+    match = re.fullmatch(
+        r"([A-Z]{0,4})[\s/_-]*((?:7[0239]|719|6[023])(?=\d\d(?!\d))|6[0289](?=\d(?!\d)))"
+        r"(\d+)([A-Z\d\s/_.-]*)",
+        plain,
     )
-    size = match and _size(match[1], match[2])
+    size = match and len(plain) <= LONGEST and _size(match[2], match[3])
     if not match or not size:
         raise _unknown(text, ALLOWED)
-    deep_groove, suffix = match[1].startswith("6"), match[3]
+    prefix, series, code, rest = match.groups()
+    deep_groove = series.startswith("6")
     suffixes = CLEARANCES if deep_groove else tuple(ANGLES)
-    if suffix and suffix not in suffixes:
-        raise _unknown(text, f"{match[1]}{match[2]} alone, or with {', '.join(suffixes)}")
+    suffix, ignored = _suffix(rest, suffixes, deep_groove)
+    if ignored is None:
+        raise _unknown(text, f"{series}{code} alone, or with {', '.join(suffixes)}")
+    name = f"{series}{code}{suffix}"
+    unused = " ".join(filter(None, (prefix, ignored)))
     if deep_groove:
-        return Designation(*size, plain, deep_groove, clearance=suffix)
+        return Designation(*size, name, deep_groove, clearance=suffix, ignored=unused)
     rule = f"suffix {suffix}, of which makers differ" if suffix in tuple(_MAKERS_DIFFER) else ""
-    return Designation(*size, plain, deep_groove, ANGLES.get(suffix), rule)
+    return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, ignored=unused)
+
+
+def _suffix(rest: str, known: tuple[str, ...], anywhere: bool) -> tuple[str, str | None]:
+    """The known suffix of a designation, and what else is there; None for what it cannot be.
+
+    An angle is the first suffix, with letters of the cage behind it (CD, ACD, BECBP), or after a
+    separator. A clearance is a suffix of its own anywhere. What follows the number without a
+    separator and is neither angle nor clearance is refused.
+    """
+    words = [word for word in re.split(r"[\s/_.-]+", rest) if word]
+    if not words:
+        return "", ""
+    for k, word in enumerate(words if anywhere else words[:1]):
+        if word in known:
+            return word, " ".join(words[:k] + words[k + 1 :])
+    first = words[0]
+    if not anywhere:
+        for name in sorted(known, key=len, reverse=True):
+            if first.startswith(name) and first[len(name)].isalpha():
+                return name, " ".join([first[len(name) :], *words[1:]])
+    attached = rest[0].isalnum()
+    clearance = re.fullmatch(r"[A-E]\d?|CN", first)  # an angle, or a clearance of another kind
+    return "", None if clearance or (attached and not anywhere) else " ".join(words)
 
 
 def clearance_range(group: str, bore: float) -> tuple[float, float] | None:

@@ -5,28 +5,33 @@ Importing this file imports nothing heavy: the command line takes its options fr
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.assumed import (
-    GROOVES,
     Designation,
     Origin,
+    grooves_of,
     numbers_of,
     refused_option,
     rounded_to,
     size_of,
 )
+from bearingwear.scene.catalogue import Entry, same_size
 from bearingwear.scene.checking import fits
 from bearingwear.scene.errors import SceneError, yaml_number
 from bearingwear.scene.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.scene import key_of_scene, most_balls
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 BALL_MATERIALS = ("bearing_steel", "silicon_nitride")
 
@@ -62,8 +67,9 @@ def scene_text(
     designation: str | None = None,
     clearance: str | float | None = None,
     preload_class: str | None = None,
+    maker: str | None = None,
 ) -> tuple[str, list[str]]:
-    """A commented scene file, and a line for each thing in it that was assumed.
+    """A commented scene file, and a line for each thing in it that was not given.
 
     Parameters
     ----------
@@ -74,13 +80,16 @@ def scene_text(
     given : mapping
         What else is known, by key of the scene (those of `OPTIONS`), in its units.
     ball_material, preload_method : str, optional
-        As in a scene; bearing steel and a constant force are assumed.
+        As in a scene. Bearing steel is assumed, and a constant force; a fixed position where a
+        maker's class of preload is taken, which is that of a rigid pair.
     designation : str, optional
-        As in `designation_of`: 7008C, 608.
+        As in `designation_of`: 7008C, 608; with a maker as in its catalogue: 7010C, SEA 60.
     clearance : str or float, optional
         Radial clearance of a deep groove bearing: a group of `CLEARANCES`, or the clearance [um].
     preload_class : str, optional
-        One of `PRELOAD_CLASSES`, in place of a preload.
+        One of `PRELOAD_CLASSES`, or of the maker's classes, in place of a preload.
+    maker : str, optional
+        One of `catalogue.MAKERS`.
 
     Returns
     -------
@@ -93,14 +102,22 @@ def scene_text(
     SceneError
         One line that names the option, what was given and what is allowed.
     """
-    size = size_of(designation, bore, outside)
+    angle = given.get("bearing.contact_angle_deg")
+    size = size_of(designation, bore, outside, maker, angle)
     for key in given:
         _check_range(key, given[key])
-    numbers = numbers_of(size, given, clearance, preload_class)
+    method = preload_method or _usual_method(size, given)
+    numbers = numbers_of(size, given, clearance, preload_class, method)
     _check_room(numbers)
-    text = _filled(name, size, numbers, ball_material, preload_method)
+    text = _filled(name, size, numbers, ball_material, preload_method, method)
     _check(text)
-    return text, _assumed(numbers, ball_material, preload_method)
+    return text, _assumed(size, numbers, ball_material, preload_method, method)
+
+
+def _usual_method(size: Designation, given: Mapping[str, float]) -> str:
+    """A maker's class of preload is that of a rigid pair."""
+    rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
+    return "fixed_position" if rigid else "constant_force"
 
 
 def _check_room(numbers: Mapping[str, Origin]) -> None:
@@ -112,18 +129,43 @@ def _check_room(numbers: Mapping[str, Origin]) -> None:
 
 
 def _assumed(
-    numbers: Mapping[str, Origin], ball_material: str | None, preload_method: str | None
+    size: Designation,
+    numbers: Mapping[str, Origin],
+    ball_material: str | None,
+    preload_method: str | None,
+    method: str,
 ) -> list[str]:
-    """A line for each thing that was assumed."""
-    return [
+    """A line for each thing that was not given."""
+    (inner, outer), groove_rule = grooves_of(size.entry)
+    lines = []
+    if size.ignored:
+        lines.append(f"designation: read as {size.name}; not used: {size.ignored}")
+        if "HC" in size.ignored:
+            lines.append("designation: HC is for ceramic balls: --ball-material silicon_nitride")
+    lines += [
         *(f"{key}: {o.value:g}, {o.rule}" for key, o in numbers.items() if o.rule),
-        "bearing.inner_groove_factor, bearing.outer_groove_factor: "
-        f"{GROOVES[0]:g}, {GROOVES[1]:g}, as ISO 281 rates",
+        f"bearing.inner_groove_factor, bearing.outer_groove_factor: {inner:g}, {outer:g}, "
+        + groove_rule.removeprefix("assumed: "),
         *(["bearing.ball_material: bearing_steel"] if ball_material is None else []),
-        *(["operation.preload_method: constant_force"] if preload_method is None else []),
+        *([f"operation.preload_method: {method}"] if preload_method is None else []),
         "materials, cage, friction.cage, operation.gravity_m_s2, wear.end_of_life, uncertainty: "
         "see the file",
     ]
+    if size.entry is None:
+        D, dm, Z = _balls(numbers)
+        found = same_size(size.bore, size.outside, numbers["bearing.contact_angle_deg"].value)
+        lines += [_inside(entry, D, Z) for entry in found]
+    return lines
+
+
+def _inside(entry: Entry, D: float, Z: int) -> str:
+    """By how much a maker's bearing of the size differs from balls of a diameter [mm]."""
+    ours = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
+    return (
+        f"{entry.maker}'s {entry.designation} has {entry.balls} balls of {entry.ball:.4g} mm "
+        f"({entry.source}): axial rigidity {100.0 * (entry.rated / ours - 1.0):+.1f} % at equal "
+        f"preload by its balls; --maker {entry.maker} takes it"
+    )
 
 
 def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
@@ -156,33 +198,42 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     return assumed
 
 
+@functools.cache
+def _template() -> Template:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folder = FileSystemLoader(Path(__file__).parent)
+    jinja = Environment(loader=folder, undefined=StrictUndefined, keep_trailing_newline=True)
+    return jinja.get_template("new_scene.yaml.j2")
+
+
 def _filled(
     name: str,
     size: Designation,
     numbers: Mapping[str, Origin],
     ball_material: str | None,
     preload_method: str | None,
+    method: str,
 ) -> str:
     """The template of a scene, filled in."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    folder = FileSystemLoader(Path(__file__).parent)
-    jinja = Environment(loader=folder, undefined=StrictUndefined, keep_trailing_newline=True)
     D, dm, Z = _balls(numbers)
-    return jinja.get_template("new_scene.yaml.j2").render(
+    grooves, groove_rule = grooves_of(size.entry)
+    return _template().render(
         name=json.dumps(name),  # quoted: 7008, true and null are names, too
         size=size,
         line=lambda key: _line(key, numbers[key]),
         rounded=lambda value: yaml_number(rounded_to(value, 4)),
         D=D,
         dm=dm,
-        grooves=GROOVES,
+        grooves=grooves,
+        groove_rule=groove_rule,
         speed=numbers["operation.shaft_speed_rpm"],
         # pockets that leave something of the cage between them, to three decimals
         pocket=_down(min(0.05 * D, 0.5 * (dm * math.sin(math.pi / Z) - D))),
         ball_material=ball_material,
-        preload_method=preload_method,
-        pair_kind=PAIRS[preload_method or "constant_force"],
+        preload_method=method,
+        method_given=preload_method is not None,
+        pair_kind=PAIRS[method],
         materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
         MATERIALS=MATERIALS,
     )

@@ -72,6 +72,9 @@ ABSURD = {
         {"pressure_above_yield", "ellipse_over_shoulder", "speed_beyond_practice",
          "inner_load_lost"},
     ),
+    "faster than its maker allows": (
+        {"bearing.maker": "NSK", "bearing.designation": "7012C"}, {"speed_beyond_makers"},
+    ),
     "a ring that bursts": (
         {"operation.shaft_speed_rpm": 70_000, "operation.preload_N": 2000, "bearing.bore_mm": 40},
         {"pressure_above_practice", "hoop_stress"},

@@ -5,7 +5,7 @@ import pytest
 from bearingwear.scene.designations import ANGLES, CLEARANCES, clearance_range, designation_of
 
 CODES = [f"{code:02d}" for code in [*range(23), *range(24, 41, 2)]]
-SERIES = ["70", "72", "719", "60", "62"]
+SERIES = ["70", "72", "73", "719", "60", "62", "63"]
 SMALL = [*range(604, 610), *range(623, 630), *range(682, 690), *range(692, 700)]
 
 
@@ -20,6 +20,8 @@ SMALL = [*range(604, 610), *range(623, 630), *range(682, 690), *range(692, 700)]
         ("6203", 17, 40, 12), ("6205", 25, 52, 15), ("6206", 30, 62, 16), ("6207", 35, 72, 17),
         ("6208", 40, 80, 18), ("6209", 45, 85, 19), ("6210", 50, 90, 20), ("71900", 10, 22, 6),
         ("71908", 40, 62, 12), ("7020", 100, 150, 24), ("7220", 100, 180, 34),
+        ("7300", 10, 35, 11), ("7308B", 40, 90, 23), ("7312", 60, 130, 31), ("6320", 100, 215, 47),
+        ("6340", 200, 420, 80), ("7910C", 50, 72, 12),
         ("608", 8, 22, 7), ("604", 4, 12, 4), ("623", 3, 10, 4), ("625", 5, 16, 5),
         ("688", 8, 16, 4), ("682", 2, 5, 1.5), ("695", 5, 13, 4), ("699", 9, 20, 6),
     ],
@@ -59,7 +61,7 @@ def test_spelling(text):
 
 
 def test_suffixes():
-    angles = {"": None, "C": 15, "AC": 25, "E": 25, "A": 30, "B": 40}
+    angles = {"": None, "C": 15, "AC": 25, "A5": 25, "E": 25, "A": 30, "B": 40}
     assert set(angles) == {"", *ANGLES}
     for suffix, angle in angles.items():
         found = designation_of(f"7210{suffix}")
@@ -69,9 +71,33 @@ def test_suffixes():
 
 
 @pytest.mark.parametrize(
+    ("text", "name", "ignored"),
+    [
+        ("7008CD/P4A", "7008C", "D P4A"),  # SKF
+        ("S7008 ACE/HCP4A", "7008AC", "S E HCP4A"),
+        ("B7008-C-T-P4S", "7008C", "B T P4S"),  # FAG
+        ("HCB71908-E-T-P4S-UL", "71908E", "HCB T P4S UL"),
+        ("7010A5TYNSULP3", "7010A5", "TYNSULP3"),  # NSK
+        ("7308 BECBP", "7308B", "ECBP"),
+        ("7204-B-XL-TVP", "7204B", "XL TVP"),
+        ("7008-P4", "7008", "P4"),
+        ("B7008", "7008", "B"),
+        ("6204-2RSH/C3", "6204C3", "2RSH"),
+        ("608-2Z", "608", "2Z"),
+        ("608ZZ", "608", "ZZ"),
+    ],
+)
+def test_designations_of_other_makers(text, name, ignored):
+    """What is not used is said, the rest is as without it."""
+    found = designation_of(text)
+    assert (found.name, found.ignored) == (name, ignored)
+    assert found._replace(ignored="") == designation_of(name)
+
+
+@pytest.mark.parametrize(
     "text",
     ["", "7", "7008D", "7508", "6204C", "7008C3", "681", "603", "622", "691", "7023", "7042",
-     "70008", "7008CD/P4A", "B7008", "7" * 500, "7008\0", "608B", "6204C4"],
+     "70008", "7008D/P4", "7008-C3", "ABCDE7008", "7" * 500, "7008\0", "608B", "6204C4"],
 )  # fmt: skip
 def test_what_is_not_known_takes_one_line(text):
     with pytest.raises(ValueError, match="designation: got .*, expected ") as error:

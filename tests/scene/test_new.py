@@ -74,6 +74,9 @@ def test_given_numbers_are_taken_and_the_others_told(tmp_path, capsys):
     told, text = capsys.readouterr().out, (tmp_path / "b.yaml").read_text(encoding="utf-8")
     for _, key, *_ in OPTIONS:
         assert re.search(rf"^  {key.split('.')[1]}: \S+  # assumed: ", text, re.M) and key in told
+    assert new(tmp_path / "c.yaml", "HCB7008-C-T-P4S") == 0
+    told = capsys.readouterr().out
+    assert "read as 7008C; not used: HCB T P4S" in told and "silicon_nitride" in told
 
 
 @pytest.mark.parametrize("name", ["7008", "true", "null", "1e-5", "1e5", "my-spindle"])
@@ -103,9 +106,9 @@ def test_nothing_is_replaced(tmp_path, capsys):
         (["--bore", "40"], "--outside"),
         ([], "--bore: got nothing, expected a designation as 7008C, or --bore and --outside"),
         (["7008C", "--bore", "40"], "--bore: got 40; only allowed without a designation"),
-        (["7508"], "designation: got '7508', expected 70xx, 72xx, 719xx"),
+        (["7508"], "designation: got '7508', expected 70xx, 72xx, 73xx, 719xx"),
         (["6204C"], "designation: got '6204C', expected 6204 alone, or with C2, CN, C3"),
-        (["7008C3"], "designation: got '7008C3', expected 7008 alone, or with C, AC, E, A, B"),
+        (["7008C3"], "designation: got '7008C3', expected 7008 alone, or with C, AC, A5, E, A"),
         (["7023"], "designation: got '7023'"),
         (["681"], "designation: got '681'"),
         (["7008C", "--clearance", "CN"], "--clearance: got CN; only allowed for a deep groove"),

@@ -1,0 +1,242 @@
+"""Bearings of makers' catalogues: sizes, balls, preload classes and limits of speed.
+
+`catalogue.csv` is made by `benchmarks/identify.py`, which has the sources. NSK prints no balls:
+theirs are identified from the load ratings. `source` says so, and how certain that is.
+
+Importing this file imports nothing heavy: the command line takes its options from it.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bearingwear.scene.errors import SceneError, shown
+
+
+class Maker(NamedTuple):
+    """What a maker states for all its bearings.
+
+    Attributes
+    ----------
+    classes : tuple of str
+        Of preload, the lightest first.
+    rigid_speed : tuple of float
+        Allowed speed of a rigidly preloaded pair of each class, over that of one bearing under a
+        light spring.
+    grooves : (float, float) or None
+        Inner and outer groove factor, as one pair for all its bearings meets their rigidities.
+    source : str
+    """
+
+    classes: tuple[str, ...]
+    rigid_speed: tuple[float, ...]
+    grooves: tuple[float, float] | None
+    source: str
+
+
+MAKERS: Mapping[str, Maker] = {
+    "NSK": Maker(
+        ("EL", "L", "M", "H"),
+        (0.85, 0.80, 0.65, 0.55),
+        (0.5225, 0.5225),
+        "NSK, super-precision bearings, pp. 50-61, 156-170",
+    ),
+    "SNFA": Maker(("L", "M", "F"), (0.80, 0.65, 0.40), None, "SNFA, general catalogue, pp. 66-107"),
+}
+
+MAKERS_CLASSES = tuple(dict.fromkeys(name for maker in MAKERS.values() for name in maker.classes))
+
+SOURCES = {
+    "printed": "printed in the catalogue",
+    "identified": "identified from the printed load ratings",
+    "uncertain": "identified from the printed load ratings, uncertain",
+}
+"""Where number and diameter of the balls come from."""
+
+
+class Entry(NamedTuple):
+    """A bearing of a catalogue; lengths in mm, speeds in r/min of one under a light spring."""
+
+    maker: str
+    designation: str
+    angle: float  # [degree]
+    bore: float
+    outside: float
+    width: float
+    balls: int
+    ball: float
+    source: str
+    preloads: Mapping[str, float]  # by class [N], none where none is printed
+    speed_grease: float
+    speed_oil: float
+
+    @property
+    def rated(self) -> float:
+        """Balls' part of the axial rigidity at equal preload: Z^(2/3) D^(1/3), Palmgren."""
+        return float(self.balls ** (2.0 / 3.0) * self.ball ** (1.0 / 3.0))
+
+    def speed_factor(self, method: str, preload: float) -> tuple[float, str]:
+        """Allowed speed over that of one under a light spring, and the class it is for.
+
+        Of a fixed position the lightest class of at least that preload counts; above all classes,
+        or where no class is printed, the heaviest.
+        """
+        if method != "fixed_position":
+            return 1.0, ""
+        maker = MAKERS[self.maker]
+        fits = (name for name, N in self.preloads.items() if preload <= 1.001 * N)
+        name = next(fits, maker.classes[-1])
+        return maker.rigid_speed[maker.classes.index(name)], name
+
+
+@functools.cache
+def entries() -> tuple[Entry, ...]:
+    """Every bearing of the catalogues."""
+    with Path(__file__).with_name("catalogue.csv").open(encoding="utf-8", newline="") as file:
+        return tuple(_entry(row) for row in csv.DictReader(file))
+
+
+def _entry(row: Mapping[str, str]) -> Entry:
+    maker = row["maker"]
+    preloads = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
+    return Entry(
+        maker=maker,
+        designation=row["designation"],
+        angle=float(row["angle_deg"]),
+        bore=float(row["bore_mm"]),
+        outside=float(row["outside_mm"]),
+        width=float(row["width_mm"]),
+        balls=int(row["balls"]),
+        ball=float(row["ball_mm"]),
+        source=row["source"],
+        preloads={name: float(text) for name, text in preloads if text},
+        speed_grease=float(row["speed_grease_rpm"]),
+        speed_oil=float(row["speed_oil_rpm"]),
+    )
+
+
+def entry_of(maker: str, designation: str, angle: float | None = None) -> tuple[Entry, str]:
+    """A bearing by its maker's designation, and the suffixes that are not used.
+
+    Parameters
+    ----------
+    maker : str
+    designation : str
+        7010C, 7010CTYNDBLP4, SEA 60.
+    angle : float, optional
+        Contact angle [degree], where bearings of several have the designation; else the smallest.
+
+    Raises
+    ------
+    SceneError
+        One line that lists those with a name alike.
+    """
+    words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
+    if words and maker == "NSK":
+        words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
+    known: dict[str, list[Entry]] = {}
+    for entry in entries():
+        if entry.maker == maker:
+            known.setdefault(_plain(entry.designation), []).append(entry)
+    found, ignored = _longest(words, known)
+    if not found:
+        start = _plain(designation)[:4]
+        near = dict.fromkeys(e[0].designation for name, e in known.items() if name[:4] == start)
+        names = ", ".join(list(near)[:6]) or "one of its bearings"
+        expected = f"{names} (all: bearingwear new --list {maker})"
+        raise SceneError(
+            "", f"got {shown(designation)}, expected {expected}", source=f"{maker} designation"
+        )
+    if angle is None:
+        return found[0], ignored
+    return min(found, key=lambda entry: abs(entry.angle - angle)), ignored
+
+
+def _longest(words: Sequence[str], known: Mapping[str, list[Entry]]) -> tuple[list[Entry], str]:
+    """The longest known name that a designation begins with, whole words first."""
+    for k in range(len(words), 0, -1):
+        if found := known.get("".join(words[:k])):
+            return found, " ".join(words[k:])
+    whole = "".join(words)
+    for name in sorted(known, key=len, reverse=True):
+        if whole.startswith(name) and whole[len(name)].isalpha():
+            return known[name], whole[len(name) :]
+    return [], ""
+
+
+def _plain(designation: str) -> str:
+    return re.sub(r"[\s/_.-]", "", designation).upper()
+
+
+def same_size(bore: float, outside: float, angle: float) -> list[Entry]:
+    """Bearings of a bore, an outside diameter [mm] and a contact angle [degree], of any maker."""
+    size = bore, outside, angle
+    return [entry for entry in entries() if (entry.bore, entry.outside, entry.angle) == size]
+
+
+def entry_of_bearing(bearing: Mapping[str, Any]) -> Entry | None:
+    """The catalogue's bearing that the block of a scene names, if it does."""
+    maker, name = bearing.get("maker"), bearing.get("designation")
+    if maker not in MAKERS or not name:
+        return None
+    found = [e for e in entries() if e.maker == maker and e.designation == name]
+    angle = bearing["contact_angle_deg"]
+    return min(found, key=lambda entry: abs(entry.angle - angle), default=None)
+
+
+def identity_line(bearing: Mapping[str, Any]) -> str:
+    """Which catalogue's bearing a scene is, and what of it is identified; empty without one."""
+    entry = entry_of_bearing(bearing)
+    if entry is None:
+        return ""
+    grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
+    inferred = grooves == MAKERS[entry.maker].grooves
+    own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)
+    return (
+        f"{entry.maker} {entry.designation}, {entry.angle:g} degrees: balls "
+        + (SOURCES[entry.source] if own else f"not the catalogue's {entry.balls} of {entry.ball:g}")
+        + f"; groove factors {'inferred from printed rigidities' if inferred else 'assumed'}"
+    )
+
+
+def listed(maker: str, series: str = "") -> list[str]:
+    """A line for each bearing of a maker whose designation begins with a text, heads first.
+
+    Raises
+    ------
+    SceneError
+        There is none.
+    """
+    start = _plain(series)
+    found = [e for e in entries() if e.maker == maker and _plain(e.designation).startswith(start)]
+    if not found:
+        names = dict.fromkeys(_series(e) for e in entries() if e.maker == maker)
+        problem = f"got {shown(series)}, expected {', '.join(names)}"
+        raise SceneError("", problem, source=f"--list {maker}")
+    classes = MAKERS[maker].classes
+    heads = ("designation", "angle", "bore", "outside", "width", "balls", "mm", "", *classes)
+    form = "{:<12}{:>6}{:>6}{:>8}{:>7}{:>7}{:>9} {:<11}" + "{:>7}" * len(classes) + "{:>9}{:>9}"
+    return [
+        f"{MAKERS[maker].source}; classes: preload, N; grease, oil: r/min",
+        form.format(*heads, "grease", "oil"),
+        *(
+            form.format(
+                e.designation, f"{e.angle:g}", f"{e.bore:g}", f"{e.outside:g}", f"{e.width:g}",
+                e.balls, f"{e.ball:.5g}", e.source,
+                *(f"{e.preloads[name]:g}" if name in e.preloads else "-" for name in classes),
+                f"{e.speed_grease:.0f}", f"{e.speed_oil:.0f}",
+            )
+            for e in found
+        ),
+    ]  # fmt: skip
+
+
+def _series(entry: Entry) -> str:
+    """The letters that SNFA's designations begin with; of NSK's the first two digits."""
+    match = re.match(r"[A-Z]+|\d\d", entry.designation)
+    return match[0] if match else entry.designation
