@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bearingwear.scene.catalogue import MAKERS, MAKERS_CLASSES, SOURCES, Entry, entry_of
+from bearingwear.scene.catalogue import MAKERS, MAKERS_CLASSES, SOURCES, CatalogueBearing, entry_of
 from bearingwear.scene.designations import Designation, clearance_range, designation_of
 from bearingwear.scene.errors import SceneError
 
@@ -170,7 +170,7 @@ def numbers_of(
     return found
 
 
-def _preload(entry: Entry | None, preload_class: str | None, size: float) -> Origin:
+def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: float) -> Origin:
     """Preload [N] of a class; `size` is balls x diameter^2 x sin(contact angle) [mm2]."""
     if entry is not None and entry.preloads:
         name = preload_class or "L"
@@ -187,7 +187,9 @@ def _preload(entry: Entry | None, preload_class: str | None, size: float) -> Ori
     return Origin(rounded_to(density * size), rule)
 
 
-def _usual_speed(entry: Entry | None, dm: float, method: str, preload: float) -> tuple[float, str]:
+def _usual_speed(
+    entry: CatalogueBearing | None, dm: float, method: str, preload: float
+) -> tuple[float, str]:
     """Speed [r/min] that is assumed, and the rule."""
     if entry is None:
         return rounded_to(SPEED_FACTOR / dm), "a million mm r/min over the pitch diameter"
@@ -198,7 +200,7 @@ def _usual_speed(entry: Entry | None, dm: float, method: str, preload: float) ->
     return rounded_to(factor * entry.speed_grease, 3), rule
 
 
-def grooves_of(entry: Entry | None) -> tuple[tuple[float, float], str]:
+def grooves_of(entry: CatalogueBearing | None) -> tuple[tuple[float, float], str]:
     """Inner and outer groove factor, and where they come from."""
     known = entry and MAKERS[entry.maker].grooves
     if known:

@@ -59,7 +59,7 @@ SOURCES = {
 """Where number and diameter of the balls come from."""
 
 
-class Entry(NamedTuple):
+class CatalogueBearing(NamedTuple):
     """A bearing of a catalogue; lengths in mm, speeds in r/min of one under a light spring."""
 
     maker: str
@@ -95,16 +95,16 @@ class Entry(NamedTuple):
 
 
 @functools.cache
-def entries() -> tuple[Entry, ...]:
+def entries() -> tuple[CatalogueBearing, ...]:
     """Every bearing of the catalogues."""
     with Path(__file__).with_name("catalogue.csv").open(encoding="utf-8", newline="") as file:
         return tuple(_entry(row) for row in csv.DictReader(file))
 
 
-def _entry(row: Mapping[str, str]) -> Entry:
+def _entry(row: Mapping[str, str]) -> CatalogueBearing:
     maker = row["maker"]
     preloads = zip(MAKERS[maker].classes, row["preload_N"].split("/"), strict=False)
-    return Entry(
+    return CatalogueBearing(
         maker=maker,
         designation=row["designation"],
         angle=float(row["angle_deg"]),
@@ -120,7 +120,9 @@ def _entry(row: Mapping[str, str]) -> Entry:
     )
 
 
-def entry_of(maker: str, designation: str, angle: float | None = None) -> tuple[Entry, str]:
+def entry_of(
+    maker: str, designation: str, angle: float | None = None
+) -> tuple[CatalogueBearing, str]:
     """A bearing by its maker's designation, and the suffixes that are not used.
 
     Parameters
@@ -139,7 +141,7 @@ def entry_of(maker: str, designation: str, angle: float | None = None) -> tuple[
     words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
-    known: dict[str, list[Entry]] = {}
+    known: dict[str, list[CatalogueBearing]] = {}
     for entry in entries():
         if entry.maker == maker:
             known.setdefault(_plain(entry.designation), []).append(entry)
@@ -157,7 +159,9 @@ def entry_of(maker: str, designation: str, angle: float | None = None) -> tuple[
     return min(found, key=lambda entry: abs(entry.angle - angle)), ignored
 
 
-def _longest(words: Sequence[str], known: Mapping[str, list[Entry]]) -> tuple[list[Entry], str]:
+def _longest(
+    words: Sequence[str], known: Mapping[str, list[CatalogueBearing]]
+) -> tuple[list[CatalogueBearing], str]:
     """The longest known name that a designation begins with, whole words first."""
     for k in range(len(words), 0, -1):
         if found := known.get("".join(words[:k])):
@@ -173,13 +177,13 @@ def _plain(designation: str) -> str:
     return re.sub(r"[\s/_.-]", "", designation).upper()
 
 
-def same_size(bore: float, outside: float, angle: float) -> list[Entry]:
+def same_size(bore: float, outside: float, angle: float) -> list[CatalogueBearing]:
     """Bearings of a bore, an outside diameter [mm] and a contact angle [degree], of any maker."""
     size = bore, outside, angle
     return [entry for entry in entries() if (entry.bore, entry.outside, entry.angle) == size]
 
 
-def entry_of_bearing(bearing: Mapping[str, Any]) -> Entry | None:
+def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
     """The catalogue's bearing that the block of a scene names, if it does."""
     maker, name = bearing.get("maker"), bearing.get("designation")
     if maker not in MAKERS or not name:
@@ -236,7 +240,7 @@ def listed(maker: str, series: str = "") -> list[str]:
     ]  # fmt: skip
 
 
-def _series(entry: Entry) -> str:
+def _series(entry: CatalogueBearing) -> str:
     """The letters that SNFA's designations begin with; of NSK's the first two digits."""
     match = re.match(r"[A-Z]+|\d\d", entry.designation)
     return match[0] if match else entry.designation

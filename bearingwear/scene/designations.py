@@ -11,10 +11,10 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from bearingwear.scene.catalogue import Entry
+from bearingwear.scene.catalogue import CatalogueBearing
 from bearingwear.scene.errors import SceneError, shown
 
-LONGEST = 40  # characters of a designation
+LONGEST_DESIGNATION = 40  # characters of a designation
 
 # Outside diameter x width [mm] by bore code: 00 to 22, then every second one to 40.
 _CODES = (*range(23), *range(24, 41, 2))
@@ -96,7 +96,7 @@ class Designation(NamedTuple):
         Group of radial clearance, where a suffix says it.
     ignored : str
         Prefixes and suffixes that are not used: cage, seals, tolerance.
-    entry : Entry, optional
+    entry : CatalogueBearing, optional
         The bearing of a maker's catalogue.
     """
 
@@ -109,7 +109,7 @@ class Designation(NamedTuple):
     angle_rule: str = ""
     clearance: str = ""
     ignored: str = ""
-    entry: Entry | None = None
+    entry: CatalogueBearing | None = None
 
 
 def designation_of(text: str) -> Designation:
@@ -126,7 +126,7 @@ def designation_of(text: str) -> Designation:
         r"(\d+)([A-Z\d\s/_.-]*)",
         plain,
     )
-    size = match and len(plain) <= LONGEST and _size(match[2], match[3])
+    size = match and len(plain) <= LONGEST_DESIGNATION and _size(match[2], match[3])
     if not match or not size:
         raise _unknown(text, ALLOWED)
     prefix, series, code, rest = match.groups()

@@ -24,7 +24,7 @@ from bearingwear.scene.assumed import (
     rounded_to,
     size_of,
 )
-from bearingwear.scene.catalogue import Entry, same_size
+from bearingwear.scene.catalogue import CatalogueBearing, same_size
 from bearingwear.scene.checking import fits
 from bearingwear.scene.errors import SceneError, yaml_number
 from bearingwear.scene.records import NAME, NAME_RULE, SCENE_SUFFIXES
@@ -158,7 +158,7 @@ def _assumed(
     return lines
 
 
-def _inside(entry: Entry, D: float, Z: int) -> str:
+def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
     """By how much a maker's bearing of the size differs from balls of a diameter [mm]."""
     ours = Z ** (2.0 / 3.0) * D ** (1.0 / 3.0)
     return (
