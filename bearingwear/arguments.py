@@ -90,7 +90,7 @@ def command_parser() -> argparse.ArgumentParser:
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
-        "uncertainty", "compute L10 and L50 over the values that the scene calls uncertain"
+        "uncertainty", "compute how far lives spread over what the scene calls uncertain"
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")

@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from bearingwear.results.netcdf import CaseFileError, header, load
-from bearingwear.results.units import digits, key_in_words
+from bearingwear.results.units import Interval, digits, key_in_words
 from bearingwear.scene.scene import COUNTS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
@@ -33,55 +33,59 @@ ALL_INPUTS, ALL_BUT_WEAR = 0, 1
 """Values of `UNCERTAIN_INPUTS`: all that the scene calls uncertain, or all but the wear coefficient
 and the hardness."""
 
-MEDIAN = 0.5
-"""Probability of the largest quantile that is quoted."""
-
 CONFIDENCE = 0.95
 """Of the intervals of quantiles and Sobol indices."""
 
+INTERVAL = (0.05, 0.95)
+"""Probabilities at the ends of the intervals that are quoted."""
+
+SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
+"""Of bearings or of batches in such an interval, in words."""
+
 NO_QUANTILES = "no spread computed"
 SEE = "the command bearingwear uncertainty computes it"
-BATCHES = 0.9
-"""Share of batches between the ends of an L10, by what is not known of them."""
 
-SAMPLING, OF_BATCHES = f"{100 * CONFIDENCE:g} % confidence", f"{100 * BATCHES:g} % of batches"
-"""What the ends of a quantile are of."""
-
-QUANTILES_TEXT = (
-    "Spread: L10 is the life that 10 % of the bearings of a batch do not reach, L50 the one that "
-    f"half of them do not; in brackets what {100 * BATCHES:g} % of batches have, since wear "
-    "coefficient, friction and drag are common to a batch and unknown. Where nothing but "
-    f"scatter is uncertain, {100 * CONFIDENCE:g} % confidence by the size of the sample."
-)
+BEARINGS = f"{SHARE} of bearings"
+"""Label of the interval that matters most."""
 
 
-class Quantile(NamedTuple):
-    """A quantile of the life over the bearings of a batch, and its ends [h]."""
+class Spread(NamedTuple):
+    """Between which lives bearings lie, and why; counting wear in one way [h]."""
 
-    name: str  # L10: the life that 10 % of bearings do not reach
-    hours: float
-    low: float
-    high: float
-    solved: float = 1.0  # share of the sampled lives; the others are left out
-    between: str = SAMPLING  # what the ends are of
-    errors: tuple[float, float] = (math.nan, math.nan)  # of the ends, by the sample [h]
+    bearings: Interval  # over all that is uncertain
+    scatter: Interval | None  # within the middle batch; None: bearings of a batch are alike
+    unknown: Interval | None  # of the middle bearing of a batch; None: batches are alike
+    quantiles: Mapping[str, float]  # L10 and L50 of the middle batch; empty without scatter
+    solved: float  # share of the sampled lives; the others are left out
 
     @property
-    def text(self) -> str:
-        """`L10 1.2 h [1.1, 1.3]`, which breaks into lines before the bracket only."""
-        new = ", beyond a limit when new" if self.hours == 0.0 else ""
-        value = f"{self.name} {digits(self.hours)} h"
-        ends = f"[{digits(self.low)}, {digits(self.high)}]"
-        return " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in (value, ends)) + new
+    def sentence(self) -> str:
+        """`90 % of bearings between 0.34 and 5.8 h`, and of how many lives if not of all."""
+        low, high = self.bearings.text.split(" to ")
+        text = f"{BEARINGS} between {low} and {high} h".replace(" %", "\N{NO-BREAK SPACE}%")
+        if self.bearings.low == 0.0:
+            text += " (0: beyond a limit when new)"
+        share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"
+        return text + (share if self.solved < 1.0 else "")
 
     @property
-    def ends(self) -> str:
-        """`1.1 ± 0.1 to 1.3 ± 0.2` [h]."""
-        return interval_text((self.low, self.high), self.errors)
+    def rows(self) -> dict[str, Interval | float | str]:
+        """What a sheet or a table shows of it, by its label."""
+        parts = {"scatter within a batch": self.scatter, "unknown for a batch": self.unknown}
+        return {
+            BEARINGS: self.bearings,
+            **{f"  {label}": part or "none" for label, part in parts.items()},
+            **self.quantiles,
+        }
 
 
-Quantiles = dict[str, tuple[Quantile, ...]]
-"""L10 and L50 by each way of counting wear."""
+def spread_text(spread: Spread | None) -> str:
+    """As `Spread.sentence`, or that there is none."""
+    return spread.sentence if spread else NO_QUANTILES
+
+
+Spreads = dict[str, Spread]
+"""By each way of counting wear."""
 
 
 def load_quantiles(path: str | Path) -> xr.Dataset:
@@ -94,7 +98,10 @@ def load_quantiles(path: str | Path) -> xr.Dataset:
     found = load(path)
     if found.attrs.get("kind") != KIND:
         raise CaseFileError(f"{path}: not a file of the kind {KIND}")
-    if not {PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims):
+    if (
+        not ({PRELOAD_CHOICE, UNCERTAIN_INPUTS} <= set(found.dims))
+        or not np.isin(INTERVAL, found["probability"]).all()
+    ):
         raise CaseFileError(f"{path}: got a file of an earlier version, expected one made again")
     return found
 
@@ -111,13 +118,13 @@ def uncertainties_at(path: str | Path) -> list[xr.Dataset]:
     return found
 
 
-def quantiles_of(
+def spreads_of(
     known: Iterable[xr.Dataset],
     scene: Mapping[str, Any],
     method: str,
     friction: float,
     choice: int = GIVEN,
-) -> Quantiles | None:
+) -> Spreads | None:
     """The spread of the life of a scene; None if it was not computed for exactly that scene.
 
     Parameters
@@ -143,57 +150,26 @@ def quantiles_of(
             one = dataset.isel(
                 {"preload_method": methods.index(method), UNCERTAIN_INPUTS: ALL_INPUTS}
             ).sel({PRELOAD_CHOICE: choice})
-            return {way: quantiles_at(one.isel(loss_basis=k)) for k, way in enumerate(COUNTS)}
+            found = {way: spread_at(one.isel(loss_basis=k)) for k, way in enumerate(COUNTS)}
+            return {way: spread for way, spread in found.items() if spread} or None
     return None
 
 
-def interval_text(ends: Iterable[float], errors: Iterable[float]) -> str:
-    """Both ends with their errors, as far as they are known."""
-    return " to ".join(
-        digits(end) + (f" ± {digits(float(f'{error:.2g}'))}" if math.isfinite(error) else "")
-        for end, error in zip(ends, errors, strict=True)
-    )
-
-
 def causes_told(scene: Mapping[str, Any]) -> str:
-    """Where the interval of an L10 comes from, and what differs among the bearings of a batch."""
+    """What is uncertain of a scene, by the labels of `Spread.rows`."""
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
-    of_batch, scatter = (
-        ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == of)
-        for of in (True, False)
-    )
-    if not of_batch:
-        return f"Bearings differ in {scatter}; the interval of L10 is that of the sample."
-    spread = f"Bearings of a batch differ in {scatter}. " if scatter else ""
-    return (
-        f"The interval of L10 covers {100 * BATCHES:g} % of batches, each with one unknown value "
-        f"of {of_batch}. {spread}± is the error of its ends from the size of the sample, "
-        f"{100 * CONFIDENCE:g} % confidence."
-    )
+    parts = (("Scatter within a batch", False), ("Unknown for a batch", True))
+    found = [
+        (text, ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == of))
+        for text, of in parts
+    ]
+    middle = "L10 and L50 are those of the middle batch. " if all(name for _, name in found) else ""
+    return middle + " ".join(f"{text}: {names}." for text, names in found if names)
 
 
 def _cause(key: str) -> str:
     words = "friction of ball and race" if key == "ball_race" else key_in_words(key)[0]
     return words.replace("brinell", "Brinell")
-
-
-def hours_of(lives: Iterable[Quantiles | None], way: str) -> dict[str, list[float]]:
-    """Every L10 and every L50 of some lives, by its name, counting wear in one way [h]."""
-    found: dict[str, list[float]] = {}
-    for quantiles in lives:
-        for one in (quantiles or {}).get(way, ()):
-            found.setdefault(one.name, []).append(one.hours)
-    return found
-
-
-def quantiles_text(quantiles: Iterable[Quantile]) -> str:
-    """L10 and L50 on a line, and of how many lives if not of all; or that there are none."""
-    known = tuple(quantiles)
-    if not known:
-        return NO_QUANTILES
-    share = known[0].solved
-    of = f" (of the {100.0 * share:.3g} % of lives that were solved)" if share < 1.0 else ""
-    return "; ".join(one.text for one in known) + of
 
 
 def _point(scene: Mapping[str, Any], method: str, friction: float | None = None) -> dict[str, Any]:
@@ -210,25 +186,39 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
     }
 
 
-def quantiles_at(one: xr.Dataset) -> tuple[Quantile, ...]:
-    """L10 and L50 over the bearings of a batch, between ends by what is not known of it.
+def spread_cells(spreads: Sequence[Spread | None]) -> dict[str, list[str]]:
+    """A row of a table for each of `Spread.rows`, by its label; a cell for each life [h]."""
+    every = [one.rows if one else {} for one in spreads]
+    return {
+        f"{name.strip()} (h)": [_cell(one.get(name, math.nan)) for one in every]
+        for name in dict.fromkeys(name for one in every for name in one)
+    }
 
-    Where all of that is known, between those of their confidence intervals by the sample.
-    """
-    found = []
-    for k, p in enumerate(one["probability"].values):
-        if p > MEDIAN or not np.isfinite(one["life_quantile"][k]):
-            continue
-        columns = [one[f"life_quantile{end}"][k] for end in ("_low", "", "_high")]
-        between, errors = SAMPLING, (math.nan, math.nan)
-        if "batch_life_quantile" in one:
-            ends = one["batch_life_quantile"].isel(probability=k)
-            if bool(np.isfinite(ends).all()) and float(np.ptp(ends.values)) > 0.0:
-                columns, between = list(ends.values), OF_BATCHES
-                if "batch_life_quantile_error" in one:
-                    error = one["batch_life_quantile_error"].isel(probability=k)
-                    errors = float(error[0]), float(error[-1])
-        low, hours, high = map(float, columns)
-        name, solved = f"L{100.0 * float(p):.0f}", float(one["solved_share"])
-        found.append(Quantile(name, hours, low, high, solved, between, errors))
-    return tuple(found)
+
+def _cell(value: Interval | float | str) -> str:
+    if isinstance(value, Interval):
+        return value.text
+    return value if isinstance(value, str) else digits(value)
+
+
+def spread_at(one: xr.Dataset) -> Spread | None:
+    """The spread of one life; None where no life was solved."""
+    bearings = Interval(*one["life_quantile"].sel(probability=list(INTERVAL)).values.tolist())
+    if not math.isfinite(bearings.low):
+        return None
+    of_batch = one["batch_life_quantile"]
+    middle = of_batch.sel(batch_probability=0.5)
+    scatter = Interval(*middle.sel(probability=list(INTERVAL)).values.tolist())
+    unknown = Interval(
+        *of_batch.sel(probability=0.5, batch_probability=list(INTERVAL)).values.tolist()
+    )
+    alike = scatter.low == scatter.high
+    return Spread(
+        bearings=bearings,
+        scatter=None if alike else scatter,
+        unknown=None if unknown.low == unknown.high else unknown,
+        quantiles={}
+        if alike
+        else {f"L{100 * p:.0f}": float(middle.sel(probability=p)) for p in (0.1, 0.5)},
+        solved=float(one["solved_share"]),
+    )

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from bearingwear.results.units import digits
+from bearingwear.results.units import Interval, digits
 
 NOT_SOLVED = "not solved"
 LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
@@ -88,7 +88,11 @@ class Sheet:
             for row in block.rows:
                 for k, value in enumerate(map(_plain, row.values)):
                     column = block.columns[k] if k < len(block.columns) else ""
-                    table.writerow([block.title, row.name or row.label, column, row.unit, value])
+                    several = value if isinstance(value, list) else [value]
+                    ends = ("_low", "_high") if len(several) > 1 else ("",)
+                    for end, number in zip(ends, several, strict=True):
+                        name = (row.name or row.label) + end
+                        table.writerow([block.title, name, column, row.unit, number])
                 if row.limit is not None:
                     table.writerow(
                         [block.title, row.name or row.label, "limit", row.unit, row.limit]
@@ -104,7 +108,9 @@ def _valued(block: Block, row: Row) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """A number as JSON has it; none where there is no number."""
+    """A number as JSON has it, or two of an interval; none where there is no number."""
+    if isinstance(value, Interval):
+        return [_plain(end) for end in value]
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value
@@ -133,6 +139,8 @@ def _lines(block: Block) -> list[str]:
 
 
 def _shown(value: Any, unit: str, given: bool) -> str:
+    if isinstance(value, Interval):
+        return value.text
     if not isinstance(value, float):
         return str(value)
     if given:

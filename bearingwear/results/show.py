@@ -103,11 +103,14 @@ def sheet(
     ------
     CaseFileError
     """
+    from bearingwear.results.quantiles import KIND
     from bearingwear.results.show_study import quantile_blocks
 
     with opened(path) as file:
-        made = _sheet(file, more)
-        further = [*quantile_blocks(file, Path(path)), *(_diagnostics(file) if every else [])]
+        made, spread = _sheet(file, more), quantile_blocks(file, Path(path))
+        if kind_of(file) == KIND:  # what it holds besides is for those who ask
+            made, spread = replace(made, blocks=tuple(spread)), list(made.blocks if every else ())
+        further = [*spread, *(_diagnostics(file) if every else [])]
         return Sheet(made.heading, made.facts, (*made.blocks, *further))
 
 

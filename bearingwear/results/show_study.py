@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,12 +19,14 @@ from bearingwear.results.quantiles import (
     PRELOAD_CHOICE,
     RECOMMENDED,
     SEE,
-    quantiles_of,
+    causes_told,
+    spreads_of,
     uncertainties_at,
 )
 from bearingwear.results.rows import COUNTED, VARIABLES, values
 from bearingwear.results.sheet import NOT_SOLVED, Block, Row, Sheet
 from bearingwear.results.units import display
+from bearingwear.scene.scene import COUNTS
 
 MOST_LISTED = 8
 """Values of a coordinate that are listed; of more, the first and the last are."""
@@ -80,19 +83,25 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     rows: list[Row] = []
     missing = 0
     for label, method, friction, choice in lives:
-        found = quantiles_of(known, scene, method, friction, choice)
-        if not found or not all(found.values()):
+        found = spreads_of(known, scene, method, friction, choice)
+        if not found or len(found) < len(COUNTS):
             missing += 1
             continue
         rows += [Row(label)] if label else []
-        for quantiles in zip(*found.values(), strict=True):
-            name = quantiles[0].name
-            rows.append(Row(name, "h", tuple(q.hours for q in quantiles), f"life_{name}"))
-            ends = tuple(q.ends for q in quantiles)
-            rows.append(Row(f"  {quantiles[0].between}", "h", ends))
+        every = [found[way].rows for way in COUNTS]
+        rows += [
+            Row(name, "h", tuple(one.get(name, math.nan) for one in every), _life_name(name))
+            for name in dict.fromkeys(name for one in every for name in one)
+        ]
     where = "" if missing == len(lives) else f" for the other {missing}"
-    lines = (f"{NO_QUANTILES}{where}; {SEE}",) if missing else ()
-    return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), lines)]
+    lines = [causes_told(scene)] if rows else []
+    lines += [f"{NO_QUANTILES}{where}; {SEE}"] if missing else []
+    return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), tuple(lines))]
+
+
+def _life_name(label: str) -> str:
+    """`life_90_percent_of_bearings`, for programs."""
+    return f"life_{label.strip()}".replace("%", "percent").replace(" ", "_")
 
 
 def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float, int]]:

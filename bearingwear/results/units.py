@@ -113,6 +113,18 @@ def digits(value: float, unit: str = "") -> str:
     return f"{rounded(value) + 0.0:.7g}"
 
 
+class Interval(NamedTuple):
+    """What most values lie between."""
+
+    low: float
+    high: float
+
+    @property
+    def text(self) -> str:
+        """`0.34 to 5.8`: the ends are not known better than to two digits."""
+        return " to ".join(digits(float(f"{end:.2g}")) for end in self)
+
+
 def span(values: Iterable[float]) -> str:
     """The least and the most of the values that are known: `1.2 to 3`; a dash without any."""
     known = sorted(value for value in values if math.isfinite(value))

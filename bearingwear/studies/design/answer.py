@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +14,12 @@ from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import (
-    OF_BATCHES,
     RECOMMENDED,
-    Quantile,
+    Spread,
     causes_told,
     load_quantiles,
-    quantiles_of,
+    spread_cells,
+    spreads_of,
 )
 from bearingwear.results.units import digits, display, in_print
 from bearingwear.results.warnings import warnings_in
@@ -85,14 +85,6 @@ _SHOWN = {
 _COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in the order of `COUNTS`."""
 
-SPREAD_TOLD = (
-    " One bearing in ten fails before L10, half of them before L50, over all that the scene calls "
-    "uncertain. "
-)
-
-Spread = dict[str, Sequence[Quantile]]
-"""L10 and L50 of each method."""
-
 RoomRows = Sequence[tuple[str, str, str, tuple[float, float, float]]]
 """As of `show.room_rows`."""
 
@@ -129,7 +121,7 @@ def preload_answer(
 ) -> Answer:
     """Which preload to take for a scene."""
     scene, room = scene_of(recommendation), room_rows(recommendation)
-    spread = _spread(recommendation, uncertainty)
+    spread = _spreads(recommendation, uncertainty)
     best = best_method(recommendation)
     points: list[tuple[str, list[str]]] = []
     if best is not None:
@@ -255,18 +247,20 @@ def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
     return f"{other} is the better method with {'; '.join(said)}."
 
 
-def _spread(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> Spread:
-    """L10 and L50 at the recommended preload of each method, where they were sampled."""
+def _spreads(
+    recommendation: xr.Dataset, uncertainty: xr.Dataset | None
+) -> dict[str, Spread | None]:
+    """Of the life at the recommended preload of each method, where it was sampled."""
     scene, way = scene_of(recommendation), COUNTS[counted(recommendation)]
     known = [] if uncertainty is None else [uncertainty]
     mu = scene["friction"]["ball_race"]
     return {
-        method: (quantiles_of(known, scene, method, mu, RECOMMENDED) or {}).get(way, ())
+        method: (spreads_of(known, scene, method, mu, RECOMMENDED) or {}).get(way)
         for method, _ in methods(recommendation)
     }
 
 
-def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
+def _sure(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
     method, one, _ = _lives(recommendation)[0]
     error = float(one["life_error_estimate"].isel(loss_basis=counted(recommendation)))
     said = []
@@ -275,27 +269,15 @@ def _sure(recommendation: xr.Dataset, spread: Spread) -> list[str]:
             f"Neither method can be said to last longer: a change of {100 * CLAIMED:g} % in one "
             "assumption, or the other ball track, would reverse the order."
         )
-    said += quantiles_told([q for q in spread[method] if q.hours > 0.0])
+    if mine := spread[method]:
+        said.append(f"{mine.sentence}, over all that is uncertain.")
     said += [NO_CLOCK, *track_told(recommendation)]
     if math.isfinite(error):
         said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
     return said
 
 
-def quantiles_told(found: Sequence[Quantile]) -> list[str]:
-    """A sentence for each quantile; one for all of them where bearings do not differ."""
-    told: dict[str, list[str]] = {}
-    for q in found:
-        where = "in" if q.between == OF_BATCHES else "at"
-        numbers = f"{digits(q.hours)} h, between {q.low:.2g} and {q.high:.2g} h {where} {q.between}"
-        told.setdefault(numbers, []).append(q.name)
-    return [
-        f"{' and '.join(names)} {'is' if len(names) == 1 else 'are both'} {numbers}."
-        for numbers, names in told.items()
-    ]
-
-
-def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
+def _recommended(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]) -> AnswerTable:
     """The preload to take by each method, and the bearing with it."""
     basis = counted(recommendation)
     columns = [one for _, one in methods(recommendation)]
@@ -309,12 +291,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
     rows.append([f"life{groove} (h)", *hours("life", basis)])
     if groove:
         rows.append([f"life {HERTZIAN_LIFE_WORDS} (h)", *hours("hertzian_life", basis)])
-    for name in ("L10", "L50") if any(spread.values()) else ():
-        known = [{q.name: q.hours for q in found}.get(name, math.nan) for found in spread.values()]
-        rows.append([f"{name} (h)", *map(digits, known)])
-        if name == "L10":
-            ends = [{q.name: q.ends for q in found}.get(name, "–") for found in spread.values()]
-            rows.append(["interval of L10 (h)", *ends])
+    rows += [[label, *cells] for label, cells in spread_cells([*spread.values()]).items()]
     rows.append([f"life, counting {_COUNTED_WORDS[1 - basis]} (h)", *hours("life", 1 - basis)])
     for name, (label, shown) in _SHOWN.items():
         values = recommendation[name]
@@ -326,7 +303,7 @@ def _recommended(recommendation: xr.Dataset, spread: Spread) -> AnswerTable:
         columns=["", *(_words(recommendation, name) for name, _ in methods(recommendation))],
         rows=rows,
         note="Stiffness, power, pressure and slip are the worst from new to the end of life."
-        + (SPREAD_TOLD + causes_told(scene_of(recommendation)) if any(spread.values()) else ""),
+        + (f" {causes_told(scene_of(recommendation))}" if any(spread.values()) else ""),
     )
 
 

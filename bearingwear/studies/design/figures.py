@@ -23,7 +23,7 @@ from bearingwear.plotting.drawing import (
     scene_of,
 )
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED, quantiles_at
+from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED, spread_at, spread_text
 from bearingwear.results.units import digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -298,8 +298,7 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     if uncertainty is not None:
         flag = int(chosen["preload_method"])
         one = at_recommended(uncertainty, flag).isel(loss_basis=basis)
-        of_each = (f"{q.name} {digits(q.low)} to {digits(q.high)} h" for q in quantiles_at(one))
-        spread = f" ({', '.join(of_each)})"
+        spread = f" ({spread_text(spread_at(one))})"
     within = " within the limits" if limits_of(recommendation).given else ""
     held_by = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
     if int(recommendation["verdict"]) == NEITHER_LONGER:

@@ -22,7 +22,7 @@ from bearingwear.plotting.drawing import (
     new_figure,
     scene_of,
 )
-from bearingwear.results.quantiles import ALL_INPUTS, quantiles_at
+from bearingwear.results.quantiles import ALL_INPUTS, spread_at, spread_text
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -88,13 +88,14 @@ def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
         panel.set_title(f"{in_words(name)}, {digits(float(drawn['preload']))} N")
         panel.set_xlabel("wear life (h)")
         panel.set_ylabel("share worn out")
-        of_each = quantiles_at(drawn.isel(loss_basis=basis))
-        ends = (f"{q.name} {digits(q.low)} to {digits(q.high)} h" for q in of_each)
-        said.append(", ".join([in_words(name), *ends]))
+        spread = spread_at(drawn.isel(loss_basis=basis))
+        if spread:
+            panel.axvspan(*spread.bearings, color=COLOURS[name], alpha=0.12, linewidth=0.0)
+        said.append(f"{in_words(name)}, {spread_text(spread)}")
     handles = [
         *(key(f"counting {in_words(w)}", color="0.3", linestyle=d) for w, d in LOSS_DASHES.items()),
         key(
-            "10, 50, 90 % credible life, its sampling error",
+            "5, 10, 50, 90, 95 %, their sampling errors",
             color="0.3",
             linestyle="none",
             marker="o",

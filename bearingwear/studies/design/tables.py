@@ -19,13 +19,13 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
-    BATCHES,
-    CONFIDENCE,
-    QUANTILES_TEXT,
+    BEARINGS,
     RECOMMENDED,
-    interval_text,
-    quantiles_of,
-    quantiles_text,
+    causes_told,
+    spread_at,
+    spread_cells,
+    spread_text,
+    spreads_of,
 )
 from bearingwear.results.units import digits, display, in_print, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
@@ -154,20 +154,20 @@ def _sampled(uncertainty: xr.Dataset, scene: dict[str, Any]) -> list[str]:
 
 
 def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> str:
-    """The recommended life with its L10 and L50, by each way of counting wear."""
+    """The recommended life with its spread, by each way of counting wear."""
     k = best_method(recommendation)
     if k is None:
         return ""
     scene = scene_of(recommendation)
     method, one = methods(recommendation)[k]
     sampled = [] if uncertainty is None else [uncertainty]
-    known = quantiles_of(sampled, scene, method, scene["friction"]["ball_race"], RECOMMENDED)
+    known = spreads_of(sampled, scene, method, scene["friction"]["ball_race"], RECOMMENDED)
     said = [
         f"{digits(float(one['life'].isel(loss_basis=c)))} h counting {in_words(way)}"
-        + (f" ({quantiles_text((known or {}).get(way, ()))})" if sampled else "")
+        + (f" ({spread_text((known or {}).get(way))})" if sampled else "")
         for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
     ]
-    return f" Life: {'; '.join(said)}." + (f" {QUANTILES_TEXT}" if sampled else "")
+    return f" Life: {'; '.join(said)}." + (f" {causes_told(scene)}" if sampled else "")
 
 
 def _choice(recommendation: xr.Dataset) -> list[str]:
@@ -217,24 +217,28 @@ def _with_hertzian_groove(one: xr.Dataset, basis: int) -> dict[str, str]:
 
 
 def _quantiles(uncertainty: xr.Dataset) -> list[str]:
-    rows = []
+    rows, found = [], []
     for name, of_method in methods(uncertainty):
         for choice, where in enumerate(flag_names(uncertainty["preload_choice"])):
             at_preload = of_method.isel(preload_choice=choice)
             for c, way in enumerate(COUNTS):
                 one = at_preload.isel(loss_basis=c)
-                rows.append([in_words(name), *_quantile_cells(one, where, way)])
+                rows.append([in_words(name), *_sampled_cells(one, where, way)])
+                found.append(spread_at(one.sel(uncertain_inputs=ALL_INPUTS)))
+    spreads = spread_cells(found)
+    columns = [
+        *("method", "preload", "counting", "nominal life (h)"),
+        *(f"{BEARINGS}, wear coefficient and hardness as stated (h)", "lives solved"),
+    ]
     return [
         markdown_table(
-            "method | preload | counting | nominal life (h) | L10 of a batch (h) "
-            "| L50 of a batch (h) | 10 % credible life (h) | 50 % (h) | 90 % (h) | "
-            "10 % to 90 %, wear coefficient and hardness as stated (h) | lives solved",
-            rows,
+            " | ".join([*columns[:4], *spreads, *columns[4:]]),
+            [
+                [*row[:4], *(cells[k] for cells in spreads.values()), *row[4:]]
+                for k, row in enumerate(rows)
+            ],
         ),
-        "L10 and L50 are taken over the bearings of a batch. They lie between these ends for "
-        f"{100 * BATCHES:g} % of batches, because values common to a batch are unknown. ± is the "
-        f"sampling error of an end at {100 * CONFIDENCE:g} % confidence. A 10 % credible life "
-        "mixes this with the scatter and belongs to no batch.",
+        causes_told(scene_of(uncertainty)),
         *_with_grooves(uncertainty),
     ]
 
@@ -251,29 +255,14 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
     ]
 
 
-def _of_batches(one: xr.Dataset) -> list[str]:
-    """L10 and L50 over the bearings of a batch, by what is not known of it."""
-    ends = one["batch_life_quantile"].values[[0, -1]]
-    errors = one["batch_life_quantile_error"].values[[0, -1]]
-    return [interval_text(ends[:, k], errors[:, k]) for k in range(2)]
-
-
-def _quantile_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
-    everything = one.sel(uncertain_inputs=ALL_INPUTS)
-    columns = ("life_quantile", "life_quantile_low", "life_quantile_high")
-    quantiles = [
-        f"{digits(value)} [{digits(low)}, {digits(high)}]"
-        for value, low, high in zip(*(everything[name].values for name in columns), strict=True)
-    ]
-    known = one["life_quantile"].sel(uncertain_inputs=ALL_BUT_WEAR)
-    low, high = float(known.sel(probability=0.1)), float(known.sel(probability=0.9))
+def _sampled_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
+    """Of one method, preload and way of counting: all but the spread."""
+    known = spread_at(one.sel(uncertain_inputs=ALL_BUT_WEAR))
     return [
         f"{where}, {digits(float(one['preload']))} N",
         in_words(way),
         digits(float(one["nominal_life"])),
-        *_of_batches(one),
-        *quantiles,
-        f"{digits(low)} to {digits(high)}",
+        known.bearings.text if known else "–",
         f"{100 * float(one['solved_share']):.4g} % of {int(one['evaluations'])}",
     ]
 

@@ -18,7 +18,14 @@ from bearingwear.plotting.drawing import (
     new_figure,
     scene_of,
 )
-from bearingwear.results.quantiles import ALL_BUT_WEAR, ALL_INPUTS, GIVEN, RECOMMENDED
+from bearingwear.results.quantiles import (
+    ALL_BUT_WEAR,
+    ALL_INPUTS,
+    GIVEN,
+    RECOMMENDED,
+    spread_at,
+    spread_text,
+)
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.figures import LOSS_DASHES
@@ -76,7 +83,7 @@ def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
             for way, d in LOSS_DASHES.items()
         ),
         key(
-            "10, 50, 90 % credible life, its sampling error",
+            "5, 10, 50, 90, 95 %, their sampling errors",
             color="0.3",
             linestyle="none",
             marker="o",
@@ -173,10 +180,9 @@ def _message(uncertainty: xr.Dataset, names: list[str], basis: int, failed: int)
         known = np.isfinite(index).any()
         return QUANTITY_WORDS[names[int(np.nanargmax(index.values))]] if known else "nothing"
 
-    quantile = one["life_quantile"].sel(uncertain_inputs=ALL_INPUTS)
-    low, high = float(quantile.sel(probability=0.1)), float(quantile.sel(probability=0.9))
+    spread = spread_at(one.sel(uncertain_inputs=ALL_INPUTS))
     unsolved = f"; {failed} lives not solved" if failed else ""
     return (
-        f"{scene}: life spreads by a factor of {high / low:.0f} from 10 to 90 % credible, and the "
+        f"{scene}: {spread_text(spread)}; the "
         f"{decides(ALL_INPUTS)} decides; with it known, the {decides(ALL_BUT_WEAR)}{unsolved}"
     )

@@ -15,10 +15,12 @@ from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
     SEE,
-    Quantiles,
+    SHARE,
+    Spread,
     causes_told,
     load_quantiles,
-    quantiles_of,
+    spread_cells,
+    spreads_of,
 )
 from bearingwear.results.units import digits, in_print, span
 from bearingwear.scene.scene import COUNTS
@@ -49,7 +51,7 @@ class Life(NamedTuple):
     counts: str  # what counts in the scene
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
-    spread: Quantiles | None = None  # L10 and L50, by what counts as wear
+    spread: Spread | None = None
 
     @property
     def counted(self) -> float:
@@ -91,7 +93,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
                     counts,
                     float(error[ways.index(counts)]),
                     end,
-                    quantiles_of(known, scene, method, mu),
+                    (spreads_of(known, scene, method, mu) or {}).get(counts),
                 )
             )
     return found
@@ -121,7 +123,12 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
     if others:
         points.append(("On the other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]
-    rows = [_row(life) for life in sorted(here, key=lambda life: life.friction)]
+    here.sort(key=lambda life: life.friction)
+    spreads = spread_cells([life.spread for life in here])
+    rows = [
+        _row(life, {label: cells[k] for label, cells in spreads.items()})
+        for k, life in enumerate(here)
+    ]
     table = AnswerTable(
         title=f"Lives of {name} at a preload of {preload:g} N",
         columns=list(rows[0]),
@@ -207,13 +214,13 @@ def _margin(ratio: float) -> str:
 
 
 def _at_once(lives: Sequence[Life]) -> str:
-    """Of which lives one in ten is beyond a limit when new; nothing where there is none."""
+    """Of which lives one in twenty is beyond a limit when new; nothing where there is none."""
     found = [
         f"{in_words(life.method)} at {mu_is(life.friction)}"
         for life in lives
-        if life.spread and any(one.hours == 0.0 for one in life.spread[life.counts])
+        if life.spread and life.spread.bearings.low == 0.0
     ]
-    text = f"one bearing in ten or more is beyond a limit when new: {', '.join(found)}"
+    text = f"one bearing in twenty or more is beyond a limit when new: {', '.join(found)}"
     return _sentence(text) if found else ""
 
 
@@ -223,8 +230,8 @@ def _note(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}, {SEE}')}"
     return (
-        f"{counts} L10 is the life that one bearing in ten does not reach, L50 the one that half "
-        f"of them do not, with all that the scene calls uncertain. {causes_told(scene)}"
+        f"{counts} {SHARE} of bearings have a life in the interval, over all that the scene calls "
+        f"uncertain. {causes_told(scene)}"
     )
 
 
@@ -257,19 +264,15 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def _row(life: Life) -> dict[str, str]:
+def _row(life: Life, spread: Mapping[str, str]) -> dict[str, str]:
     """A life, its spread and its end."""
     counts = life.counts
-    spread = {one.name: one for one in (life.spread or {}).get(counts, ())}
-    hours = {name: digits(one.hours) for name, one in spread.items()}
     other = next(way for way in COUNTS if way != counts)
     return {
         "friction": f"{life.friction:g}",
         "preload method": in_words(life.method),
         "life (h)": digits(life.counted),
-        "L10 (h)": hours.get("L10", "–"),
-        "interval of L10 (h)": spread["L10"].ends if "L10" in spread else "–",
-        "L50 (h)": hours.get("L50", "–"),
+        **spread,
         f"life if {WORDS[other]} count (h)": digits(life.hours[other]),
         "ended by": life.end,
         "numerical error": percent_in_text(life.error),

@@ -157,6 +157,6 @@ class Config:
         ),
     ] = UNSOLVED[0]
     uncertain_lives: Annotated[
-        UncertainLives, Key("Scenes whose lives are quoted with L10 and L50")
+        UncertainLives, Key("Scenes whose lives are quoted with their spread")
     ] = UncertainLives()
     figures: Annotated[Figures, Key("What the figures compare")]

@@ -32,8 +32,8 @@ from bearingwear.plotting.drawing import (
     race_keys,
     scene_of,
 )
-from bearingwear.results.quantiles import NO_QUANTILES, hours_of, quantiles_of
-from bearingwear.results.units import Display, digits, display, span
+from bearingwear.results.quantiles import BEARINGS, NO_QUANTILES, spreads_of
+from bearingwear.results.units import Display, Interval, digits, display
 
 WEAR_RATE = display("m3 s-1")
 FRICTION_AXIS = "ball/race friction coefficient µ"
@@ -209,7 +209,7 @@ END_MARKS = {
     "preload_fraction": ("v", "end: preload"),
     "gyroscopic_slip_share": ("s", "end: gyroscopic slip"),
     "skid_ratio": ("P", "end: skidding"),
-    "ball_diameter_loss_um": ("o", "end: loss of diameter"),
+    "ball_diameter_loss_um": ("o", "end: interference loss"),
     "none": ("x", "no end reached"),
 }
 
@@ -217,7 +217,7 @@ END_MARKS = {
 def life_figure(
     lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset] = ()
 ) -> Figure:
-    """Loss of diameter and residual preload in hours, counted both ways, up to the end of life.
+    """Interference loss and residual preload in hours, counted both ways, up to the end of life.
 
     `known` are files of the study of uncertainty; the title says what they know of these lives.
     """
@@ -246,7 +246,7 @@ def life_figure(
             panel.set_xlim(left=0.0)
             from_zero(panel)
     list_failed(panels[0, 0], failed)
-    panels[0, 0].set_ylabel(LOSS_AXIS)
+    panels[0, 0].set_ylabel("interference loss (µm)")
     panels[1, 0].set_ylabel("residual preload (N)")
     frame(
         figure,
@@ -319,9 +319,11 @@ def _shortest_and_longest(lives: xr.Dataset, frictions: Sequence[float]) -> str:
 
 
 def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[xr.Dataset]) -> str:
-    """Ranges of L10 and L50 by the wear of balls and races, where they were computed."""
+    """Between which lives bearings lie by the wear of balls and races, where that was computed."""
     points = [(name, mu) for name, _ in methods(lives) for mu in frictions]
-    spreads = (quantiles_of(known, scene_of(lives), *point) for point in points)
-    found = hours_of(spreads, "ball_and_races")
-    ranges = [f"{name}: {span(hours)} h" for name, hours in found.items()]
-    return ", ".join(ranges) or NO_QUANTILES
+    spreads = [spreads_of(known, scene_of(lives), *point) for point in points]
+    found = [one["ball_and_races"].bearings for one in spreads if one and "ball_and_races" in one]
+    if not found:
+        return NO_QUANTILES
+    every = Interval(min(one.low for one in found), max(one.high for one in found))
+    return f"{BEARINGS}, over what is uncertain: {every.text} h"

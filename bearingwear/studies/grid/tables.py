@@ -14,12 +14,12 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table, plain_text
 from bearingwear.results.quantiles import (
-    QUANTILES_TEXT,
     SEE,
-    Quantiles,
+    Spreads,
+    causes_told,
     load_quantiles,
-    quantiles_of,
-    quantiles_text,
+    spread_text,
+    spreads_of,
 )
 from bearingwear.results.units import digits, display, key_in_words
 from bearingwear.results.variables import of_all_balls
@@ -123,7 +123,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
             "| its spread | ended by | at a loss of (µm) | interpolated against solved",
             life,
         ),
-        QUANTILES_TEXT if any(spreads) else "",
+        causes_told(scene) if any(spreads) else "",
         f"Where no spread is computed, {SEE}." if not all(spreads) else "",
         "## Not solved",
         "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
@@ -133,14 +133,14 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
 
 def _lives(
     lives: xr.Dataset, scene: Mapping[str, Any], known: Sequence[xr.Dataset]
-) -> tuple[list[list[str]], list[Quantiles]]:
+) -> tuple[list[list[str]], list[Spreads]]:
     """A row for each life, and its quantiles, if they are known."""
     ends = lives["end_criterion"].attrs["flag_meanings"].split()
     life, spreads = [], []
     for name, of_method in methods(lives):
         for mu in lives["friction"].values:
             one = of_method.sel(friction=mu)
-            spread = quantiles_of(known, scene, name, mu) or {}
+            spread = spreads_of(known, scene, name, mu) or {}
             spreads.append(spread)
             life.append(
                 [
@@ -149,7 +149,7 @@ def _lives(
                     *(
                         cell
                         for hours, way in zip(one["life"].values, COUNTS, strict=True)
-                        for cell in (digits(float(hours)), quantiles_text(spread.get(way, ())))
+                        for cell in (digits(float(hours)), spread_text(spread.get(way)))
                     ),
                     key_in_words(ends[int(one["end_criterion"])])[0],
                     _LOSS.text(one["loss_at_end"]),

@@ -14,17 +14,17 @@ import numpy as np
 from scipy.stats import qmc
 
 from bearingwear.kernels.status import OK
-from bearingwear.results.quantiles import CONFIDENCE
+from bearingwear.results.quantiles import CONFIDENCE, INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.sample import lives, value_at, wear_factor
 
-PROBABILITIES = (0.1, 0.5, 0.9)
+PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
 """Of quantiles over the bearings of a batch."""
 
-BATCH_PROBABILITIES = (0.05, 0.5, 0.95)
+BATCH_PROBABILITIES = (INTERVAL[0], 0.5, INTERVAL[1])
 """Of quantiles over what is not known of the batch."""
 
 WEAR_DRAWS = 256

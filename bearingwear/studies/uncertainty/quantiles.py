@@ -290,7 +290,7 @@ def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:
     names, middle = list(scene.uncertainty or {}), _middle(scene)
     rows = [middle]
     for j, name in enumerate(names):
-        for p in (PROBABILITIES[0], PROBABILITIES[-1]):
+        for p in (0.1, 0.9):
             value = float(value_at(scene, name, np.array(p)))
             rows.append([value if i == j else v for i, v in enumerate(middle)])
     nominal, *around = lives(scene, np.array(rows)).life * HOURS_PER_SECOND

@@ -52,7 +52,8 @@ ANALYSED = table(
         (BATCH, PROBABILITY, BASIS),
         "h",
         "quantile of the life over the bearings of a batch, by what is not known of the batch",
-        comment="L10 at probability 0.1; its interval lies between the ends of batch_probability",
+        comment="L10 at probability 0.1; scatter at the middle of batch_probability, what is not "
+        "known of a batch between its ends",
     ),
     Variable(
         "batch_life_quantile_error",
@@ -66,7 +67,7 @@ ANALYSED = table(
         QUANTILE,
         "h",
         "quantile of the life over scatter and over what is not known of a batch",
-        comment="at probability 0.1 the 10 % credible life, where both are there",
+        comment="90 % of bearings lie between probabilities 0.05 and 0.95",
     ),
     Variable("life_quantile_low", QUANTILE, "h", "lower end of the quantile's confidence interval"),
     Variable(

@@ -9,9 +9,9 @@ from support import step
 
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
-from bearingwear.results.quantiles import OF_BATCHES, RECOMMENDED, Quantile, quantiles_of
+from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import digits
-from bearingwear.studies.design.answer import preload_answer, quantiles_told
+from bearingwear.studies.design.answer import preload_answer
 from bearingwear.studies.design.beside import beside_told
 from bearingwear.studies.design.plan import DesignPlan
 from bearingwear.studies.design.verdict import NEITHER_LONGER
@@ -105,14 +105,6 @@ def test_an_answer_at_the_end_of_the_map_says_so(files):
         assert "No limit was given" not in told(preload_answer(design, found))["What limits it"]
 
 
-def test_bearings_that_do_not_differ_have_one_sentence():
-    same = {"hours": 2.0, "low": 1.0, "high": 4.0, "between": OF_BATCHES}
-    l10, l50 = (Quantile(name=name, **same) for name in ("L10", "L50"))
-    (both,) = quantiles_told([l10, l50])
-    assert both == f"L10 and L50 are both 2 h, between 1 and 4 h in {OF_BATCHES}."
-    assert len(quantiles_told([l10, l50._replace(hours=3.0)])) == 2
-
-
 def test_no_preload_within_the_limits(files):
     found = load(files["recommendation"])
     found["life"][...] = np.nan
@@ -201,8 +193,9 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     assert step(run, answer, **files, spread=path) == 0
     rows = {row[0]: row[1:] for row in load_answer(answer).tables[0].rows}
     mine = json.loads(spread.attrs["scene"])
-    known = quantiles_of([spread], mine, "constant_force", 0.08, RECOMMENDED)["ball_and_races"]
-    assert {f"{q.name} (h)": digits(q.hours) for q in known} == {
+    known = spreads_of([spread], mine, "constant_force", 0.08, RECOMMENDED)["ball_and_races"]
+    assert rows["90 % of bearings (h)"][0] == known.bearings.text
+    assert {f"{name} (h)": digits(hours) for name, hours in known.quantiles.items()} == {
         name: row[0] for name, row in rows.items() if name in ("L10 (h)", "L50 (h)")
     }
 

@@ -15,6 +15,7 @@ from bearingwear.cli import main
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import load
+from bearingwear.results.quantiles import spread_at
 from bearingwear.results.show import sheet
 from bearingwear.results.units import digits
 from bearingwear.scene.arrangement import held_by
@@ -183,8 +184,8 @@ def test_single_files_are_drawn(folder, tmp_path, capsys):
         folder / "design.nc": "life, stiffness and slip over preload",
         folder / "constant_force.nc": "life, stiffness and slip over preload",
         folder / "recommendation.nc": "life at the recommended preload",
-        folder / "uncertainty.nc": "life spreads by a factor",
-        spread: "L10",
+        folder / "uncertainty.nc": "90\N{NO-BREAK SPACE}% of bearings between",
+        spread: "90\N{NO-BREAK SPACE}% of bearings between",
     }
     for path, said in files.items():
         figure = tmp_path / f"{path.stem}.svg"
@@ -405,10 +406,10 @@ def test_answer_stands_first(folder):
     spread = load(folder / "uncertainty.nc").isel(
         preload_method=0, preload_choice=1, uncertain_inputs=0, loss_basis=1
     )
-    ends = spread["batch_life_quantile"].values[[0, -1], :2].T
+    low, high = spread_at(spread).bearings.text.split(" to ")
     assert f"constant force at {float(found['preload']):.3g} N" in first
-    l10, l50 = (f"{digits(low)} to {digits(high)} h" for low, high in ends.tolist())
-    assert f"{digits(float(found['life'][1]))} h (L10 {l10}, L50 {l50})" in first
+    said = f"{digits(float(found['life'][1]))} h (90 % of bearings between {low} and {high} h)"
+    assert said in first.replace("\N{NO-BREAK SPACE}", " ")
     assert first.endswith("held by axial stiffness")
 
 

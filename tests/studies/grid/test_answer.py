@@ -125,14 +125,21 @@ def sure(small_project, tmp_path):
     from bearingwear.scene.read import load_scene
 
     scene = load_scene(small_project / "mine.yaml")
-    middle = np.arange(1.0, 25.0).reshape(2, 2, 3, 2)  # method, at, probability, counts
-    names = {"life_quantile": 1.0, "life_quantile_low": 0.9, "life_quantile_high": 1.25}
+    middle = np.arange(1.0, 41.0).reshape(2, 2, 5, 2)  # method, at, probability, counts
+    of_batch = middle[:, :, None] * np.array([0.5, 1.0, 2.0])[:, None, None]
     dims = ("preload_method", "preload_choice", "uncertain_inputs", "probability", "loss_basis")
     methods = {"flag_values": [0, 1], "flag_meanings": " ".join(PRELOAD_METHODS)}
     dataset = xr.Dataset(
-        {name: (dims, (middle * factor)[:, :, None]) for name, factor in names.items()}
-        | {"solved_share": (dims[:2], [[1.0, 1.0], [0.99, 1.0]])},
-        {"preload_method": ("preload_method", [0, 1], methods), "probability": [0.1, 0.5, 0.9]},
+        {
+            "life_quantile": (dims, middle[:, :, None]),
+            "batch_life_quantile": ((*dims[:2], "batch_probability", *dims[3:]), of_batch),
+            "solved_share": (dims[:2], [[1.0, 1.0], [0.99, 1.0]]),
+        },
+        {
+            "preload_method": ("preload_method", [0, 1], methods),
+            "probability": [0.05, 0.1, 0.5, 0.9, 0.95],
+            "batch_probability": [0.05, 0.5, 0.95],
+        },
         load(small_project / FOLDER / "wear_life.nc").attrs
         | {"kind": "uncertainty", "scene": json.dumps(scene.to_dict())},
     )
@@ -169,15 +176,16 @@ def test_the_answer_is_that_of_the_file(small_project):
     assert "No spread computed" in plain(found.tables[0].note)
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
-        assert row["life (h)"] == digits(one.counted) and row["L10 (h)"] == "–"
+        assert row["life (h)"] == digits(one.counted) and "L10 (h)" not in row
     assert "9 balls of 2 mm" in plain(found.bearing)
 
 
 def test_lives_stand_with_their_spread(small_project, sure, capsys):
     lives, spread = sure
-    # at the scene's own preload; methods by rows of 12, quantiles by pairs of counts
-    constant = "L10 1 h [0.9, 1.25]; L50 3 h [2.7, 3.75]", "L10 2 h [1.8, 2.5]; L50 4 h [3.6, 5]"
-    fixed = "L10 13 h [11.7, 16.2]; L50 15 h [13.5, 18.8] (of the 99 % of lives that were solved)"
+    # at the scene's own preload; methods by rows of 20, quantiles by pairs of counts
+    said = "90 % of bearings between {} and {} h".format
+    constant = said(1, 9), said(2, 10)
+    fixed = f"{said(21, 29)} (of the 99 % of lives that were solved)"
     written, table = lives.parent / "a.csv", lives.parent / "summary.md"
     given = {"study": small_project / FOLDER / "study.nc", "lives": lives, "uncertainty": [spread]}
     assert step("studies.grid.tables.study_tables", written, table, **given) == 0
@@ -191,22 +199,24 @@ def test_lives_stand_with_their_spread(small_project, sure, capsys):
 
     drawn = figures.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
     drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-    assert drawn.endswith("; L10: 2 to 14 h, L50: 4 to 16 h")
+    assert drawn.endswith("; 90 % of bearings, over what is uncertain: 2 to 30 h")
     assert figures.life_figure(load(lives), [0.02]).get_suptitle().endswith("no spread computed")
 
     found = answered(lives, [spread])
     row = row_of(found, "constant force", "0.08")
-    assert (row["L10 (h)"], row["L50 (h)"]) == ("2", "4")
+    assert (row["L10 (h)"], row["L50 (h)"]) == ("4", "6")
+    assert row["90 % of bearings (h)"] == "2 to 10" == row["scatter within a batch (h)"]
+    assert row["unknown for a batch (h)"] == "3 to 12"
     row = row_of(found, "fixed position", "0.08")
-    assert (row["L10 (h)"], row["L50 (h)"]) == ("14", "16")
+    assert (row["L10 (h)"], row["L50 (h)"]) == ("24", "26")
     assert row_of(found, "fixed position", "0.02")["L10 (h)"] == "–"
 
     capsys.readouterr()
     assert main(["show", str(lives)]) == 0
     shown = capsys.readouterr().out
-    of_force = shown.partition("constant_force, mu 0.08\n  L10")[2].partition("fixed_pos")[0]
-    assert re.search(r"L50 +h +3 +4\n", of_force)
-    assert re.search("0.9 to 1.25 +1.8 to 2.5", shown)
+    of_force = shown.partition("constant_force, mu 0.08\n  90 %")[2].partition("fixed_pos")[0]
+    assert re.search(r"L50 +h +5 +6\n", of_force)
+    assert re.search("of bearings +h +1 to 9 +2 to 10\n", of_force)
     assert "no spread computed for the other 2; the command" in shown
 
 
@@ -220,7 +230,7 @@ def test_no_spread_is_invented(small_project, sure, capsys):
     path.unlink()
     other.to_netcdf(path)
     found = answered(lives, [path])
-    assert row_of(found, "constant force", "0.08")["L10 (h)"] == "–"
+    assert "90 % of bearings (h)" not in row_of(found, "constant force", "0.08")
     assert "No spread computed, the command bearingwear uncertainty" in found.tables[0].note
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()

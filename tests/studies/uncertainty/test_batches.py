@@ -1,5 +1,7 @@
 """Two kinds of uncertainty, and grooves that are followed in sampled lives."""
 
+import xml.etree.ElementTree as ET
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -10,11 +12,13 @@ from support import scene_file
 from bearingwear.cli import main
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import load
-from bearingwear.results.quantiles import OF_BATCHES, Quantile, causes_told
+from bearingwear.results.quantiles import Spread, causes_told, spread_at, spread_cells
+from bearingwear.results.units import Interval
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.uncertain import UNCERTAIN, Distribution, is_same_for_batch
+from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import (
@@ -29,6 +33,7 @@ from bearingwear.studies.uncertainty.batches import (
 from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
 from bearingwear.studies.uncertainty.indices import class_indices
 from bearingwear.studies.uncertainty.perturbed import perturbed
+from bearingwear.studies.uncertainty.quantiles import own_quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample
 
 PLAN = Sampling(samples=64, chunks=1, seed=1)
@@ -66,7 +71,7 @@ def test_l10_of_a_batch_scales_with_what_is_not_known():
     scene = with_spread(wear_coefficient=wear, brinell_hardness_GPa=hardness)
     found, error = batch_quantiles(scene, Sampling(samples=1024, chunks=1, seed=1))
     nominal = life(scene).values["life"] * HOURS_PER_SECOND / scene.nominal("brinell_hardness_GPa")
-    of_bearings = 5.0 + 3.0 * np.array([0.1, 0.5, 0.9])
+    of_bearings = 5.0 + 3.0 * np.array([0.05, 0.1, 0.5, 0.9, 0.95])
     of_batches = 2.0 ** stats.norm.ppf([0.05, 0.5, 0.95])
     exact = of_batches[:, None, None] * of_bearings[:, None] * nominal
     assert_allclose(found, exact, rtol=0.03)
@@ -97,11 +102,11 @@ def test_error_of_the_interval_of_l10_covers_it():
         found, error = quantiles_with_error(*made_up_lives(8, 16, seed), seed)
         covered.append(np.abs(found[..., 0] - exact) <= error[..., 0])
         assert_allclose([found[..., 1], error[..., 1]], [2.0 * found[..., 0], 2.0 * error[..., 0]])
-        size[seed] = (error[..., 0] / exact)[[0, -1], 0]
+        size[seed] = (error[..., 0] / exact)[[0, -1], 1]
     assert np.mean(covered) > 0.95
     assert 0.1 < np.mean(list(size.values())) < 0.5  # and says something
     _, fewer = quantiles_with_error(*made_up_lives(32, 64, 0), 0)
-    assert (fewer[[0, -1], 0, 0] / exact[[0, -1], 0] < 0.7 * size[0]).all()
+    assert (fewer[[0, -1], 1, 0] / exact[[0, -1], 1] < 0.7 * size[0]).all()
 
 
 def test_error_of_the_interval_with_lives_that_were_not_solved():
@@ -116,18 +121,44 @@ def test_error_of_the_interval_with_lives_that_were_not_solved():
 
 
 def test_page_and_sheet_tell_the_interval_and_its_causes():
-    one = Quantile("L10", 1.2, 0.5, 3.0, errors=(0.0612, 0.4), between=OF_BATCHES)
-    assert one.ends == "0.5 ± 0.061 to 3 ± 0.4"
-    assert Quantile("L10", 1.2, 0.5, 3.0).ends == "0.5 to 3"
+    both = Spread(Interval(0.344, 5.812), Interval(1.0, 2.0), Interval(0.4, 5), {"L10": 1.234}, 1.0)
+    assert both.sentence.endswith("% of bearings between 0.34 and 5.8 h")
+    alike = both._replace(scatter=None, quantiles={}, solved=0.99)
+    assert alike.sentence.endswith(" h (of the 99 % of lives that were solved)")
+    assert spread_cells([both, alike, None]) == {
+        "90 % of bearings (h)": ["0.34 to 5.8", "0.34 to 5.8", "–"],
+        "scatter within a batch (h)": ["1 to 2", "none", "–"],
+        "unknown for a batch (h)": ["0.4 to 5", "0.4 to 5", "–"],
+        "L10 (h)": ["1.23", "–", "–"],
+    }
     told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
     batch = "Brinell hardness, wear coefficient, friction of ball and race, drag density"
-    assert f"each with one unknown value of {batch}. " in told
-    assert (
-        "Bearings of a batch differ in ball diameter, contact angle, inner groove factor, " in told
-    )
-    assert "± is the error of its ends from the size of the sample, 95 % confidence." in told
+    assert f"Unknown for a batch: {batch}." in told
+    assert "Scatter within a batch: ball diameter, contact angle, inner groove factor, " in told
     scattered = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.3})
-    assert causes_told(scattered.to_dict()).startswith("Bearings differ in preload; the interval")
+    assert causes_told(scattered.to_dict()) == "Scatter within a batch: preload."
+
+
+@pytest.mark.parametrize("scatters", [False, True])
+def test_no_l10_where_bearings_of_a_batch_are_alike(scatters, tmp_path, capsys):
+    """Known answer: K_s alone; life is proportional to 1/K_s, lognormal with a factor of 3."""
+    wear = {"distribution": "lognormal", "factor": 3.0, "same_for_batch": not scatters}
+    scene = with_spread(wear_coefficient=wear)
+    path = tmp_path / "uncertainty.nc"
+    write_dataset(own_quantiles(scene, ["constant_force"], Sampling(samples=256)), path)
+    found = spread_at(load(path).squeeze().isel(uncertain_inputs=0, loss_basis=1))
+    nominal = float(life(scene).values["life"][1]) * HOURS_PER_SECOND
+    ends = nominal * 3.0 ** stats.norm.ppf([0.05, 0.95])
+    assert_allclose(found.bearings, ends, rtol=0.03)
+    assert_allclose(found.scatter if scatters else found.unknown, ends, rtol=0.1)
+    assert (found.unknown if scatters else found.scatter) is None
+    assert list(found.quantiles) == (["L10", "L50"] if scatters else [])
+    assert main(["show", str(path)]) == 0
+    assert ("L10" in capsys.readouterr().out) == scatters
+    assert main(["plot", str(path), "-o", str(tmp_path / "a.svg")]) == 0
+    title = ET.parse(tmp_path / "a.svg").getroot().findtext("{http://www.w3.org/2000/svg}title")
+    low, high = found.bearings.text.split(" to ")
+    assert f"between {low} and {high} h" in title.replace("\n", " ") and "L10" not in title
 
 
 def test_indices_within_a_class_are_among_their_own():
@@ -185,7 +216,13 @@ def test_command_tells_batches_and_grooves(tmp_path, capsys):
     scene.write_text(text)
     (tmp_path / "gyro_s1.yaml").write_bytes(scene_file("gyro_s1").read_bytes())
     assert main(["uncertainty", str(scene), *settings]) == 0
-    assert "90 % of batches" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    first = shown.partition("\n\n")[2].splitlines()
+    assert first[2].startswith("  90 % of bearings") and "not solved" not in shown
+    assert all(name in shown for name in ("scatter within a batch", "unknown for a batch", "L10"))
+    assert "groove_error" not in shown and "dimension" not in shown
+    assert main(["show", "--all", str(out)]) == 0
+    assert "groove_error" in capsys.readouterr().out
     found = load(out)
     assert int(found["followed_lives"].squeeze()) > 0
     assert float(found["groove_error"].squeeze()) == 0.0

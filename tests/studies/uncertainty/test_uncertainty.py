@@ -9,7 +9,7 @@ from scipy import stats
 from support import scene_file
 
 from bearingwear.model.life import life
-from bearingwear.results.quantiles import OF_BATCHES, RECOMMENDED, load_quantiles, quantiles_of
+from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
@@ -52,9 +52,9 @@ def test_life_is_inverse_to_the_wear_coefficient():
     found = indices(scene, np.log(y), seed=1)
     assert_allclose(found["first_index"], 1.0, atol=0.03)  # sampling error, a few/sqrt(1024)
     assert_allclose(found["total_index"], 1.0, atol=0.03)
-    (l10, l50, l90), low, high = quantiles(np.concatenate([y[:, 0], y[:, -1]]))
-    exact = constant / np.array([8e-6 - 0.1 * 6e-6, 5e-6, 2e-6 + 0.1 * 6e-6])
-    assert_allclose([l10, l50, l90], exact, rtol=0.01)
+    found, low, high = quantiles(np.concatenate([y[:, 0], y[:, -1]]))
+    exact = constant / (8e-6 - np.array([0.05, 0.1, 0.5, 0.9, 0.95]) * 6e-6)
+    assert_allclose(found, exact, rtol=0.01)
     assert np.all(low <= exact) and np.all(exact <= high)
 
 
@@ -108,19 +108,20 @@ def test_spread_of_a_life_of_the_study(tmp_path):
         own_quantiles(scene, ["constant_force"], Sampling(samples=256, chunks=1, seed=1)), path
     )
     known, mu = load_quantiles(path), scene.friction.ball_race
-    found = quantiles_of([known], scene.to_dict(), "constant_force", mu)
+    found = spreads_of([known], scene.to_dict(), "constant_force", mu)
     middle = life(scene).values["life"] * HOURS_PER_SECOND  # K_s = 5e-6, the middle of its range
     assert_allclose(known["nominal_life"].squeeze(), middle, rtol=1e-12)
-    for c, ((l10, l50), hours) in enumerate(zip(found.values(), middle, strict=True)):
-        # all bearings of a batch have the same K_s: L10 is L50, between the ends of K_s
-        assert l10[1:4] == l50[1:4] and l10.between == OF_BATCHES
+    for c, (spread, hours) in enumerate(zip(found.values(), middle, strict=True)):
+        # all bearings of a batch have the same K_s: no scatter, and no L10
+        assert spread.scatter is None and not spread.quantiles
         ends = [hours * 5.0 / 7.7, hours * 5.0 / 2.3]
-        assert_allclose([l10.low, l10.hours, l10.high], [ends[0], hours, ends[1]], rtol=0.02)
+        assert_allclose(spread.unknown, ends, rtol=0.02)
+        assert_allclose(spread.bearings, ends, rtol=0.02)
         mixed = known["life_quantile"].isel(loss_basis=c, uncertain_inputs=0).squeeze()
-        assert_allclose(mixed[:2], [hours * 5.0 / 7.4, hours], rtol=0.02)
+        assert_allclose(mixed[1:3], [hours * 5.0 / 7.4, hours], rtol=0.02)
     for method, friction, which in (("fixed_position", mu, 0), ("constant_force", 0.05, 0),
                                  ("constant_force", mu, RECOMMENDED)):  # fmt: skip
-        assert quantiles_of([known], scene.to_dict(), method, friction, which) is None
+        assert spreads_of([known], scene.to_dict(), method, friction, which) is None
 
 
 def test_spread_of_a_life_is_that_of_the_design_study():
