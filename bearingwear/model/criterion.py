@@ -76,7 +76,7 @@ IN_WORDS = {
         "skid ratio", _at("skid_ratio"), "more preload, lower speed or less lubricant drag"
     ),
     "ball_diameter_loss_um": Criterion(
-        "loss of ball diameter",
+        "interference loss",
         _at("ball_diameter_loss", 1e6),
         "start from less wear, or raise the limit",
         " um",

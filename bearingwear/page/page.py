@@ -42,11 +42,11 @@ GLOSSARY = {
     "across its rolling direction; its share of all slip grows as the"
     " preload falls.",
     "skid ratio": "By how much a ball's orbit lags behind pure rolling.",
-    "loss of ball diameter": "How much smaller wear has made a ball. Counting balls and races, "
-    "the depth worn into the races is added, because it opens the "
-    "bearing as much.",
+    "interference loss": "How much interference wear has taken: the loss of ball diameter and, "
+    "counting balls and races, the depth worn into both races, because it opens the bearing as "
+    "much.",
     "wear life": "Hours until the first limit is met: residual preload, gyroscopic slip, skidding, "
-    "or loss of diameter.",
+    "or interference loss.",
     "dynamic, steady": "Dynamic: the motion is followed through time, with the cage if there is "
     "one. Steady: the motion in which all forces balance, friction included.",
 }

@@ -34,7 +34,7 @@ CRITERION_ROWS = {
     "preload_fraction": ("residual preload", "history_residual_preload", "%"),
     "gyroscopic_slip_share": ("gyroscopic slip share", "history_gyroscopic_slip_share", "%"),
     "skid_ratio": ("skid ratio", "history_skid_ratio", "%"),
-    "ball_diameter_loss_um": ("loss of ball diameter", "history_ball_diameter_loss", "um"),
+    "ball_diameter_loss_um": ("interference loss", "history_ball_diameter_loss", "um"),
     "pocket_clearance_mm": ("pocket clearance", "history_pocket_clearance", "mm"),
     "guide_clearance_mm": ("guide clearance", "history_guide_clearance", "mm"),
     "rotor_shift_um": ("shift of the rotor", "history_rotor_axial_shift", "um"),

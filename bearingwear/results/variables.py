@@ -183,8 +183,8 @@ STATE = ALWAYS | table(
     Variable("cage_speed", (), "rad s-1", "speed of the cage", averaged=True, label="speed"),
     Variable("ball_diameter_loss", _BALL, "m", "loss of ball diameter by wear"),
     Variable("ball_diameter_loss_rate", ("counts",), "m s-1",
-        "rate of the loss of ball diameter, mean over the balls", averaged=True,
-        label="loss of ball diameter", shown="um/1000 h"),
+        "rate of the interference loss, mean over the balls", averaged=True,
+        label="interference loss", shown="um/1000 h"),
     Variable("stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "stiffness of the bearing at constant speed and friction forces",
         comment="N m-1 between displacements, N between a displacement and a tilt, N m between "

@@ -256,7 +256,7 @@ class EndOfLife:
     ball_diameter_loss_um: Annotated[
         float | None,
         Key(
-            "Loss of ball diameter at which life ends, below a tenth of the ball diameter",
+            "Interference loss at which life ends, below a tenth of the ball diameter",
             "um",
             "(0, 50000]",
         ),
@@ -367,7 +367,7 @@ class Wear:
     counts: Annotated[
         str,
         Key(
-            "Which wear counts as loss of ball diameter where one life is quoted (files always "
+            "Which wear counts in the interference loss where one life is quoted (files always "
             "hold both)",
             choices=COUNTS,
         ),

@@ -329,9 +329,7 @@ def test_a_life_that_begins_at_its_limit_says_so(spindle):
     assert lived.values["life"].tolist() == [0.0, 0.0]
     told = warnings_in(lived.attrs)[0]
     assert told["id"] == "over_limit_when_new" and told["excess"] == 1.0
-    assert told["sentence"] == (
-        "over the limit from the start: loss of ball diameter 0.3 um at 0.3 um"
-    )
+    assert told["sentence"] == ("over the limit from the start: interference loss 0.3 um at 0.3 um")
 
 
 def test_friction_that_is_rounded_away(scene):
@@ -355,7 +353,7 @@ def test_friction_that_is_rounded_away(scene):
 
 def test_a_criterion_that_is_met_later_is_no_warning(spindle):
     lived = life(variant(spindle, {"wear.end_of_life.ball_diameter_loss_um": 0.01}))
-    assert lived.attrs["ended_by"] == "loss of ball diameter 0.01 um, limit 0.01 um"
+    assert lived.attrs["ended_by"] == "interference loss 0.01 um, limit 0.01 um"
 
 
 def test_exit_status_stays(spindle, tmp_path, capsys):

@@ -37,7 +37,7 @@ def test_a_case_says_what_was_solved(capsys):
         r"axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
-        r"loss of ball diameter +um/1000 h +29\.7 +528",
+        r"interference loss +um/1000 h +29\.7 +528",
     ):
         assert re.search(rf"^  {line}$", text, re.M), line
     assert "residual  " not in text and "source_hash" not in text
@@ -62,7 +62,7 @@ def test_a_life_says_what_ends_it(capsys):
     assert re.search(r"^  ended by +preload fraction$", text, re.M)
     assert re.search(r"^  residual preload +% +105 +40  limit 40, ends the life$", text, re.M)
     assert re.search(r"^  gyroscopic slip share +% +[\d.]+ +[\d.]+  limit 50$", text, re.M)
-    assert re.search(r"^  loss of ball diameter +um/1000 h +\d+ +\d+$", text, re.M)
+    assert re.search(r"^  interference loss +um/1000 h +\d+ +\d+$", text, re.M)
 
 
 @pytest.mark.parametrize("command", ["solve", "life"])

@@ -174,7 +174,7 @@ def _numbers(preload: float, steady: xr.Dataset, dynamic: xr.Dataset) -> list[Co
         compared("QV of the bearing", "total_qv", "qv_error_estimate", power),
         *(
             compared(
-                f"loss of ball diameter counting {in_words(way)}",
+                f"interference loss counting {in_words(way)}",
                 "ball_diameter_loss_rate",
                 "wear_rate_error_estimate",
                 LOSS_RATE,
@@ -251,7 +251,7 @@ def _about_cage(there: bool) -> str:
         return "The scene has no cage."
     return (
         "Only the dynamic cases have the cage: its pockets slow the balls and wear them, "
-        "which counts in the loss of ball diameter (counting ball above all)."
+        "which counts in the interference loss (counting ball above all)."
     )
 
 

@@ -54,7 +54,7 @@ POINT = table(
     ),
     Variable("residual_preload_at_start", (), "N", "running preload when new"),
     Variable("residual_preload_at_end", (), "N", "residual preload at the end of life"),
-    Variable("loss_at_end", (), "m", "loss of ball diameter at the end of life"),
+    Variable("loss_at_end", (), "m", "interference loss at the end of life"),
     Variable(
         SLIP_SHARE,
         (),

@@ -103,7 +103,7 @@ INTERPOLATED = table(
         "interpolated_loss_at_end",
         (),
         "m",
-        f"loss of ball diameter at the end, {_FROM_THE_STUDY}",
+        f"interference loss at the end, {_FROM_THE_STUDY}",
     ),
     Variable(
         "interpolated_end_criterion",
@@ -117,7 +117,7 @@ INTERPOLATED = table(
         "interpolated_history_ball_diameter_loss",
         ("interpolated_step",),
         "m",
-        f"loss of ball diameter, {_FROM_THE_STUDY}",
+        f"interference loss, {_FROM_THE_STUDY}",
     ),
     Variable(
         "interpolated_history_time",
