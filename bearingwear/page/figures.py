@@ -41,6 +41,8 @@ class Drawing:
         [px]
     uri : str
         The picture itself.
+    is_map : bool
+        Whether shades stand for numbers: a dark page must not invert them.
     data : sequence of path
         What it was drawn from.
     """
@@ -51,6 +53,7 @@ class Drawing:
     width: int
     height: int
     uri: Markup
+    is_map: bool
     data: Sequence[Path] = ()
 
 
@@ -107,6 +110,7 @@ def _drawing(file: Path, png: Path | None, data: Sequence[Path]) -> Drawing:
         round(width * 4.0 / 3.0),  # from points to pixels
         round(height * 4.0 / 3.0),
         uri,
+        root.find(f".//{{{SVG}}}image") is not None,
         data,
     )
 
