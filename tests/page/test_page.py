@@ -170,6 +170,17 @@ def test_a_small_figure_shows_what_the_file_shows(small_project):
     assert len(drawing.uri) < 0.5 * drawing.path.stat().st_size
 
 
+def test_a_dark_page_leaves_maps_as_they_are(tmp_path):
+    """Inverted, the shades of a map would contradict its legend."""
+    for name, inside in {"map": "<image/>", "lines": "<path/>"}.items():
+        svg = f'<svg xmlns="{figures.SVG}" viewBox="0 0 9 9"><g>{inside}</g></svg>'
+        (tmp_path / f"{name}.svg").write_text(svg)
+    drawn = figures.drawings([tmp_path / "map.svg", tmp_path / "lines.svg"], {})
+    assert [drawing.is_map for drawing in drawn] == [True, False]
+    style = Path(figures.__file__).with_name("page.css").read_text()
+    assert re.findall(r"(.*) \{ filter: invert", style) == ["  .plot:not(.map) img"]
+
+
 def test_a_figure_says_what_it_shows(small_project, whole):
     tree = parsed(whole)
     texts = [" ".join(node.attrib["alt"].split()) for node in tree.iter("img")]
@@ -180,7 +191,7 @@ def test_a_figure_says_what_it_shows(small_project, whole):
     message = " ".join(message.split())
     assert texts[1].startswith(f"{message}. ") and captions[1] == message
     assert all("mine" in caption for caption in captions)
-    for what in ("loss of ball diameter (µm)", "running time (h)", "fixed position", "ball alone"):
+    for what in ("interference loss (µm)", "running time (h)", "fixed position", "ball alone"):
         assert what in texts[1]
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
@@ -51,6 +52,7 @@ class Life(NamedTuple):
     counts: str  # what counts in the scene
     error: float  # estimate of the relative numerical error, nan if not known
     end: str  # in words; the status where it was not solved
+    worn: bool = False  # whether its grooves were followed as they wear
     spread: Spread | None = None
 
     @property
@@ -93,6 +95,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
                     counts,
                     float(error[ways.index(counts)]),
                     end,
+                    "groove_depth" in one and bool(np.isfinite(one["groove_depth"]).any()),
                     (spreads_of(known, scene, method, mu) or {}).get(counts),
                 )
             )
@@ -117,7 +120,8 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
     points = [("What ends it", _what_ends(here))]
     contests = _contests(here)
     if contests:
-        points.insert(0, ("Which preload method", _verdicts(contests)))
+        verdicts = [_compared(here, scene), *_verdicts(contests)]
+        points.insert(0, ("Which preload method", verdicts))
     if at_once := _at_once(here):
         points.append(("How sure", [at_once]))
     if others:
@@ -186,6 +190,18 @@ def _headline(name: str, lives: Sequence[Life], contests: Sequence[_Contest]) ->
     if len(winners) == 1:
         return f"{name}: {in_words(str(*winners))} lasts longest"
     return f"{name}: which method lasts longest depends on friction"
+
+
+def _compared(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
+    """At which preload and with which grooves the methods are compared."""
+    worn = {life.worn for life in lives}
+    grooves = "with grooves as they wear" if True in worn else "with Hertzian grooves"
+    if len(worn) > 1:
+        grooves += " where the loss is large"
+    return (
+        f"Both methods at the {scene['operation']['preload_N']:g} N of the scene, {grooves}; at a "
+        "preload recommended for each of them the order may differ."
+    )
 
 
 def _distinct(lives: Iterable[Life], what: str) -> list[str]:

@@ -117,7 +117,7 @@ def _draw(column: np.ndarray, state: xr.Dataset, power: Display, **look: Any) ->
 
 
 def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:
-    """The largest differences in QV and in the wear rate of a ball, of all cases solved both ways."""
+    """The largest differences, of all cases solved both ways."""
     steady = study.sel({axis: dynamic[axis] for axis in dynamic["status"].dims})
     differences = [
         float(abs(dynamic[name].mean(rest) / steady[name].mean(rest) - 1.0).max())

@@ -114,8 +114,10 @@ def test_lives_of_zero_are_no_contest():
     both, one = answer(lives(0.0, 0.0), SCENE), answer(lives(0.0, 2.0), SCENE)
     assert both.headline == "s at 7 N: both preload methods last equally long"
     assert [plain(text) for text in one.points[0][1]] == [
+        "Both methods at the 7 N of the scene, with Hertzian grooves; at a preload recommended for "
+        "each of them the order may differ.",
         "Fixed position outlasts constant force: it alone is within the limits when new at "
-        "µ = 0.04."
+        "µ = 0.04.",
     ]
 
 
