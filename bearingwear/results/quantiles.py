@@ -39,13 +39,13 @@ CONFIDENCE = 0.95
 INTERVAL = (0.05, 0.95)
 """Probabilities at the ends of the intervals that are quoted."""
 
-SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
+QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
 NO_QUANTILES = "no spread computed"
 SEE = "the command bearingwear uncertainty computes it"
 
-BEARINGS = f"{SHARE} of bearings"
+BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""
 
 
@@ -62,7 +62,7 @@ class Spread(NamedTuple):
     def sentence(self) -> str:
         """`90 % of bearings between 0.34 and 5.8 h`, and of how many lives if not of all."""
         low, high = self.bearings.text.split(" to ")
-        text = f"{BEARINGS} between {low} and {high} h".replace(" %", "\N{NO-BREAK SPACE}%")
+        text = f"{BEARINGS_BETWEEN} between {low} and {high} h".replace(" %", "\N{NO-BREAK SPACE}%")
         if self.bearings.low == 0.0:
             text += " (0: beyond a limit when new)"
         share = f" (of the {100.0 * self.solved:.3g} % of lives that were solved)"
@@ -73,7 +73,7 @@ class Spread(NamedTuple):
         """What a sheet or a table shows of it, by its label."""
         parts = {"scatter within a batch": self.scatter, "unknown for a batch": self.unknown}
         return {
-            BEARINGS: self.bearings,
+            BEARINGS_BETWEEN: self.bearings,
             **{f"  {label}": part or "none" for label, part in parts.items()},
             **self.quantiles,
         }

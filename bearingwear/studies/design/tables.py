@@ -19,7 +19,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
-    BEARINGS,
+    BEARINGS_BETWEEN,
     RECOMMENDED,
     causes_told,
     spread_at,
@@ -228,7 +228,7 @@ def _quantiles(uncertainty: xr.Dataset) -> list[str]:
     spreads = spread_cells(found)
     columns = [
         *("method", "preload", "counting", "nominal life (h)"),
-        *(f"{BEARINGS}, wear coefficient and hardness as stated (h)", "lives solved"),
+        *(f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated (h)", "lives solved"),
     ]
     return [
         markdown_table(

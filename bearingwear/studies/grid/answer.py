@@ -15,8 +15,8 @@ from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
+    QUOTED_SHARE,
     SEE,
-    SHARE,
     Spread,
     causes_told,
     load_quantiles,
@@ -246,7 +246,7 @@ def _note(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}, {SEE}')}"
     return (
-        f"{counts} {SHARE} of bearings have a life in the interval, over all that the scene calls "
+        f"{counts} {QUOTED_SHARE} of bearings have a life in the interval, over all that the scene calls "
         f"uncertain. {causes_told(scene)}"
     )
 

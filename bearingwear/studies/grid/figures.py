@@ -32,7 +32,7 @@ from bearingwear.plotting.drawing import (
     race_keys,
     scene_of,
 )
-from bearingwear.results.quantiles import BEARINGS, NO_QUANTILES, spreads_of
+from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spreads_of
 from bearingwear.results.units import Display, Interval, digits, display
 
 WEAR_RATE = display("m3 s-1")
@@ -326,4 +326,4 @@ def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[
     if not found:
         return NO_QUANTILES
     every = Interval(min(one.low for one in found), max(one.high for one in found))
-    return f"{BEARINGS}, over what is uncertain: {every.text} h"
+    return f"{BEARINGS_BETWEEN}, over what is uncertain: {every.text} h"
