@@ -246,8 +246,8 @@ def _note(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
     if not any(life.spread for life in lives):
         return f"{counts} {_sentence(f'{NO_QUANTILES}, {SEE}')}"
     return (
-        f"{counts} {QUOTED_SHARE} of bearings have a life in the interval, over all that the scene calls "
-        f"uncertain. {causes_told(scene)}"
+        f"{counts} {QUOTED_SHARE} of bearings have a life in the interval, over all that the scene "
+        f"calls uncertain. {causes_told(scene)}"
     )
 
 
