@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from bearingwear import __version__
 from bearingwear.console import one_line
+from bearingwear.measures import LIMITED
 from bearingwear.scene.assumed import CLASSES
 from bearingwear.scene.catalogue import MAKERS
 from bearingwear.scene.designations import CLEARANCES
@@ -19,34 +20,6 @@ from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 from bearingwear.studies import NAMES
-
-LIMITS = (
-    ("--stiffness", "axial_stiffness_N_um", "N_UM", "least axial stiffness, N/um"),
-    ("--slip", "gyroscopic_slip_share", "SHARE", "largest gyroscopic slip share of a contact"),
-    ("--pressure", "maximum_pressure_GPa", "GPA", "largest contact pressure, GPa"),
-    ("--power", "friction_power_W", "W", "largest power of friction and drag, W"),
-    (
-        "--system-stiffness",
-        "system_axial_stiffness_N_um",
-        "N_UM",
-        "least axial stiffness of the arrangement, N/um",
-    ),
-    ("--shift", "rotor_shift_um", "UM", "largest axial shift of the rotor, um"),
-    ("--preload-kept", "preload_kept", "SHARE", "least residual preload over the initial one"),
-    (
-        "--friction-used",
-        "friction_used_by_gyroscopic_moment",
-        "SHARE",
-        "largest share of friction that gyroscopic moments use",
-    ),
-    (
-        "--frequency",
-        "lowest_frequency_Hz",
-        "HZ",
-        "least of the lowest natural frequency of the rotor, Hz",
-    ),
-)
-"""Options that say what a design must keep to, from new to the end of its life."""
 
 BAD_INPUT = 2
 
@@ -191,8 +164,15 @@ def _add_scene_with_changes(sub: argparse.ArgumentParser) -> None:
 
 
 def _add_limits(sub: argparse.ArgumentParser) -> None:
-    for option, key, metavar, text in LIMITS:
-        sub.add_argument(option, dest=key, type=_positive, metavar=metavar, help=text)
+    for key, one in LIMITED.items():
+        text = one.limit[0][0].lower() + one.limit[0][1:]
+        unit, metavar = f", {one.unit}", one.unit.upper().replace("/", "_")
+        if one.unit == "%":
+            unit, metavar = "", "SHARE"
+        sub.add_argument(
+            one.option, dest=key, type=_positive, metavar=metavar, help=f"{text}{unit}"
+        )
+    sub.add_argument("--system-stiffness", type=_now_stiffness, help=argparse.SUPPRESS)
 
 
 def _add_result(sub: argparse.ArgumentParser) -> None:
@@ -335,6 +315,10 @@ def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
 
 def _positive(text: str) -> float:
     return _number(text, lambda value: 0.0 < value < math.inf, "> 0")
+
+
+def _now_stiffness(text: str) -> NoReturn:
+    raise argparse.ArgumentTypeError(f"is now --stiffness {text}")
 
 
 def _share(text: str) -> float:

@@ -18,8 +18,9 @@ import re
 import sys
 from collections.abc import Sequence
 
-from bearingwear.arguments import BAD_INPUT, LIMITS, command_parser
+from bearingwear.arguments import BAD_INPUT, command_parser
 from bearingwear.console import UsageError, one_line
+from bearingwear.measures import LIMITED
 from bearingwear.studies import NAMES
 
 _OK, INTERRUPTED = 0, 130
@@ -120,7 +121,7 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         _sort_plot(parser, args)
     if args.command == "study":
         args.more, left = left, []
-        given = [option for option, key, *_ in LIMITS if getattr(args, key) is not None]
+        given = [one.option for key, one in LIMITED.items() if getattr(args, key) is not None]
         given += ["--output"] if args.output is not None else []
         if given and args.name in ("all", *NAMES):
             parser.error(f"study: got {given[0]} without a scene; only allowed with SCENE.yaml")

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.console import one_line
+from bearingwear.measures import LIMITED
 from bearingwear.scene.new import OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
 
@@ -197,7 +198,6 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-    from bearingwear.arguments import LIMITS
     from bearingwear.studies.launch import (
         CONFIG,
         DRY_RUN,
@@ -208,7 +208,7 @@ def study(args: argparse.Namespace) -> int:
     )
     from bearingwear.studies.sampling import usable_cores
 
-    check_arguments(args.more, [option for option, *_ in LIMITS] + ["--output", "--jobs"])
+    check_arguments(args.more, [one.option for one in LIMITED.values()] + ["--output", "--jobs"])
     jobs = args.jobs or usable_cores()
 
     if args.name.endswith(SCENE_SUFFIXES):
@@ -285,13 +285,11 @@ def _tried(path: str) -> list[str]:
 
 
 def _limits(args: argparse.Namespace) -> DesignLimits:
-    """The limits that are given, by the options of `arguments.LIMITS`."""
-    from dataclasses import fields
-
+    """The limits that are given, by the options of the table of measures."""
     from bearingwear.scene.checking import record
     from bearingwear.studies.design.plan import DesignLimits
 
-    given = {one.name: getattr(args, one.name) for one in fields(DesignLimits)}
+    given = {name: getattr(args, name) for name in LIMITED}
     return record(DesignLimits, {k: v for k, v in given.items() if v is not None}, "limits")
 
 

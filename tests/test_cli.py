@@ -482,19 +482,21 @@ def test_plot_in_any_order_of_arguments(tmp_path, capsys):
 
 
 def test_recommend(capsys):
-    limits = ["--stiffness", "4", "--power", "0.05"]
+    limits = ["--bearing-stiffness", "4", "--power", "0.05"]
     assert main(["recommend", str(SCENE), *limits]) == 0
     told = capsys.readouterr().out
-    assert "limit: axial stiffness at least 4 N/um" in told
-    assert re.search(r"held by +axial stiffness +no preload keeps to all limits", told)
+    assert "limit: axial stiffness of one bearing at least 4 N/um" in told
+    assert re.search(
+        r"held by +axial stiffness of one bearing +no preload keeps to all limits", told
+    )
     assert "none within the limits, fixed position: each limit can be kept, not all" in told
-    (new_and_worn,) = re.findall(r"axial stiffness +N/um +([\d.]+) +([\d.]+)$", told, re.M)
+    (new_and_worn,) = re.findall(r"^stiffness, one bearing +N/um +([\d.]+) +([\d.]+)$", told, re.M)
     assert new_and_worn[0] == "4"
     assert (
         main(["recommend", str(SCENE), *limits, "--json", "--set", "friction.ball_race=0.05"]) == 0
     )
     data = json.loads(capsys.readouterr().out)
-    assert data["limits"][0] == "axial stiffness at least 4 N/um"
+    assert data["limits"][0] == "axial stiffness of one bearing at least 4 N/um"
     assert list(data["none_because"]) == ["fixed_position"]
     assert {row["name"] for row in data["quantities"]} >= {"preload", "life", "axial_stiffness"}
 
@@ -561,6 +563,7 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
     "arguments, said",
     [
         (["--stiffness", "0"], "argument --stiffness: got '0', expected a number > 0"),
+        (["--system-stiffness", "3"], "argument --system-stiffness: is now --stiffness 3"),
         (
             ["--pressure", "2000"],
             "maximum_pressure_GPa: got 2000.0, expected a number > 0 and <= 20",

@@ -12,18 +12,19 @@ import bearingwear
 PACKAGE = Path(bearingwear.__file__).parent
 
 # A part may import itself and what is listed; `__init__` is the package itself.
-SOLVING = {"model", "scene", "kernels", "provenance", "sides"}
+SOLVING = {"model", "scene", "kernels", "provenance", "sides", "measures"}
 READING = {"results", "atomic", "__init__"} | SOLVING
 MAY_IMPORT = {
     "kernels": {"provenance"},
-    "scene": {"kernels", "provenance", "atomic"},
-    "model": {"scene", "kernels", "provenance", "sides"},
+    "scene": {"kernels", "provenance", "atomic", "measures"},
+    "model": {"scene", "kernels", "provenance", "sides", "measures"},
     "results": READING,
     "plotting": READING,
     "studies": {"plotting", "console"} | READING,
     "page": {"plotting"} | READING,
     "provenance": set(),
     "sides": set(),
+    "measures": set(),
     "atomic": set(),
     "console": set(),
     "__init__": {"api", "scene"},
@@ -54,6 +55,7 @@ LIBRARIES = {
     "model": {"numpy", "scipy"},
     "provenance": set(),
     "sides": set(),
+    "measures": {"numpy"},  # not to name options
     "atomic": set(),
     "console": set(),
     "commands": set(),

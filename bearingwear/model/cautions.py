@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.model.criterion import IN_WORDS, criterion_met
+from bearingwear.measures import ENDS
+from bearingwear.model.criterion import criterion_met, value_along
 from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence
 from bearingwear.model.fidelity import unwatched
 from bearingwear.model.films_told import film_worn
@@ -213,7 +214,7 @@ def _rounded(e: Evidence) -> Finding | None:
 
 
 def _unwatched(e: Evidence) -> Finding | None:
-    names = [IN_WORDS[name].words for name in unwatched(e.scene, e.chosen)]
+    names = [ENDS[name].words for name in unwatched(e.scene, e.chosen)]
     return (None, {"names": ", ".join(names), "fidelity": e.chosen.fidelity}) if names else None
 
 
@@ -234,13 +235,11 @@ def _when_new(e: Evidence) -> Finding | None:
     met = criterion_met(e.scene, e.life)
     if met is None:
         return None
-    criterion, limit = met
-    value = criterion.value(e.life, 0, e.scene)
-    excess = np.float64(limit) / value if criterion.falls else value / limit
+    measure, limit = met
+    value = value_along(measure, e.life, 0, e.scene)
     new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
-    side = "at" if value == limit else "below" if criterion.falls else "above"
-    said = f"{criterion.said(value)} {side} {criterion.number(limit)}"
-    return max(excess, JUST_MET), {"said": said, "new": new, "advice": criterion.advice}
+    excess = max(measure.excess(value, limit), JUST_MET)
+    return excess, {"said": measure.passed(value, limit), "new": new, "advice": measure.advice}
 
 
 CAUTIONS = (

@@ -2,16 +2,19 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.measures import MEASURES, Measure
 from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.life import life_history
-from bearingwear.model.life_integrator import LifeHistory, WearState
+from bearingwear.model.life_integrator import FIELDS, LifeHistory, WearState
 from bearingwear.model.pair_life import PairLife, PairStates, pair_states
 from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.states_at_loss import steady_states
+from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.scene import COUNTS, Scene
 
 WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a life's tolerance
@@ -67,25 +70,28 @@ class WearCourses:
 
 
 def worse_halves(states: Iterable[tuple[WearState, WearState]], scene: Scene) -> list[WearState]:
-    """What limits look at in each state of a pair: the values of its worse bearing.
+    """What limits look at in each state of a pair: of each measure the value of its worse bearing.
 
     The preload is that of the worse side, with all its bearings in tandem.
     """
     assert scene.pair is not None
     n_1, n_2 = scene.pair.tandem
-    return [
-        replace(
-            first,
-            loss=max(first.loss, second.loss),
-            preload=min(n_1 * first.preload, n_2 * second.preload),
-            share=np.maximum(first.share, second.share),
-            skid=max(first.skid, second.skid, key=abs),
-            pressure=max(first.pressure, second.pressure),
-            stiffness=min(first.stiffness, second.stiffness),
-            friction_power=max(first.friction_power, second.friction_power),
-            friction_used=max(first.friction_used, second.friction_used),
-            total_qv=max(first.total_qv, second.total_qv),
-            frequency=lowest_frequency(scene, (first, second)),
-        )
-        for first, second in states
-    ]
+    found = []
+    for one, other in states:
+        first = replace(one, preload=n_1 * one.preload)
+        second = replace(other, preload=n_2 * other.preload)
+        worse = {
+            FIELDS.get(name, name): _worse(first[name], second[name], measure)
+            for measure in MEASURES
+            for name in measure.variables
+            if measure.key not in OF_CAGE
+        }
+        worse["frequency"] = lowest_frequency(scene, (one, other))
+        found.append(replace(first, **worse))
+    return found
+
+
+def _worse(first: Any, second: Any, measure: Measure) -> Any:
+    """Of two values, or of each value of two arrays, the one closer to a limit."""
+    is_second = second < first if measure.falls else np.abs(second) > np.abs(first)
+    return np.where(is_second, second, first)[()]

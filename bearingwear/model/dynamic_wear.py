@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.measures import ENDS
 from bearingwear.model import parameters
 from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.heat import warmed_for, warmth_of
@@ -20,9 +21,9 @@ from bearingwear.model.life import margins
 from bearingwear.model.life_integrator import CRITERIA, WearState
 from bearingwear.model.states_at_loss import in_half_of_pair
 from bearingwear.model.worn_parts import WornParts
+from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
-OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm")
 _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 END = 1e-3  # of a step: tolerance of the end
 _MOST_TRIALS = 8  # runs to find the end
@@ -174,17 +175,12 @@ class DynamicWear:
         return self.parts.clearances(node.rates)[OF_CAGE.index(name)] - nothing[OF_CAGE.index(name)]
 
     def margins(self, node: Node) -> np.ndarray:
-        """How far each criterion is from being met, in the order of `CRITERIA`, as `life.margins`.
-
-        Those of the cage as shares of the clearance allowed.
-        """
-        operation = self.scene.operation
-        of_cage = [
-            math.inf if limit is None else 1.0 - clearance / (limit * parameters.MM)
-            for limit, clearance in zip(self.limits, self.parts.clearances(node.worn), strict=True)
-        ]
-        found = margins(self.state(node), self.end, operation.preload_N)
-        found[[CRITERIA.index(name) for name in OF_CAGE]] = of_cage
+        """How far each criterion is from being met, as `life.margins`, and those of the cage."""
+        found = margins(self.state(node), self.end, self.scene.operation.preload_N)
+        of_cage = zip(OF_CAGE, self.limits, self.parts.clearances(node.worn), strict=True)
+        for name, limit, clearance in of_cage:
+            if limit is not None:
+                found[CRITERIA.index(name)] = ENDS[name].margin(clearance, limit)
         return found
 
     def first_crossing(self, a: Node, b: Node) -> tuple[float, int, float] | None:

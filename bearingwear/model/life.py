@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.measures import ENDS
 from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
@@ -33,9 +34,30 @@ from bearingwear.model.states_at_loss import (
     steady_states,
 )
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+
+HISTORY = (
+    "ball_diameter_loss",
+    "residual_preload",
+    "total_qv",
+    "qv",
+    "contact_angle",
+    "contact_load",
+    "semi_major_axis",
+    "maximum_pressure",
+    "gyroscopic_slip_share",
+    "skid_ratio",
+    "ball_diameter_loss_rate",
+    "ball_wear_rate",
+    "race_wear_rate",
+    "axial_displacement",
+    "friction_used_by_gyroscopic_moment",
+    "system_axial_stiffness",
+    "rotor_axial_shift",
+)
+"""Result variables of every state along a life."""
 
 
 def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
@@ -43,23 +65,11 @@ def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
 
     Positive before, zero or below where it is met; infinite where it does not apply.
     """
-    MN_M, GPA = 1e6, 1e9
-    looked_at: dict[str, Callable[[float], float]] = {
-        "preload_fraction": lambda limit: state.preload / preload_N - limit,
-        "gyroscopic_slip_share": lambda limit: limit - state.share.max(),
-        "skid_ratio": lambda limit: limit - abs(state.skid),
-        "ball_diameter_loss_um": lambda limit: 1.0 - state.loss / (limit * parameters.UM),
-        "rotor_shift_um": lambda limit: 1.0 - abs(state.shift) / (limit * parameters.UM),
-        "system_axial_stiffness_N_um": lambda limit: state.system_stiffness / (limit * MN_M) - 1.0,
-        "friction_used_by_gyroscopic_moment": lambda limit: limit - state.friction_used,
-        "film_worn_share": lambda limit: limit - state.film_worn.max(),
-        "maximum_pressure_GPa": lambda limit: 1.0 - state.pressure / (limit * GPA),
-        "groove_depth_um": lambda limit: 1.0 - state.depth / (limit * parameters.UM),
-    }
-    found = np.full(len(CRITERIA) - 1, np.inf)
-    for name, limit in end.criteria.items():
-        if name in looked_at:
-            found[CRITERIA.index(name)] = looked_at[name](limit)
+    found = np.full(len(ENDS), np.inf)
+    for k, (name, measure) in enumerate(ENDS.items()):
+        limit = getattr(end, name)
+        if limit is not None and name not in OF_CAGE:
+            found[k] = measure.margin(measure.critical(state.__getitem__, preload_N)[0], limit)
     return found
 
 
@@ -215,28 +225,8 @@ def life_values(scene: Scene, history: LifeHistory) -> dict:
 
 def history_values(states: list[WearState]) -> dict:
     """Result variables of the states along a life."""
-    columns = {
-        "ball_diameter_loss": "loss",
-        "residual_preload": "preload",
-        "total_qv": "total_qv",
-        "qv": "qv",
-        "contact_angle": "angle",
-        "contact_load": "load",
-        "semi_major_axis": "major",
-        "maximum_pressure": "pressure",
-        "gyroscopic_slip_share": "share",
-        "skid_ratio": "skid",
-        "ball_diameter_loss_rate": "rate",
-        "ball_wear_rate": "ball_rate",
-        "race_wear_rate": "race_rate",
-        "axial_displacement": "place",
-        "friction_used_by_gyroscopic_moment": "friction_used",
-        "system_axial_stiffness": "system_stiffness",
-        "rotor_axial_shift": "shift",
-    }
     values: dict[str, Any] = {
-        f"history_{name}": np.array([getattr(s, attribute) for s in states])
-        for name, attribute in columns.items()
+        f"history_{name}": np.array([state[name] for state in states]) for name in HISTORY
     }
     if np.isfinite(states[0].temperature).any():
         values["history_part_temperature"] = np.array([s.temperature for s in states])

@@ -10,6 +10,7 @@ the states and differ in the clock.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -25,6 +26,30 @@ WELL_WITHIN = 0.02  # share of the allowed error below which the next step is tw
 ENOUGH = 1e3  # shortest steps; a step as short as this is taken whatever its error
 TINY_TIME = 1e-300  # [s], so that nothing is no scale
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
+
+
+FIELDS = {
+    "ball_diameter_loss": "loss",
+    "residual_preload": "preload",
+    "contact_angle": "angle",
+    "contact_load": "load",
+    "semi_major_axis": "major",
+    "maximum_pressure": "pressure",
+    "gyroscopic_slip_share": "share",
+    "skid_ratio": "skid",
+    "ball_diameter_loss_rate": "rate",
+    "ball_wear_rate": "ball_rate",
+    "race_wear_rate": "race_rate",
+    "axial_displacement": "place",
+    "friction_used_by_gyroscopic_moment": "friction_used",
+    "system_axial_stiffness": "system_stiffness",
+    "rotor_axial_shift": "shift",
+    "axial_stiffness": "stiffness",
+    "greatest_depth": "depth",
+    "film_worn_share": "film_worn",
+    "lowest_frequency": "frequency",
+}
+"""Of a `WearState`, by the names of result variables; others have these names already."""
 
 
 def pair():
@@ -65,6 +90,10 @@ class WearState:
     depth_rate: np.ndarray = pair()  # of both grooves, where films or running in ask for it [m/s]
     film: np.ndarray = field(default_factory=lambda: np.full(3, np.nan))  # left, as `films.Cover`
     film_worn: np.ndarray = pair()  # share of each track on which no film is left [1]
+
+    def __getitem__(self, name: str) -> Any:
+        """A value by the name of its result variable."""
+        return getattr(self, FIELDS.get(name, name))
 
 
 class Unsolved(ArithmeticError):

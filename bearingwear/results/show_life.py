@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import ENDS, Measure
+from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.pair_view import bearings_of
 from bearingwear.results.rows import COUNTED, VARIABLES, mean, mean_rows, meaning, row_of, values
 from bearingwear.results.sheet import Block, Row
@@ -30,33 +32,8 @@ WORN_WHOLE = (
     "history_pocket_clearance",
     "history_guide_clearance",
 )
-CRITERION_ROWS = {
-    "preload_fraction": ("residual preload", "history_residual_preload", "%"),
-    "gyroscopic_slip_share": ("gyroscopic slip share", "history_gyroscopic_slip_share", "%"),
-    "skid_ratio": ("skid ratio", "history_skid_ratio", "%"),
-    "ball_diameter_loss_um": ("interference loss", "history_ball_diameter_loss", "um"),
-    "pocket_clearance_mm": ("pocket clearance", "history_pocket_clearance", "mm"),
-    "guide_clearance_mm": ("guide clearance", "history_guide_clearance", "mm"),
-    "rotor_shift_um": ("shift of the rotor", "history_rotor_axial_shift", "um"),
-    "system_axial_stiffness_N_um": (
-        "stiffness of the arrangement",
-        "history_system_axial_stiffness",
-        "N/um",
-    ),
-    "friction_used_by_gyroscopic_moment": (
-        "friction used by gyro",
-        "history_friction_used_by_gyroscopic_moment",
-        "%",
-    ),
-    "film_worn_share": ("track without film", "history_film_worn_share", "%"),
-    "maximum_pressure_GPa": ("contact pressure", "history_maximum_pressure", "GPa"),
-    "groove_depth_um": ("depth of a groove", "history_greatest_depth", "um"),
-}
-"""Of each criterion that may end a life: its name, its history, the unit in which it is shown."""
-
-_UNITS_OF_LIMITS = {"%": 100.0, "um": 1e6, "mm": 1e3, "N/um": 1e-6, "GPa": 1e-9}
-"""From a history of the file to the unit of `CRITERION_ROWS`."""
-
+MET = 1e-3
+"""Share of a limit within which the bearing of a pair that ends a life meets it."""
 
 _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
 
@@ -131,26 +108,36 @@ def _life_of(file: Any, k: int) -> float:
 
 
 def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
-    """A row for each criterion that the scene gives: what it was, what it came to, its limit."""
+    """A row for each criterion that the scene gives: what it was, what it came to, its limit.
+
+    Of two bearings, the one that meets the criterion ends the life.
+    """
     given = scene["wear"].get("end_of_life") or {}
     ended = meaning(file, "end_criterion")
     rows = []
-    for criterion, (label, name, unit) in CRITERION_ROWS.items():
-        limit = given.get(criterion)
-        if limit is None:
+    for criterion, measure in ENDS.items():
+        if (limit := given.get(criterion)) is None:
             continue
-        found = np.atleast_1d(values(file, name))
-        if found.ndim > 1:  # of both races the larger counts
-            found = found.max(axis=1)
-        factor = _UNITS_OF_LIMITS[unit]
-        if criterion == "preload_fraction":
-            found = found / scene["operation"]["preload_N"]
-        elif criterion == "rotor_shift_um":
-            found = np.abs(found)
-        ends = tuple(factor * float(x) for x in found[[0, -1]])
-        note = "ends the life" if criterion == ended else ""
-        bound = factor * limit if unit == "%" else limit
-        rows.append(Row(label, unit, ends, criterion, bound, note))
+
+        def at(k: int, measure: Measure = measure) -> float:
+            found, _ = measure.critical(
+                lambda name: np.atleast_1d(values(file, f"history_{name}"))[k],
+                scene["operation"]["preload_N"],
+            )
+            return found
+
+        start, end = at(0), at(-1)
+        met = not is_pair(scene) or measure.margin(end, limit) < MET
+        rows.append(
+            Row(
+                measure.short,
+                measure.unit,
+                (measure.shown(start), measure.shown(end)),
+                criterion,
+                measure.shown_limit(limit),
+                "ends the life" if criterion == ended and met else "",
+            )
+        )
     return tuple(rows)
 
 

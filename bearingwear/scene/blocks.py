@@ -6,12 +6,13 @@ nothing is converted here (`bearingwear.model.parameters` does that).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from typing import Annotated
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
 
+from bearingwear.measures import ENDS
 from bearingwear.scene.catalogue import MAKERS
 from bearingwear.scene.friction import Film, RunningIn
-from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.records import NAME, Key, optional_numbers
 
 COUNTS = ("ball", "ball_and_races")
 BALL_TRACKS = ("spread", "bands")
@@ -228,119 +229,35 @@ class Lubricant:
     ] = 0.0
 
 
+OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm")
+"""Criteria that a cage alone has."""
+
+_CRITERIA: Any = optional_numbers(
+    {name: Key(one.end[0], one.key_unit, one.end[1]) for name, one in ENDS.items()}
+)
+
+
 @dataclass(frozen=True, kw_only=True)
-class EndOfLife:
+class EndOfLife(_CRITERIA):
     """Criteria of which the first that is met ends the life; None where one does not apply.
 
-    The clearances are limits of the cage, which a dynamic life alone sees wearing.
+    Its keys are those of `bearingwear.measures.ENDS`. The clearances are limits of the cage, which
+    a dynamic life alone sees wearing.
     """
-
-    preload_fraction: Annotated[
-        float | None,
-        Key("Residual preload over preload_N, at or below which life ends", "1", "(0, 1)"),
-    ] = None
-    gyroscopic_slip_share: Annotated[
-        float | None,
-        Key(
-            "Gyroscopic share of the slip in any contact, at or above which life ends",
-            "1",
-            "(0, 1]",
-        ),
-    ] = None
-    skid_ratio: Annotated[
-        float | None,
-        Key(
-            "Lag of the orbit rate behind pure rolling, at or above which life ends", "1", "(0, 1]"
-        ),
-    ] = None
-    ball_diameter_loss_um: Annotated[
-        float | None,
-        Key(
-            "Interference loss at which life ends, below a tenth of the ball diameter",
-            "um",
-            "(0, 50000]",
-        ),
-    ] = None
-    pocket_clearance_mm: Annotated[
-        float | None,
-        Key(
-            "Diametral clearance of pocket and most worn ball at which life ends, needs a cage "
-            "and a dynamic life",
-            "mm",
-            "(0, 50]",
-        ),
-    ] = None
-    guide_clearance_mm: Annotated[
-        float | None,
-        Key(
-            "Diametral clearance of cage and guiding land at which life ends, needs a cage "
-            "guided by a race and a dynamic life",
-            "mm",
-            "(0, 50]",
-        ),
-    ] = None
-
-    rotor_shift_um: Annotated[
-        float | None,
-        Key(
-            "Axial shift of the rotor in either direction, from its place as mounted, at which "
-            "life ends",
-            "um",
-            "(0, 50000]",
-        ),
-    ] = None
-    system_axial_stiffness_N_um: Annotated[
-        float | None,
-        Key(
-            "Axial stiffness of the arrangement (a single bearing is half of a symmetric pair), "
-            "at or below which life ends",
-            "N/um",
-            "(0, 1e6]",
-        ),
-    ] = None
-    friction_used_by_gyroscopic_moment: Annotated[
-        float | None,
-        Key(
-            "Share of friction that gyroscopic moments use, M_g/(mu (Q_i + Q_o) R), at or above"
-            " which life ends",
-            "1",
-            "(0, 10]",
-        ),
-    ] = None
-    film_worn_share: Annotated[
-        float | None,
-        Key(
-            "Share of the track of a race on which no film is left, at or above which life ends",
-            "1",
-            "(0, 1]",
-        ),
-    ] = None
-    maximum_pressure_GPa: Annotated[
-        float | None,
-        Key("Largest contact pressure, at or above which life ends", "GPa", "(0, 20]"),
-    ] = None
-    groove_depth_um: Annotated[
-        float | None,
-        Key(
-            "Depth of the deepest groove at which life ends, seen where grooves are followed",
-            "um",
-            "(0, 50000]",
-        ),
-    ] = None
 
     @property
     def criteria(self) -> dict[str, float]:
         """The criteria that apply."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        values = {name: getattr(self, name) for name in ENDS}
         return {name: value for name, value in values.items() if value is not None}
 
     @property
     def without_cage(self) -> EndOfLife:
         """The criteria that ask nothing of a cage."""
-        return replace(self, pocket_clearance_mm=None, guide_clearance_mm=None)
+        return replace(self, **dict.fromkeys(OF_CAGE))
 
 
-CRITERIA = (*(field.name for field in fields(EndOfLife)), "none")
+CRITERIA = (*ENDS, "none")
 """What may end a life, in the order of the flags."""
 
 

@@ -24,7 +24,7 @@ import math
 import re
 import types
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, make_dataclass, replace
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from bearingwear.scene.errors import yaml_number
@@ -49,7 +49,8 @@ class Key:
     unit : str, optional
         1 for a number, none for anything else.
     within : str
-        The range as an interval: `[0, 0.5)` are the numbers from 0 to below 0.5.
+        The range as an interval: `[0, 0.5)` are the numbers from 0 to below 0.5, `(0, inf)` those
+        above 0.
     minimum, above, maximum, below : float, optional
         The same as its ends, where there is only one; above and below are not part of it.
     choices : tuple of str
@@ -97,7 +98,8 @@ class Key:
         if self.within:
             low, high = map(float, self.within[1:-1].split(","))
             object.__setattr__(self, "minimum" if self.within[0] == "[" else "above", low)
-            object.__setattr__(self, "maximum" if self.within[-1] == "]" else "below", high)
+            if math.isfinite(high):
+                object.__setattr__(self, "maximum" if self.within[-1] == "]" else "below", high)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -149,6 +151,12 @@ class Part:
     def at(self, name: str) -> Part | None:
         """What stands under a name, or under an index of a list."""
         return self.below.get(name) or self.item
+
+
+def optional_numbers(keys: Mapping[str, Key]) -> Any:
+    """A base of records whose fields are numbers, or None where one is not given."""
+    named: list[Any] = [(name, Annotated[float | None, key], None) for name, key in keys.items()]
+    return make_dataclass("OptionalNumbers", named, frozen=True, kw_only=True)
 
 
 _KINDS = {int: "integer", float: "number", bool: "boolean", str: "text", Any: "any"}

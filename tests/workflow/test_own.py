@@ -65,9 +65,9 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     assert told.splitlines()[-1].endswith(f"folder/index.html: {headline}")
     assert re.match(r"gyro_s1: take a spring of 4\.1\d* N \(constant force\)$", headline)
     assert "A preload with a longer life would pass a limit: axial stiffness" in page
-    assert "axial stiffness at least 3 N/µm" in page and "L10" in page
+    assert "axial stiffness of the arrangement at least 3 N/µm" in page and "L10" in page
     found = load(folder / "results/mine/preload/recommendation.nc")
-    assert float(found["axial_stiffness"].min()) >= 3.0e6
+    assert float(found["system_axial_stiffness"].min()) >= 3.0e6
     assert (folder / "results/verdict.txt").read_text() == "all 8 solved and verified\n"
 
     # again: nothing to do
@@ -79,7 +79,9 @@ def test_from_a_scene_to_its_page(study, tmp_path):
     assert status == 0 and rules(told) & {"grid_solve", "grid_quantiles"} == set()
     assert "no preload keeps to all limits" in told.splitlines()[-1]
     page = text_of(folder / "index.html")
-    assert re.search(r"limits: axial stiffness at least 900 N/µm, at best [\d.]+ at", page)
+    assert re.search(
+        r"limits: axial stiffness of the arrangement at least 900 N/µm, at best [\d.]+ at", page
+    )
 
     # an edited scene: what depends on it, in the copy as well
     mine = tmp_path / "mine.yaml"
@@ -135,7 +137,7 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     mine = tmp_path / "mine.yaml"
     rotor = "arrangement: {kind: spring_pair, external_axial_N: 1.0}\n"
     mine.write_text(mine.read_text(encoding="utf-8") + rotor, encoding="utf-8")
-    status, told = study("-j2", "--system-stiffness", "4")
+    status, told = study("-j2", "--stiffness", "4")
     assert status == 0, told
     folder = tmp_path / "folder"
     (log,) = folder.glob("logs/design/small_map/**/*.log")
@@ -149,5 +151,5 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     found = load(folder / "results/mine/preload/recommendation.nc")
     assert float(found["system_axial_stiffness"].min()) >= 4.0e6 * (1.0 - 1e-6)
     assert not (folder / "results/mine/cases").exists()
-    status, told = study("-j2", "--system-stiffness", "4")
+    status, told = study("-j2", "--stiffness", "4")
     assert status == 0 and "Nothing to be done" in told

@@ -33,7 +33,6 @@ from bearingwear.studies.design.beside import (
 )
 from bearingwear.studies.design.choice import (
     ACTIVE,
-    LIMITED,
     limits_of,
     preload_text,
 )
@@ -45,6 +44,7 @@ from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows, 
 from bearingwear.studies.design.tables import none_because
 from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
 from bearingwear.studies.design.words import (
+    BRIEF_WORDS,
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
     LIMIT_WORDS,
@@ -71,16 +71,6 @@ NO_CLOCK = (
     "Compare lives with each other, and promise no hours: a life is inversely proportional to the "
     "wear coefficient, which is known to an order of magnitude at best."
 )
-
-_SHOWN = {
-    "axial_stiffness": ("axial stiffness", ""),
-    "system_axial_stiffness": ("stiffness, arrangement", ""),
-    "friction_power": ("friction power", ""),
-    "maximum_pressure": ("pressure", ""),
-    "gyroscopic_slip_share": ("gyroscopic slip share", "%"),
-    "residual_preload_at_end": ("preload left at the end", ""),
-}
-"""What stands beside a life: of each the worst from new to the end of life."""
 
 _COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in the order of `COUNTS`."""
@@ -213,7 +203,7 @@ def _held(one: xr.Dataset) -> str:
     given = limits_of(one).given
     if name == "end_of_range" and not given:
         return f"{_HELD[name]} No limit was given: set what the machine needs, such as a stiffness."
-    if name not in LIMITED:
+    if name not in given:
         return _HELD[name]
     limit = given[name]
     return f"A preload with a longer life would pass a limit: {limit_text(name, limit)}."
@@ -293,7 +283,7 @@ def _recommended(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]
         rows.append([f"life {HERTZIAN_LIFE_WORDS} (h)", *hours("hertzian_life", basis)])
     rows += [[label, *cells] for label, cells in spread_cells([*spread.values()]).items()]
     rows.append([f"life, counting {_COUNTED_WORDS[1 - basis]} (h)", *hours("life", 1 - basis)])
-    for name, (label, shown) in _SHOWN.items():
+    for name, (label, shown) in BRIEF_WORDS.items():
         values = recommendation[name]
         unit = display(values.attrs["units"], values, shown=shown)
         rows.append([unit.label(label), *(unit.text(one[name]) for one in columns)])
@@ -314,7 +304,7 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
     basis = counted(design)
     shown = {
         name: (label, display(line[name].attrs["units"], line[name], shown=as_))
-        for name, (label, as_) in _SHOWN.items()
+        for name, (label, as_) in BRIEF_WORDS.items()
     }
     rows = [
         [

@@ -26,18 +26,13 @@ from bearingwear.studies.dataset import LOSS_BASIS, coordinate, counted, dataset
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.followed import followed_point, with_grooves
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
-from bearingwear.studies.design.words import LIMIT_WORDS
+from bearingwear.studies.design.words import BRIEF_WORDS, LIMIT_WORDS
 from bearingwear.studies.life_scene import life_scene
 
 _KIND = "beside"
 _WORDS = "words"
 """Attribute: the other assumption of each of them, in words."""
 
-_SHOWN = {
-    "system_axial_stiffness": "stiffness, arrangement",
-    "friction_power": "friction power",
-    "maximum_pressure": "pressure",
-}
 _NONE = {"status": -1, "end_criterion": len(CRITERIA) - 1, "solves": 0, "failed_solves": 0}
 
 
@@ -101,9 +96,10 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
 def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
     """Lives at the recommended preloads, as studied and with other assumptions."""
     basis = counted(recommendation)
+    files = beside, recommendation
     units = {
-        name: (label, display(beside[name].attrs["units"], beside[name], recommendation[name]))
-        for name, label in _SHOWN.items()
+        name: (label, display(beside[name].attrs["units"], *(f[name] for f in files), shown=as_))
+        for name, (label, as_) in BRIEF_WORDS.items()
     }
     rows = [
         [

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,45 +14,14 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.measures import LIMITED, Measure
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import in_percent, limit_text
-
-
-@dataclass(frozen=True, kw_only=True)
-class Limited:
-    """What a limit is for.
-
-    Attributes
-    ----------
-    variable : str
-        Of the map.
-    sign : float
-        1 for a limit from above, -1 for one from below.
-    unit : float
-        Its unit in SI.
-    """
-
-    variable: str
-    sign: float = 1.0
-    unit: float = 1.0
-
-
-LIMITED = {
-    SLIP_SHARE: Limited(variable=SLIP_SHARE),
-    "axial_stiffness_N_um": Limited(variable="axial_stiffness", sign=-1.0, unit=1e6),
-    "maximum_pressure_GPa": Limited(variable="maximum_pressure", unit=1e9),
-    "friction_power_W": Limited(variable="friction_power"),
-    "system_axial_stiffness_N_um": Limited(variable="system_axial_stiffness", sign=-1.0, unit=1e6),
-    "rotor_shift_um": Limited(variable="rotor_axial_shift", unit=1e-6),
-    "preload_kept": Limited(variable="preload_kept", sign=-1.0),
-    "friction_used_by_gyroscopic_moment": Limited(variable="friction_used_by_gyroscopic_moment"),
-    "lowest_frequency_Hz": Limited(variable="lowest_frequency", sign=-1.0),
-}
+from bearingwear.studies.design.words import limit_text
 
 ACTIVE = (
     *LIMITED,
@@ -138,10 +106,7 @@ def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
 
     In the order of `limits.given`; `values` is a Dataset or a dict of what `life_point` finds.
     """
-    return [
-        LIMITED[name].sign * (1.0 - values[LIMITED[name].variable] / (limit * LIMITED[name].unit))
-        for name, limit in limits.given.items()
-    ]
+    return [LIMITED[name].margins(values, limit) for name, limit in limits.given.items()]
 
 
 def best_within(
@@ -217,7 +182,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
     return before + "; ".join(
         f"{limit_text(name, limits.given[name])}, {but}"
-        f"{in_percent(name, float(line[LIMITED[name].variable][k]) / LIMITED[name].unit):.3g} "
+        f"{float(LIMITED[name].shown(LIMITED[name].worst(line)[k])):.3g} "
         f"at {float(line['preload'][k]):.3g} N"
         for name, k in failed.items()
     )
@@ -242,16 +207,17 @@ def preload_text(one: xr.Dataset) -> str:
     return f"{float(one['preload']):.7g}".replace("nan", "–")
 
 
-def stiffness_of(design: xr.Dataset) -> str:
-    """The stiffness that counts: of the arrangement where a limit asks for it."""
-    system = "system_axial_stiffness_N_um" in json.loads(design.attrs.get("limits", "{}"))
-    return "system_axial_stiffness" if system else "axial_stiffness"
+def stiffness_of(design: xr.Dataset) -> Measure:
+    """The stiffness that counts: what the rotor feels, unless that of one bearing is limited."""
+    given = json.loads(design.attrs.get("limits", "{}"))
+    rotor, bearing = LIMITED["system_axial_stiffness_N_um"], LIMITED["axial_stiffness_N_um"]
+    return bearing if bearing.key in given and rotor.key not in given else rotor
 
 
 def front(design: xr.Dataset, basis: int) -> xr.DataArray:
     """Which points of a map no other beats in both life and stiffness (dimensions of the map)."""
     solved = design["status"] == OK
     lives = design["life"].isel(loss_basis=basis).where(solved)
-    stiffness = design[stiffness_of(design)].where(solved).transpose(*lives.dims)
+    stiffness = stiffness_of(design).worst(design).where(solved).transpose(*lives.dims)
     best = pareto(-stiffness.values.ravel(), -lives.values.ravel()).reshape(lives.shape)
     return xr.DataArray(best, lives.coords, lives.dims) & (lives > 0.0)

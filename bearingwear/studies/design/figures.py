@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
+from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
@@ -30,6 +31,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import (
     ACTIVE,
     NO_PRELOAD,
+    UNLIMITED,
     front,
     limit_margins,
     limits_of,
@@ -42,7 +44,10 @@ from bearingwear.studies.design.show import methods_told, verdict_told
 from bearingwear.studies.design.verdict import NEITHER_LONGER
 from bearingwear.studies.design.words import LIMIT_WORDS
 
-LETTERS = dict(zip(ACTIVE, "GSPFARKMHLEU×N", strict=True))
+LETTERS = {name: one.letter for name, one in LIMITED.items()}
+LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×N", strict=True))
+"""What holds a preload, on a map."""
+
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 STIFFNESS_UNIT = display("N m-1")
@@ -96,8 +101,8 @@ def design_figure(
             if uncertainty is not None:
                 lives = at_recommended(uncertainty, int(chosen["preload_method"]))["life_quantile"]
                 _spread_bar(over_preload, name, chosen, lives.isel(loss_basis=basis))
-    system = limits.system_axial_stiffness_N_um
-    limit = limits.axial_stiffness_N_um if system is None else system
+    stiffness = stiffness_of(design)
+    limit = limits.given.get(stiffness.key)
     if limit is not None:
         over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
     for panel in panels[0]:
@@ -105,9 +110,9 @@ def design_figure(
         if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
             _logarithmic(panel)
     over_preload.set(xlabel="initial preload (N)", title="life over preload")
-    of = "least axial stiffness" + ("" if system is None else ", arrangement")
     over_stiffness.set(
-        xlabel=STIFFNESS_UNIT.label(f"{of}, over the life"), title="life against stiffness"
+        xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.short}, over the life"),
+        title="life against stiffness",
     )
     as_wide_as_it_is(over_preload, design)
     if area:
@@ -152,7 +157,7 @@ def _hertzian(panels: Any, name: str, one: xr.Dataset) -> None:
     """Lives with grooves that keep their shape, beside those with grooves followed."""
     lives = one["life"].where(lambda h: h > 0.0)
     for panel, x in zip(
-        panels, (one["preload"], STIFFNESS_UNIT.of(one[stiffness_of(one)])), strict=True
+        panels, (one["preload"], STIFFNESS_UNIT.of(stiffness_of(one).worst(one))), strict=True
     ):
         panel.plot(x, lives, color=COLOURS[name], linewidth=0.8, linestyle=":")
 
@@ -162,7 +167,7 @@ def _over_stiffness(
 ) -> None:
     """Lives of a method, pale where a limit is passed, with dots on the Pareto front."""
     lives = one["life"].where(lambda h: h > 0.0)
-    stiffness = STIFFNESS_UNIT.of(one[stiffness_of(one)])
+    stiffness = STIFFNESS_UNIT.of(stiffness_of(one).worst(one))
     look = {"color": COLOURS[name]}
     dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
     panel.plot(stiffness, lives, alpha=0.35, linewidth=0.8, **look)
@@ -177,7 +182,7 @@ def _recommended(panels: Any, name: str, chosen: xr.Dataset) -> None:
     over_preload, over_stiffness = panels
     preload, stiffness = (
         float(chosen["preload"]),
-        STIFFNESS_UNIT.of(float(chosen[stiffness_of(chosen)])),
+        STIFFNESS_UNIT.of(float(stiffness_of(chosen).worst(chosen))),
     )
     for panel, x in ((over_preload, preload), (over_stiffness, stiffness)):
         panel.plot(x, life, linestyle="none", **STAR, **look)

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.measures import LIMITED
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.rotor import lowest_frequency
@@ -38,6 +39,24 @@ MAP_AXES = table(
     Variable("preload", ("preload",), "N", "initial axial preload"),
 )
 
+_AND_LATER = "from new to the end of life"
+
+
+def _extremes() -> list[Variable]:
+    """Of every limited measure, the worst from new to the end of life."""
+    return [
+        Variable(
+            name,
+            (),
+            one.si_unit,
+            ", ".join(filter(None, (one.limit[0][0].lower() + one.limit[0][1:], kind, _AND_LATER))),
+            comment=one.note or None,
+        )
+        for one in LIMITED.values()
+        for name, kind in zip(one.extremes, one.kinds, strict=True)
+    ]
+
+
 POINT = table(
     STATUS,
     Variable("end_criterion", (), "", "criterion that ends the life", dtype="i1", flags=CRITERIA),
@@ -56,59 +75,13 @@ POINT = table(
     Variable("residual_preload_at_end", (), "N", "residual preload at the end of life"),
     Variable("loss_at_end", (), "m", "interference loss at the end of life"),
     Variable(
-        SLIP_SHARE,
-        (),
-        "1",
-        "largest gyroscopic slip share of a contact from new to the end of life",
-    ),
-    Variable("axial_stiffness", (), "N m-1", "least axial stiffness from new to the end of life"),
-    Variable("maximum_pressure", (), "Pa", "largest contact pressure from new to the end of life"),
-    Variable(
-        "friction_power",
-        (),
-        "W",
-        "largest power of friction and drag of the whole bearing from new to the end of life",
-    ),
-    Variable(
         "friction_power_at_start",
         (),
         "W",
         "power of friction and drag of the whole bearing when new",
     ),
     Variable("axial_stiffness_at_start", (), "N m-1", "axial stiffness when new"),
-    Variable(
-        "system_axial_stiffness",
-        (),
-        "N m-1",
-        "least axial stiffness of the arrangement from new to the end of life",
-        comment="a single bearing is half of a symmetric pair",
-    ),
-    Variable(
-        "rotor_axial_shift",
-        (),
-        "m",
-        "largest axial shift of the rotor, either way, from new to the end of life",
-        comment="a single bearing is half of a symmetric pair",
-    ),
-    Variable(
-        "preload_kept",
-        (),
-        "1",
-        "least residual preload over the initial one from new to the end of life",
-    ),
-    Variable(
-        "friction_used_by_gyroscopic_moment",
-        (),
-        "1",
-        "largest share of friction that gyroscopic moments use from new to the end of life",
-    ),
-    Variable(
-        "lowest_frequency",
-        (),
-        "Hz",
-        "lowest natural frequency of the rotor, in any direction, from new to the end of life",
-        comment="where mass and span are given; a single bearing is half of a symmetric pair",
-    ),
+    *_extremes(),
 )
 """What a point of the map has: a life, and the extremes along it.
 
@@ -152,22 +125,19 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
 def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, float]:
     """What limits look at, of the states of a life."""
     new, worn = states[0], states[-1]
-    return {
+    found = {
         "residual_preload_at_start": new.preload,
         "residual_preload_at_end": worn.preload,
         "loss_at_end": worn.loss,
-        SLIP_SHARE: max(s.share.max() for s in states),
-        "axial_stiffness": min(s.stiffness for s in states),
-        "maximum_pressure": max(s.pressure for s in states),
-        "friction_power": max(s.friction_power for s in states),
         "friction_power_at_start": new.friction_power,
         "axial_stiffness_at_start": new.stiffness,
-        "system_axial_stiffness": min(s.system_stiffness for s in states),
-        "rotor_axial_shift": max(abs(s.shift) for s in states),
-        "preload_kept": min(s.preload for s in states) / scene.operation.preload_N,
-        "friction_used_by_gyroscopic_moment": max(s.friction_used for s in states),
-        "lowest_frequency": min(_frequency(scene, s) for s in states),
     }
+    along = [replace(state, frequency=_frequency(scene, state)) for state in states]
+    for one in LIMITED.values():
+        for name, variable in zip(one.extremes, one.variables, strict=True):
+            extreme = one.extreme([state[variable] for state in along])
+            found[name] = extreme / scene.operation.preload_N if one.over_preload else extreme
+    return found
 
 
 def _frequency(scene: Scene, state: WearState) -> float:

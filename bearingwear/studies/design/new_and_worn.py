@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.measures import MEASURES
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.worn_courses import worn_history
@@ -20,15 +19,6 @@ from bearingwear.studies.design.plan import DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
 from bearingwear.studies.pool import Tell
-
-SHOWN_OF_A_STATE: dict[str, tuple[Callable[[WearState], float], str, str]] = {
-    "residual preload": (lambda s: s.preload, "N", ""),
-    "axial stiffness": (lambda s: s.stiffness, "N m-1", ""),
-    "contact pressure": (lambda s: s.pressure, "Pa", ""),
-    "friction power": (lambda s: s.friction_power, "W", ""),
-    "gyroscopic slip share": (lambda s: float(s.share.max()), "1", "%"),
-}
-"""Value of a state of wear, its unit, and how it is shown where the unit does not say."""
 
 
 def recommended_sheet(
@@ -62,15 +52,19 @@ def recommended_sheet(
         if one["status"] == OK
         for when, state in zip(("new", "worn"), _states(scene, method, one), strict=True)
     ]
-    rows = []
-    for label, (value, units, shown) in SHOWN_OF_A_STATE.items():
-        numbers = [value(state) for _, state in states]
-        unit = display(units, numbers, shown=shown)
-        rows.append(Row(label, unit.unit, tuple(float(unit.of(number)) for number in numbers)))
+    rows = [_row("residual preload", "N", [state.preload for _, state in states])]
+    for one in (one for one in MEASURES if one.brief):
+        numbers = [one.critical(state.__getitem__)[0] for _, state in states]
+        rows.append(_row(one.short, one.si_unit, numbers, one.shown_as))
     columns = tuple(name for name, _ in states)
     worn = [Block("at that preload", columns, tuple(rows))] if states else []
     sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn))
     return sheet, bool((design["status"] == OK).any())
+
+
+def _row(label: str, units: str, numbers: list[float], shown: str = "") -> Row:
+    unit = display(units, numbers, shown=shown)
+    return Row(label, unit.unit, tuple(float(unit.of(number)) for number in numbers))
 
 
 def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:

@@ -11,9 +11,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
+from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import for_life
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import Key, optional_numbers
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.variant import variant
 from bearingwear.studies.axis import RisingAxis
@@ -29,53 +30,20 @@ CHECKED_FIDELITIES = ("steady", "dynamic")
 """By which they are solved."""
 
 
+def _limit(one: Measure) -> Key:
+    meaning, within = one.limit
+    return Key(f"{meaning} ({one.note})" if one.note else meaning, one.key_unit, within)
+
+
+_LIMITS: Any = optional_numbers({name: _limit(one) for name, one in LIMITED.items()})
+
+
 @dataclass(frozen=True, kw_only=True)
-class DesignLimits:
-    """What a design must keep to from new to the end of its life; None where there is no limit."""
+class DesignLimits(_LIMITS):
+    """What a design must keep to from new to the end of its life; None where there is no limit.
 
-    gyroscopic_slip_share: Annotated[
-        float | None,
-        Key("Largest gyroscopic slip share in any contact", "1", above=0, maximum=1),
-    ] = None
-    axial_stiffness_N_um: Annotated[float | None, Key("Least axial stiffness", "N/um", above=0)] = (
-        None
-    )
-    maximum_pressure_GPa: Annotated[
-        float | None, Key("Largest contact pressure", "GPa", above=0, maximum=20)
-    ] = None
-    friction_power_W: Annotated[
-        float | None, Key("Largest power of friction and drag", "W", above=0)
-    ] = None
-
-    system_axial_stiffness_N_um: Annotated[
-        float | None,
-        Key(
-            "Least axial stiffness of the arrangement (a single bearing is half of a symmetric "
-            "pair, rigid at a fixed position)",
-            "N/um",
-            above=0,
-        ),
-    ] = None
-    rotor_shift_um: Annotated[
-        float | None,
-        Key("Largest axial shift of the rotor from where it was mounted", "um", above=0),
-    ] = None
-    preload_kept: Annotated[
-        float | None, Key("Least residual preload over the initial one", "1", above=0, below=1)
-    ] = None
-    friction_used_by_gyroscopic_moment: Annotated[
-        float | None,
-        Key("Largest share of friction that gyroscopic moments use", "1", above=0, maximum=10),
-    ] = None
-    lowest_frequency_Hz: Annotated[
-        float | None,
-        Key(
-            "Least of the lowest natural frequency of the rotor, of a scene that gives its mass "
-            "and span",
-            "Hz",
-            above=0,
-        ),
-    ] = None
+    Its keys are those of `bearingwear.measures.LIMITED`.
+    """
 
     def check(self, scene: Scene, source: str) -> None:
         """Refuse a limit of what a scene does not have.

@@ -12,11 +12,11 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.criterion import IN_WORDS
+from bearingwear.measures import ENDS, LIMITED
 from bearingwear.model.worn_courses import lives_by_end
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
-from bearingwear.studies.design.choice import LIMITED, limit_margins
+from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.followed import HERTZIAN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
@@ -83,7 +83,7 @@ def _dense(line: xr.Dataset, basis: int) -> dict[str, np.ndarray]:
     # between two solved neighbours alone
     whole = np.interp(fine, p, solved.astype(float)) > 1.0 - 1e-9
     known = {"life": np.where(solved, life, 0.0)}
-    known |= {one.variable: line[one.variable].values for one in LIMITED.values()}
+    known |= {name: line[name].values for one in LIMITED.values() for name in one.extremes}
     x, at = np.log(p), np.log(fine)
     found = {name: np.interp(at, x, np.nan_to_num(v)) for name, v in known.items()}
     found["life"] = np.where(whole, found["life"], 0.0)
@@ -140,7 +140,7 @@ def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
     end = scenes[0].wear.end_of_life or EndOfLife()
     most = {name: _largest(name, limit) for name, limit in end.criteria.items()}
     loose = {
-        name: limit / CRITERIA_FARTHEST if IN_WORDS[name].falls else most[name] * limit
+        name: limit / CRITERIA_FARTHEST if ENDS[name].falls else most[name] * limit
         for name, limit in end.criteria.items()
     }
     lives = [lives_by_end(scene, replace(end, **loose), basis) for scene in scenes]

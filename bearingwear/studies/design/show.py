@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.model.criterion import IN_WORDS
+from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
@@ -19,6 +19,7 @@ from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.verdict import CLAIMED, NO_COMPARISON, ONE_LONGER, VERDICTS
 from bearingwear.studies.design.words import (
     ASSUMED_WORDS,
+    END_KEY,
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
     LIMIT_KEY,
@@ -26,9 +27,7 @@ from bearingwear.studies.design.words import (
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
     TRACK_WORDS,
-    in_percent,
     limit_text,
-    limit_unit,
 )
 
 
@@ -99,19 +98,20 @@ def room_rows(file: Any) -> list[tuple[str, str, str, tuple[float, float, float]
     for k, name in enumerate(flag_words(file, "assumption")):
         numbers = [column[k] for column in columns]
         label, unit = assumption_words(name)
-        short = name.rpartition(".")[2]
-        shown = tuple(in_percent(short, v) if unit == "%" else float(v) for v in numbers)
+        shown = tuple(100.0 * v if unit == "%" else float(v) for v in numbers)
         rows.append((name, label, unit, shown))
     return rows  # type: ignore[return-value]
 
 
 def assumption_words(name: str) -> tuple[str, str]:
     """Label and unit of an assumption."""
-    short = name.rpartition(".")[2]
     if name in ASSUMED_WORDS:
         return ASSUMED_WORDS[name], ""
-    label = LIMIT_WORDS[short] if name.startswith(LIMIT_KEY) else f"end: {IN_WORDS[short].words}"
-    return label, limit_unit(short)
+    if name.startswith(LIMIT_KEY):
+        one = LIMITED[name.removeprefix(LIMIT_KEY)]
+        return one.words, one.unit
+    one = ENDS[name.removeprefix(END_KEY)]
+    return f"end: {one.words}", one.unit
 
 
 def flag_words(file: Any, name: str) -> list[str]:
@@ -128,10 +128,8 @@ def methods_told(file: Any) -> list[str]:
 
 def quantities_told(file: Any) -> dict[str, tuple[str, str]]:
     """Those of `RECOMMENDED_WORDS` that a file knows; of a rotor without mass, no frequency."""
-    known = dict(RECOMMENDED_WORDS)
-    if not np.isfinite(values(file, "lowest_frequency")).any():
-        del known["lowest_frequency"]
-    return known
+    words = RECOMMENDED_WORDS.items()
+    return {name: told for name, told in words if np.isfinite(values(file, name)).any()}
 
 
 def track_told(file: Any) -> list[str]:

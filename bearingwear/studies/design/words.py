@@ -1,15 +1,9 @@
 """Limits of the design study and what holds a preload, in words."""
 
-LIMIT_WORDS = {
-    "gyroscopic_slip_share": "gyroscopic slip share",
-    "axial_stiffness_N_um": "axial stiffness",
-    "maximum_pressure_GPa": "contact pressure",
-    "friction_power_W": "friction power",
-    "system_axial_stiffness_N_um": "stiffness of the arrangement",
-    "rotor_shift_um": "shift of the rotor",
-    "preload_kept": "preload kept",
-    "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment",
-    "lowest_frequency_Hz": "frequency of the rotor",
+from bearingwear.measures import LIMITED, Measure
+from bearingwear.results.units import in_print
+
+LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "nothing: life is longest there",
     "end_of_range": "end of the map",
     "not_solved": "an unsolved neighbour",
@@ -18,47 +12,34 @@ LIMIT_WORDS = {
 }
 """What keeps a preload from one with a longer life."""
 
-_LIMIT_TEXT = {
-    "gyroscopic_slip_share": "gyroscopic slip share at most {:g} % in any contact",
-    "axial_stiffness_N_um": "axial stiffness at least {:g} N/µm",
-    "maximum_pressure_GPa": "contact pressure at most {:g} GPa",
-    "friction_power_W": "power of friction and drag at most {:g} W",
-    "system_axial_stiffness_N_um": "axial stiffness of the arrangement at least {:g} N/µm",
-    "rotor_shift_um": "shift of the rotor at most {:g} µm",
-    "preload_kept": "preload kept at least {:g} %",
-    "friction_used_by_gyroscopic_moment": "friction used by the gyroscopic moment at most {:g} %",
-    "lowest_frequency_Hz": "lowest natural frequency of the rotor at least {:g} Hz",
-}
-
 
 def limit_text(name: str, value: float) -> str:
     """What a limit asks for."""
-    return _LIMIT_TEXT[name].format(in_percent(name, value))
+    one = LIMITED[name]
+    side = "at least" if one.falls else "at most"
+    return f"{one.words} {side} {one.shown_limit(value):g} {in_print(one.unit)}"
 
 
-def in_percent(name: str, value: float) -> float:
-    """A limit, or a value beside it, as it is shown: a share in per cent."""
-    return 100.0 * value if limit_unit(name) == "%" else value
+def _label(one: Measure, k: int) -> str:
+    return ", ".join(filter(None, (one.short, one.kinds[k])))
 
 
-def limit_unit(name: str) -> str:
-    """The unit in which a limit is shown."""
-    ends = {"_N_um": "N/um", "_GPa": "GPa", "_W": "W", "_um": "um", "_mm": "mm", "_Hz": "Hz"}
-    return next((unit for end, unit in ends.items() if name.endswith(end)), "%")
-
+_AT_END = {"residual_preload_at_end": ("residual preload at the end", "")}
 
 RECOMMENDED_WORDS = {
-    "axial_stiffness": ("least axial stiffness", ""),
-    "maximum_pressure": ("largest pressure", ""),
-    "friction_power": ("largest friction power", ""),
-    "gyroscopic_slip_share": ("largest gyroscopic slip share", "%"),
-    "system_axial_stiffness": ("least stiffness, arrangement", ""),
-    "rotor_axial_shift": ("largest shift of the rotor", ""),
-    "friction_used_by_gyroscopic_moment": ("friction used by gyro", "%"),
-    "lowest_frequency": ("lowest frequency of the rotor", ""),
-    "residual_preload_at_end": ("residual preload at the end", ""),
-}
+    name: (f"{one.worst_word} {_label(one, k)}", one.shown_as)
+    for one in LIMITED.values()
+    for k, name in enumerate(one.extremes)
+} | _AT_END
 """Quantities beside a recommended life, and how they are shown where the unit does not say."""
+
+BRIEF_WORDS = {
+    name: (_label(one, k), one.shown_as)
+    for one in LIMITED.values()
+    if one.brief
+    for k, name in enumerate(one.extremes)
+} | _AT_END
+"""Those of them that stand in short tables."""
 
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
-from bearingwear.model.criterion import IN_WORDS
+from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, mu_is, percent_in_text, scene_of
 from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
@@ -80,10 +80,10 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
             end = NO_END
             if status not in (OK, CRITERION_NOT_REACHED):
                 end = f"not solved: {in_words(STATUS_NAMES[status])}"
-            elif criterion in IN_WORDS:
-                met = IN_WORDS[criterion]
+            elif criterion in ENDS:
+                met = ENDS[criterion]
                 way = "down to" if met.falls else "up to"
-                end = f"{met.words} {way} {in_print(met.number(limits[criterion]))}"
+                end = f"{met.words} {way} {in_print(met.limit_text(limits[criterion]))}"
             counts = wear.get("counts", COUNTS[-1])
             error = one.get("life_error_estimate", one["life"] * math.nan)
             found.append(

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
+from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import (
     BALL_STYLE,
     COLOURS,
@@ -205,13 +206,8 @@ def _wear_column(
     column[3].plot(loss, WEAR_RATE.of(mean["ball_wear_rate"]), **colour, **BALL_STYLE)
 
 
-END_MARKS = {
-    "preload_fraction": ("v", "end: preload"),
-    "gyroscopic_slip_share": ("s", "end: gyroscopic slip"),
-    "skid_ratio": ("P", "end: skidding"),
-    "ball_diameter_loss_um": ("o", "end: interference loss"),
-    "none": ("x", "no end reached"),
-}
+END_MARKS = {name: (one.mark, f"end: {one.short}") for name, one in ENDS.items()}
+END_MARKS["none"] = ("x", "no end reached")
 
 
 def life_figure(

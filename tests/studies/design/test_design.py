@@ -168,8 +168,10 @@ def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, cap
     assert load(file)["status"].values.tolist() == [0, -1]
     assert main(["show", str(file)]) == 0
     text = capsys.readouterr().out
-    assert re.search(r"held by +axial stiffness +no preload keeps to all limits\n", text)
-    assert re.search(r"least axial stiffness +N/um +4\.6 +–\n", text)
+    assert re.search(
+        r"held by +axial stiffness of one bearing +no preload keeps to all limits\n", text
+    )
+    assert re.search(r"least stiffness, one bearing +N/um +4\.6 +–\n", text)
     # and so it is where a file is shown like any other
     several = sheet(file).text
     assert "there was none to solve" in several and "jammed" not in several
@@ -199,11 +201,12 @@ def test_single_files_are_drawn(folder, tmp_path, capsys):
     [
         (
             DesignLimits(axial_stiffness_N_um=5.0, friction_power_W=0.35),
-            "axial stiffness at least 5 N/µm, at best 4 at 4 N",
+            "axial stiffness of one bearing at least 5 N/µm, at best 4 at 4 N",
         ),
         (
             DesignLimits(axial_stiffness_N_um=3.5, friction_power_W=0.33),
-            "each limit can be kept, not all together: axial stiffness at least 3.5 N/µm, "
+            "each limit can be kept, not all together: axial stiffness of one bearing at "
+            "least 3.5 N/µm, "
             "but 3 at 3 N",
         ),
     ],
@@ -481,7 +484,10 @@ def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
     assert step("design.tables.tables", tables, **files) == 0
     text = tables[1].read_text()
     assert "How sure" not in text and "L10" not in text
-    assert "No preload by fixed position keeps to all limits: axial stiffness at least 90" in text
+    assert (
+        "No preload by fixed position keeps to all limits: axial stiffness of one bearing at least 90"
+        in text
+    )
     assert "at best" in text and "nan" not in text
 
 

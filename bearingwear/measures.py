@@ -1,0 +1,277 @@
+"""The one table of measures: what may end a life, limit a design, or stand on a sheet.
+
+A row is all that a new one needs. Keys of scenes and limits, options, messages, margins, the worse
+bearing of a pair, extremes of a map, rows of sheets and marks of figures are loops over the rows.
+
+This file imports nothing heavy: the command line names options by it.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+_UNITS = {
+    "%": ("1", 1.0),
+    "um": ("m", 1e-6),
+    "mm": ("m", 1e-3),
+    "N/um": ("N m-1", 1e6),
+    "GPa": ("Pa", 1e9),
+    "W": ("W", 1.0),
+    "Hz": ("Hz", 1.0),
+}
+"""Of a unit for people: the SI unit in files, and its size in that."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure:
+    """A quantity that may end a life or limit a design.
+
+    Attributes
+    ----------
+    key : str
+        Of its limit in a design and, where `end_key` is empty, of its criterion in a scene.
+    words, label : str
+        In a sentence, and in a row of a sheet (`words` where it is empty).
+    unit : str
+        As shown; limits have the same one, but shares, which are plain numbers.
+    variables : tuple of str
+        Result variables; the worst of them counts.
+    kinds : tuple of str
+        What each variable is, in a word, where there are several.
+    falls : bool
+        Whether less is worse. Of others the magnitude counts.
+    over_preload : bool
+        Whether its variable counts as a share of the initial preload.
+    advice : str
+        What keeps a bearing from its limit.
+    end, limit : tuple of str
+        As a criterion and as a limit of a design: meaning of the key and its range.
+    note : str
+        On the meaning of a limit.
+    option : str
+        Of the limit on the command line.
+    mark, letter : str
+        Of lives that it ends, and of preloads that it limits, in figures.
+    brief : bool
+        Whether it stands in short tables too.
+    """
+
+    key: str
+    words: str
+    unit: str = "%"
+    variables: tuple[str, ...]
+    kinds: tuple[str, ...] = ("",)
+    falls: bool = False
+    over_preload: bool = False
+    advice: str
+    label: str = ""
+    end_key: str = ""
+    end: tuple[str, ...] = ()
+    limit: tuple[str, ...] = ()
+    note: str = ""
+    option: str = ""
+    mark: str = ""
+    letter: str = ""
+    brief: bool = False
+
+    @property
+    def short(self) -> str:
+        """Its name in a row."""
+        return self.label or self.words
+
+    @property
+    def key_unit(self) -> str:
+        """The unit of its keys."""
+        return "1" if self.unit == "%" else self.unit
+
+    @property
+    def si_unit(self) -> str:
+        """Its unit in files."""
+        return _UNITS[self.unit][0]
+
+    @property
+    def shown_as(self) -> str:
+        """How values in SI units are shown where the unit does not say."""
+        return "%" if self.unit == "%" else ""
+
+    @property
+    def worst_word(self) -> str:
+        """Which extreme is the worse one."""
+        return "least" if self.falls else "largest"
+
+    @property
+    def extremes(self) -> tuple[str, ...]:
+        """Variables of a map: the worst of each of `variables` from new to the end of life."""
+        return (self.key,) if self.over_preload else self.variables
+
+    def extreme(self, values: Any) -> float:
+        """The worst of some values."""
+        import numpy as np  # not to name options
+
+        return float(np.min(values) if self.falls else np.max(np.abs(values)))
+
+    def critical(self, of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
+        """The worst value [SI], and the variable that has it.
+
+        Parameters
+        ----------
+        of : callable
+            Values of a variable by its name: of a state, at a step of a life.
+        preload_N : float or array_like
+            Initial, of each value of the residual preload.
+        """
+        found = [
+            (self.extreme(of(name) / preload_N if self.over_preload else of(name)), name)
+            for name in self.variables
+        ]
+        return min(found) if self.falls else max(found)
+
+    def ratio(self, value: Any, limit: float) -> Any:
+        """A value [SI] over a limit [as in its key]."""
+        return value / (limit * _UNITS[self.unit][1])
+
+    def margin(self, value: Any, limit: float) -> Any:
+        """How far a value [SI] is from a limit [as in its key], over the limit.
+
+        Positive within, zero at the limit, negative beyond.
+        """
+        ratio = self.ratio(value, limit)
+        return ratio - 1.0 if self.falls else 1.0 - ratio
+
+    def margins(self, values: Any, limit: float) -> Any:
+        """The least `margin` of all extremes in a map, or at a point of it."""
+        import numpy as np
+
+        each = [self.margin(values[name], limit) for name in self.extremes]
+        return functools.reduce(np.minimum, each)
+
+    def worst(self, values: Any) -> Any:
+        """The worst of all extremes in a map, or at a point of it [SI]."""
+        import numpy as np
+
+        return functools.reduce(
+            np.minimum if self.falls else np.maximum, [values[name] for name in self.extremes]
+        )
+
+    def shown(self, value: Any) -> Any:
+        """A value [SI] in its unit."""
+        return self.shown_limit(value / _UNITS[self.unit][1])
+
+    def shown_limit(self, limit: Any) -> Any:
+        """A limit [as in its key] in its unit."""
+        return 100.0 * limit if self.unit == "%" else limit
+
+    def excess(self, value: float, limit: float) -> float:
+        """A value [SI] over its limit, or the limit over the value where less is worse."""
+        ratio = self.ratio(value, limit)
+        if not self.falls:
+            return float(ratio)
+        return 1.0 / ratio if ratio > 0.0 else math.inf
+
+    def passed(self, value: float, limit: float) -> str:
+        """A value [SI] at its limit or beyond, in words."""
+        side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
+        return f"{self.words} {self.text(value)} {side} {self.limit_text(limit)}"
+
+    def text(self, value: float) -> str:
+        """A value [SI] with its unit."""
+        return f"{self.shown(value):.3g} {self.unit}"
+
+    def limit_text(self, limit: float) -> str:
+        """A limit [as in its key] with its unit."""
+        return f"{self.shown_limit(limit):.3g} {self.unit}"
+
+
+# fmt: off
+MEASURES = (
+    Measure(key="preload_kept", end_key="preload_fraction", words="residual preload",
+        variables=("residual_preload",), over_preload=True, falls=True,
+        advice="more preload, lower speed, or a spring",
+        end=("Residual preload over preload_N, at or below which life ends", "(0, 1)"),
+        limit=("Least residual preload over the initial one", "(0, 1)"),
+        option="--preload-kept", mark="v", letter="K"),
+    Measure(key="gyroscopic_slip_share", words="gyroscopic slip share",
+        variables=("gyroscopic_slip_share",),
+        advice="lower speed, more preload or ceramic balls",
+        end=("Gyroscopic share of the slip in any contact, at or above which life ends", "(0, 1]"),
+        limit=("Largest gyroscopic slip share in any contact", "(0, 1]"),
+        option="--slip", mark="s", letter="G", brief=True),
+    Measure(key="skid_ratio", words="skid ratio", variables=("skid_ratio",),
+        advice="more preload, lower speed or less lubricant drag",
+        end=("Lag of the orbit rate behind pure rolling, at or above which life ends", "(0, 1]"),
+        mark="P"),
+    Measure(key="ball_diameter_loss_um", words="interference loss", unit="um",
+        variables=("ball_diameter_loss",), advice="start from less wear, or raise the limit",
+        end=("Interference loss at which life ends, below a tenth of the ball diameter",
+            "(0, 50000]"), mark="o"),
+    Measure(key="pocket_clearance_mm", words="pocket clearance", unit="mm",
+        variables=("pocket_clearance",), advice="start with less clearance, or raise the limit",
+        end=("Diametral clearance of pocket and most worn ball at which life ends, needs a cage "
+            "and a dynamic life", "(0, 50]"), mark="p"),
+    Measure(key="guide_clearance_mm", words="guide clearance", unit="mm",
+        variables=("guide_clearance",), advice="start with less clearance, or raise the limit",
+        end=("Diametral clearance of cage and guiding land at which life ends, needs a cage "
+            "guided by a race and a dynamic life", "(0, 50]"), mark="h"),
+    Measure(key="rotor_shift_um", words="shift of the rotor", unit="um",
+        variables=("rotor_axial_shift",),
+        advice="two bearings that wear alike, or raise the limit",
+        end=("Axial shift of the rotor in either direction, from its place as mounted, at which "
+            "life ends", "(0, 50000]"),
+        limit=("Largest axial shift of the rotor from where it was mounted", "(0, inf)"),
+        option="--shift", mark="<", letter="R"),
+    Measure(key="system_axial_stiffness_N_um", words="axial stiffness of the arrangement",
+        label="stiffness, arrangement", unit="N/um", variables=("system_axial_stiffness",),
+        falls=True, advice="more preload, or a rigid pair",
+        end=("Axial stiffness of the arrangement (a single bearing is half of a symmetric pair), "
+            "at or below which life ends", "(0, 1e6]"),
+        limit=("Least axial stiffness of the arrangement", "(0, inf)"),
+        note="a single bearing is half of a symmetric pair, rigid at a fixed position",
+        option="--stiffness", mark="d", letter="A", brief=True),
+    Measure(key="axial_stiffness_N_um", words="axial stiffness of one bearing",
+        label="stiffness, one bearing", unit="N/um", variables=("axial_stiffness",), falls=True,
+        advice="more preload",
+        limit=("Least axial stiffness of one bearing", "(0, inf)"),
+        option="--bearing-stiffness", letter="S", brief=True),
+    Measure(key="friction_used_by_gyroscopic_moment",
+        words="friction used by the gyroscopic moment", label="friction used by gyro",
+        variables=("friction_used_by_gyroscopic_moment",),
+        advice="lower speed, more preload or ceramic balls",
+        end=("Share of friction that gyroscopic moments use, M_g/(mu (Q_i + Q_o) R), at or above "
+            "which life ends", "(0, 10]"),
+        limit=("Largest share of friction that gyroscopic moments use", "(0, 10]"),
+        option="--friction-used", mark="*", letter="M"),
+    Measure(key="film_worn_share", words="share of a track without film",
+        label="track without film", variables=("film_worn_share",),
+        advice="a thicker film, or less load",
+        end=("Share of the track of a race on which no film is left, at or above which life ends",
+            "(0, 1]"), mark="^"),
+    Measure(key="maximum_pressure_GPa", words="contact pressure", unit="GPa",
+        variables=("maximum_pressure",), advice="less preload, or closer grooves",
+        end=("Largest contact pressure, at or above which life ends", "(0, 20]"),
+        limit=("Largest contact pressure", "(0, 20]"),
+        option="--pressure", mark="D", letter="P", brief=True),
+    Measure(key="friction_power_W", words="friction power", unit="W",
+        variables=("friction_power",), advice="less preload, lower speed or less lubricant drag",
+        limit=("Largest power of friction and drag", "(0, inf)"),
+        option="--power", letter="F", brief=True),
+    Measure(key="groove_depth_um", words="depth of a groove", unit="um",
+        variables=("greatest_depth",), advice="less preload, lower speed, or raise the limit",
+        end=("Depth of the deepest groove at which life ends, seen where grooves are followed",
+            "(0, 50000]"), mark=">"),
+    Measure(key="lowest_frequency_Hz", words="lowest natural frequency of the rotor",
+        label="frequency of the rotor", unit="Hz", variables=("lowest_frequency",), falls=True,
+        advice="more preload, or a rigid pair",
+        limit=("Least of the lowest natural frequency of the rotor", "(0, inf)"),
+        note="of a scene that gives its mass and span", option="--frequency", letter="H"),
+)
+# fmt: on
+
+ENDS = {one.end_key or one.key: one for one in MEASURES if one.end}
+"""What may end a life, by the keys of a scene; in the order of the flags of files."""
+
+LIMITED = {one.key: one for one in MEASURES if one.limit}
+"""What may limit a design, by the keys of its limits."""
