@@ -122,7 +122,8 @@ def test_no_preload_within_the_limits(files):
 def test_what_other_assumptions_change_is_told(files):
     found, beside = load(files["recommendation"]), load(files["beside"])
     assert beside_told(beside, found, 0) == [
-        "Constant force passes a limit with a warm inner ring (axial stiffness of the arrangement).",
+        "Constant force passes a limit with a warm inner ring "
+        "(axial stiffness of the arrangement).",
         "Constant force stays the better method within its limits "
         "under every other assumption below.",
     ]

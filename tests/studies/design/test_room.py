@@ -5,9 +5,9 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 
+from bearingwear.measures import LIMITED
 from bearingwear.results.variables import COUNTS
 from bearingwear.studies.axis import RisingAxis
-from bearingwear.studies.design.choice import LIMITED
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import best_method, mapped
@@ -29,7 +29,9 @@ def made_up(lives, stiffness, preloads):
     """A map of two methods over preload, lives in hours and stiffness in N/um of each."""
     shape = (2, len(preloads))
     values = {
-        one.variable: (("preload_method", "preload"), np.zeros(shape)) for one in LIMITED.values()
+        name: (("preload_method", "preload"), np.zeros(shape))
+        for one in LIMITED.values()
+        for name in one.extremes
     }
     values["system_axial_stiffness"] = (("preload_method", "preload"), 1e6 * np.array(stiffness))
     life = np.repeat(np.array(lives, dtype=float)[..., None], len(COUNTS), axis=-1)
