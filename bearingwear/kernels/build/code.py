@@ -21,6 +21,8 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import IRLegalization
 from numba.core.types.functions import BaseFunction
 
+from bearingwear.kernels.build.boxing import box_without_python
+
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 VIEWS = {
     "getattr", "getitem", "static_getitem", "typed_getitem", "build_tuple", "exhaust_iter", "cast",
@@ -224,6 +226,7 @@ def _tell_nobody(*_, **__) -> None:
 @quick_typing()
 def entry(callee: Callee, args: tuple) -> CompileResult:
     """A kernel as Python calls it, with arguments of these types."""
+    box_without_python()
     callee.compile(args)
     inner = callee.overloads[args]
     # An environment of its own: numba finds them by name, and the callee's lacks what the wrapper

@@ -1,0 +1,50 @@
+"""Ctrl-C while a kernel's result becomes a Python object."""
+
+import subprocess
+import sys
+
+INTERRUPTED = """
+import signal
+from typing import NamedTuple
+import numpy as np
+from bearingwear.kernels.build.decorators import jit
+
+class Inner(NamedTuple):
+    x: float
+    k: int
+
+class Outer(NamedTuple):
+    inner: Inner
+    array: np.ndarray
+    last: Inner
+
+@jit
+def kernel(x):
+    return Outer(Inner(x, 1), np.full(3, x), Inner(-x, 2))
+
+print(kernel(2.0))
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+count = 0
+for k in range(1000):
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 1e-4 + 1e-6 * (k % 100))
+        while True:
+            kernel(2.0)
+    except KeyboardInterrupt:
+        count += 1
+print(count)
+"""
+
+
+def test_an_interrupt_between_kernel_and_python(tmp_path, monkeypatch):
+    """A thousand interrupts, of which a third met numba's own code and ended the process."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    found = subprocess.run(
+        [sys.executable, "-X", "faulthandler", "-c", INTERRUPTED],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert found.returncode == 0, found.stderr[-2000:]
+    result, count = found.stdout.splitlines()
+    inner = "Inner(x=2.0, k=1)", "Inner(x=-2.0, k=2)"
+    assert result == f"Outer(inner={inner[0]}, array=array([2., 2., 2.]), last={inner[1]})"
+    assert count == "1000"
