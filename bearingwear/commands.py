@@ -134,7 +134,13 @@ def uncertainty(args: argparse.Namespace) -> int:
 
     samples = SAMPLES if args.samples is None else args.samples
     found = life_quantiles(
-        args.scene, args.friction, args.method or (), samples, args.seed, usable_cores()
+        args.scene,
+        args.friction,
+        args.method or (),
+        samples,
+        args.seed,
+        usable_cores(),
+        lambda text: _tell(f"{args.scene}: {text}"),
     )
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)

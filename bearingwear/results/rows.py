@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import Display, display
+from bearingwear.results.units import Display, digits, display, scale_of
 from bearingwear.results.variables import CASE, LIFE
 from bearingwear.scene.catalogue import identity_line
 from bearingwear.scene.scene import COUNTS
@@ -54,6 +55,56 @@ def solved_rows(block: Block) -> Block:
 
     rows = tuple(row for row in block.rows if any(map(known, row.values)))
     return Block(block.title, block.columns, rows, block.lines, block.unit)
+
+
+def in_one_unit(blocks: Iterable[Block]) -> list[Block]:
+    """Blocks with every quantity in the largest of the units that it has in any of them."""
+    known = list(blocks)
+    largest: dict[tuple[str, str], tuple[float, str]] = {}
+    for row in (row for block in known for row in block.rows):
+        family, factor = scale_of(row.unit)
+        key = row.name or row.label, family
+        largest[key] = min(largest.get(key, (factor, row.unit)), (factor, row.unit))
+
+    def converted(row: Row) -> Row:
+        family, old = scale_of(row.unit)
+        factor, unit = largest[row.name or row.label, family]
+        if unit == row.unit:
+            return row
+        values = tuple(v * factor / old if isinstance(v, float) else v for v in row.values)
+        limit = None if row.limit is None else row.limit * factor / old
+        return row._replace(unit=unit, values=values, limit=limit)
+
+    return [replace(block, rows=tuple(map(converted, block.rows))) for block in known]
+
+
+def side_by_side(of_each: Sequence[Sequence[Block]]) -> list[Block]:
+    """Blocks of two bearings as one, with a column for each."""
+    return [
+        replace(
+            blocks[0],
+            columns=tuple(
+                f"{k}: {column}" if column else f"bearing {k}"
+                for k, block in enumerate(blocks, 1)
+                for column in block.columns or ("",)
+            ),
+            rows=tuple(_joined(rows) for rows in zip(*(b.rows for b in blocks), strict=True)),
+            lines=tuple(dict.fromkeys(line for block in blocks for line in block.lines)),
+        )
+        for blocks in zip(*of_each, strict=True)
+    ]
+
+
+def _joined(rows: Sequence[Row]) -> Row:
+    """Rows of one quantity as one, in one unit; limits that differ stand as a note."""
+    rescaled = in_one_unit([Block("", rows=tuple(rows))])[0].rows
+    limits = ["" if row.limit is None else digits(row.limit) for row in rescaled]
+    alike = len(set(limits)) == 1
+    return rescaled[0]._replace(
+        values=tuple(value for row in rescaled for value in row.values),
+        limit=rescaled[0].limit if alike else None,
+        note="" if alike else f"limits {', '.join(filter(None, limits))}",
+    )
 
 
 def mean(of: np.ndarray) -> float:

@@ -24,6 +24,7 @@ from bearingwear.results.rows import (
     mean_rows,
     operation_lines,
     row_of,
+    side_by_side,
     solved_rows,
     values,
 )
@@ -168,11 +169,13 @@ def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
 
 
 def _case(file: Any) -> list[Block]:
-    """Blocks of a case, of each bearing where there are two."""
-    blocks = system_blocks(file)
-    for title, one in bearings_of(file):
-        blocks += [replace(block, title=f"{title}{block.title}") for block in _case_of(one)]
-    return blocks
+    """Blocks of a case; of two bearings that differ, side by side."""
+    titles, views = zip(*bearings_of(file), strict=True)
+    of_each = [_case_of(one) for one in views]
+    if len(of_each) > 1:
+        return system_blocks(file) + side_by_side(of_each)
+    alone = [replace(block, title=f"{titles[0]}{block.title}") for block in of_each[0]]
+    return system_blocks(file) + alone
 
 
 def _case_of(file: Any) -> list[Block]:

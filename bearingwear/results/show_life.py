@@ -13,7 +13,16 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.pair_view import bearings_of
-from bearingwear.results.rows import COUNTED, VARIABLES, mean, mean_rows, meaning, row_of, values
+from bearingwear.results.rows import (
+    COUNTED,
+    VARIABLES,
+    in_one_unit,
+    mean,
+    mean_rows,
+    meaning,
+    row_of,
+    values,
+)
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.units import display, key_in_words
 from bearingwear.results.variables import RACES
@@ -50,7 +59,7 @@ def life_blocks(file: Any) -> list[Block]:
                 blocks.append(replace(block, title=f"{title}{block.title}"))
             elif k == 0:
                 blocks.append(block)
-    return blocks
+    return in_one_unit(blocks)
 
 
 def _life_blocks(file: Any) -> list[Block]:

@@ -113,6 +113,12 @@ def digits(value: float, unit: str = "") -> str:
     return f"{rounded(value) + 0.0:.7g}"
 
 
+def scale_of(unit: str) -> tuple[str, float]:
+    """The unit of the file behind a unit that is shown, and the factor between them."""
+    every = ((key, scale) for key, scales in SCALES.items() for scale in scales)
+    return next(((key, scale.factor) for key, scale in every if scale.unit == unit), (unit, 1.0))
+
+
 class Interval(NamedTuple):
     """What most values lie between."""
 

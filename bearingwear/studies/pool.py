@@ -13,7 +13,7 @@ from typing import Any
 Tell = Callable[[str], None]
 """What takes a line of progress."""
 
-LINE_EVERY = 5.0
+LINE_EVERY = 3.0
 """Seconds between two lines of progress, and before the first."""
 
 

@@ -18,6 +18,7 @@ from bearingwear.results.quantiles import CONFIDENCE, INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
+from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.sample import lives, value_at, wear_factor
 
@@ -59,7 +60,9 @@ def sizes(samples: int) -> tuple[int, int]:
     return 2 ** (power // 2), 2 ** (power - power // 2)
 
 
-def batch_quantiles(scene: Scene, plan: Sampling, workers: int = 1) -> BatchQuantiles:
+def batch_quantiles(
+    scene: Scene, plan: Sampling, workers: int = 1, tell: Tell | None = None
+) -> BatchQuantiles:
     """Quantiles over the bearings of a batch, and of these over what is not known of the batch."""
     names = list(scene.uncertainty or {})
     fixed = [name for name in names_of(scene, True) if name in WORN]
@@ -73,7 +76,7 @@ def batch_quantiles(scene: Scene, plan: Sampling, workers: int = 1) -> BatchQuan
     values |= {name: np.tile(outer[:, [k]], len(inner)) for k, name in enumerate(unknown)}
     values |= {name: np.tile(inner[:, k], (len(outer), 1)) for k, name in enumerate(scatter)}
     rows = np.stack([values[name].ravel() for name in names], axis=-1)
-    found = lives(scene, rows, workers)
+    found = lives(scene, rows, workers, tell)
     hours = np.where((found.status == OK)[:, None], found.life, np.nan) * HOURS_PER_SECOND
     hours = hours.reshape(len(outer), len(inner), -1)
     return quantiles_with_error(hours, wear_factor(scene, fixed, wear), plan.seed)

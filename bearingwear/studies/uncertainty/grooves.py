@@ -18,7 +18,7 @@ from bearingwear.model.worn_courses import worn_history
 from bearingwear.model.worn_outputs import grooves_followed
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.studies.pool import in_processes
+from bearingwear.studies.pool import Tell, in_processes, told_in_lines
 
 FITTED, HELD_OUT = 192, 64
 """Lives that are followed where there are more: to fit the ratio, and to see its error."""
@@ -51,7 +51,11 @@ class FollowedLives:
 
 
 def with_followed_grooves(
-    scenes: Sequence[Scene | None], places: np.ndarray, hertzian: FollowedLives, workers: int = 1
+    scenes: Sequence[Scene | None],
+    places: np.ndarray,
+    hertzian: FollowedLives,
+    workers: int = 1,
+    tell: Tell | None = None,
 ) -> FollowedLives:
     """Lives with the grooves that `life` would follow, from those with Hertzian ones.
 
@@ -73,7 +77,10 @@ def with_followed_grooves(
     order = np.random.default_rng(_SEED).permutation(asked)
     followed = order if order.size <= FITTED + HELD_OUT else order[: FITTED + HELD_OUT]
     chosen = [scenes[k] for k in followed]
-    found = np.array(list(in_processes(_followed, chosen, workers, "uncertainty")))
+    each = in_processes(_followed, chosen, workers, "uncertainty")
+    if tell:
+        each = told_in_lines(each, len(chosen), "{} of {} lives, grooves as they wear", tell=tell)
+    found = np.array(list(each))
     status, criterion = hertzian.status.copy(), hertzian.end_criterion.copy()
     status[followed], criterion[followed] = found[:, 0].astype(int), found[:, 1].astype(int)
     ratio = np.ones(len(scenes))

@@ -24,6 +24,7 @@ from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import coordinate, dataset_with
 from bearingwear.studies.design.recommend import recommended_for
+from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,
@@ -121,6 +122,7 @@ def life_quantiles(
     samples: int = SAMPLES,
     seed: int = 1,
     workers: int = 1,
+    tell: Tell | None = None,
 ) -> xr.Dataset:
     """Step: quantiles of the life at a scene's own preload.
 
@@ -136,6 +138,8 @@ def life_quantiles(
     seed : int
     workers : int
         Processes that follow grooves.
+    tell : callable, optional
+        What takes lines of progress.
     """
     try:
         plan = record(Sampling, {"samples": samples, "seed": seed})
@@ -144,16 +148,20 @@ def life_quantiles(
     settings = [] if friction is None else [f"friction.ball_race={friction!r}"]
     base = uncertain_scene(scene, settings)
     return own_quantiles(
-        base, list(dict.fromkeys(methods or [base.operation.preload_method])), plan, workers
+        base, list(dict.fromkeys(methods or [base.operation.preload_method])), plan, workers, tell
     )
 
 
 def own_quantiles(
-    scene: Scene, methods: Sequence[str], plan: Sampling, workers: int = 1
+    scene: Scene,
+    methods: Sequence[str],
+    plan: Sampling,
+    workers: int = 1,
+    tell: Tell | None = None,
 ) -> xr.Dataset:
     """Quantiles of the life at the scene's own preload: 2 x samples lives, and no indices."""
     at = dict.fromkeys(methods, scene.operation.preload_N)
-    return _quantiles_at(scene, at, plan, OWN, workers)
+    return _quantiles_at(scene, at, plan, OWN, workers, tell)
 
 
 def recommended_life_quantiles(
@@ -178,7 +186,12 @@ def recommended_life_quantiles(
 
 
 def _quantiles_at(
-    scene: Scene, preloads: Mapping[str, float], plan: Sampling, choice: str, workers: int = 1
+    scene: Scene,
+    preloads: Mapping[str, float],
+    plan: Sampling,
+    choice: str,
+    workers: int = 1,
+    tell: Tell | None = None,
 ) -> xr.Dataset:
     """Quantiles of the life at a preload [N] of each method."""
     table = []
@@ -186,7 +199,9 @@ def _quantiles_at(
         of = with_preload(scene, method, preload)
         first_and_last = sample(of, plan)[:, [0, -1]]  # A and B; the others repeat them
         rows = first_and_last.reshape(-1, len(scene.uncertainty or {}))
-        found = lives(of, np.vstack([_middle(of), rows]), workers)
+        if tell:
+            tell(f"{method}: sampling {len(rows)} lives")
+        found = lives(of, np.vstack([_middle(of), rows]), workers, tell)
         nominal, *hours = found.life * HOURS_PER_SECOND
         solved = found.status[1:] == OK
         analysed = {
@@ -196,7 +211,7 @@ def _quantiles_at(
             "nominal_life": nominal,
             "followed_lives": found.followed,
             "groove_error": found.groove_error,
-            **_of_batches(of, plan, workers),
+            **_of_batches(of, plan, workers, tell),
         }
         table.append([analysed | _quantiles_of(np.array(hours), found.wear_factor[1:])])
     return _dataset(scene, plan, list(preloads), [choice], table)
@@ -280,8 +295,10 @@ def _analysed(
     return found | _one_at_a_time(at_preload)
 
 
-def _of_batches(scene: Scene, plan: Sampling, workers: int = 1) -> dict[str, np.ndarray]:
-    found = batch_quantiles(scene, plan, workers)
+def _of_batches(
+    scene: Scene, plan: Sampling, workers: int = 1, tell: Tell | None = None
+) -> dict[str, np.ndarray]:
+    found = batch_quantiles(scene, plan, workers, tell)
     return {"batch_life_quantile": found.quantile, "batch_life_quantile_error": found.error}
 
 

@@ -6,7 +6,7 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, 
 from bearingwear.scene.uncertain import uncertain_key
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
 from bearingwear.studies.design.recommend import recommended_for
+from bearingwear.studies.pool import Tell, told_in_lines
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
 from bearingwear.studies.uncertainty.perturbed import perturbed
@@ -115,7 +116,9 @@ class SampledLives:
     groove_error: float
 
 
-def lives(scene: Scene, rows: np.ndarray, workers: int = 1) -> SampledLives:
+def lives(
+    scene: Scene, rows: np.ndarray, workers: int = 1, tell: Tell | None = None
+) -> SampledLives:
     """Lives at values (n, values), with the groove that `life` would follow.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
@@ -130,10 +133,13 @@ def lives(scene: Scene, rows: np.ndarray, workers: int = 1) -> SampledLives:
         perturbed(scene, {names[k]: float(v) for k, v in zip(shape, row, strict=True)})
         for row in unlike
     ]
-    parts = zip(*map(_life, scenes), strict=True)
+    solved: Iterator[Any] = map(_life, scenes)
+    if tell:
+        solved = told_in_lines(solved, len(scenes), "{} of {} lives, Hertzian", tell=tell)
+    parts = zip(*solved, strict=True)
     life, status, criterion = (np.array(part) for part in parts)
     hertzian = FollowedLives(life=life, status=status, end_criterion=criterion)
-    found = with_followed_grooves(scenes, unlike, hertzian, workers)
+    found = with_followed_grooves(scenes, unlike, hertzian, workers, tell)
     each = which.ravel()
     return SampledLives(
         life=found.life[each] * factor[:, None],

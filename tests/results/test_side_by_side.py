@@ -1,0 +1,45 @@
+"""Two bearings on one sheet: a column for each, and one unit for a quantity."""
+
+import re
+
+import pytest
+from support import scene_file
+
+from bearingwear.model.solve import solve
+from bearingwear.results.rows import side_by_side
+from bearingwear.results.sheet import Block, Row
+from bearingwear.results.show import sheet_of_result
+from bearingwear.scene.read import load_scene
+
+FIRST = Block("contact", ("inner", "outer"), (Row("pressure", "GPa", (0.862, 1.05), limit=2.0),))
+SECOND = Block("contact", ("inner", "outer"), (Row("pressure", "MPa", (713.0, 987.0), limit=2e3),))
+
+
+def test_the_larger_unit_is_that_of_both():
+    for order, sign in (((FIRST, SECOND), 1), ((SECOND, FIRST), -1)):
+        (both,) = side_by_side([[one] for one in order])
+        assert both.columns == ("1: inner", "1: outer", "2: inner", "2: outer")
+        (row,) = both.rows
+        values = [0.862, 1.05, 0.713, 0.987]
+        assert row.values == pytest.approx(values if sign > 0 else values[2:] + values[:2])
+        assert row.unit == "GPa" and row.limit == pytest.approx(2.0)
+
+
+def test_limits_that_differ_stand_beside_the_row():
+    other = Block("bearing", (), (Row("preload", "N", (100.0,), limit=24.0),))
+    one = Block("bearing", (), (Row("preload", "N", (160.0,), limit=48.0),))
+    (both,) = side_by_side([[one], [other]])
+    assert both.columns == ("bearing 1", "bearing 2")
+    assert both.rows == (Row("preload", "N", (160.0, 100.0), note="limits 48, 24"),)
+
+
+def test_a_spring_pair_has_each_quantity_once():
+    plain = {
+        "arrangement.kind": "spring_pair",
+        "arrangement.orientation": "back_to_back",
+        "arrangement.external_axial_N": 2.0,
+    }
+    scene = load_scene(scene_file("gyro_s1"), [f"{key}={value}" for key, value in plain.items()])
+    text = sheet_of_result(solve(scene)).text
+    assert len(re.findall("maximum pressure", text)) == 1
+    assert re.search(r"bearing 1 +bearing 2\n  residual preload +N +9 +7  limit", text)
