@@ -71,12 +71,12 @@ def scenes(v_r):
 
 
 def density(t, w):
-    return Rule(False, t, 0.75 * (1.0 - t * t) * w)
+    return Rule(False, t, 0.75 * (1.0 - t * t) * w, np.ones(t.size))
 
 
 def jacobi(n):
     t, w = roots_jacobi(n, 1, 1)
-    return Rule(False, t, 0.75 * w)
+    return Rule(False, t, 0.75 * w, np.ones(t.size))
 
 
 def clenshaw_curtis(n):
@@ -100,7 +100,7 @@ def composite(n, panels=4):
 def split_power(m, power):
     x, w = gauss_legendre(m)
     z = 0.5 * (x + 1.0)
-    return Rule(True, z**power, 0.5 * w * power * z ** (power - 1))
+    return Rule(True, z**power, 0.5 * w * power * z ** (power - 1), np.ones(m))
 
 
 @numba.njit(error_model="numpy")
@@ -155,7 +155,7 @@ def rules():
         yield f"split, plain {m}", quadrature_points, split_power(m, 1)
         yield f"split, square {m}", quadrature_points, split_power(m, 2)
         yield f"split, sinh {m}", place_sinh, split_power(m, 1)
-        yield f"split {m}", quadrature_points, Rule(True, *gathered(m))
+        yield f"split {m}", quadrature_points, Rule(True, *gathered(m), np.ones(m))
 
 
 # The cases

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from bearingwear.kernels.bearing_model import race_contact_of
 from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import LARGEST_AXIS, slip_coefficients
-from bearingwear.kernels.ellipse import quadrature_points
+from bearingwear.kernels.ellipse import fill_points, quadrature_points
 from bearingwear.kernels.ellipse_friction import ellipse_friction
 from bearingwear.kernels.state import BALL, OMEGA, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
@@ -34,13 +34,13 @@ def contact_status(contact, R):
 
 
 @jit(forceinline=True)
-def friction_sums(bearing, buf, contact, c, R, slopes, gradient, hessian):
-    """Gradient of Phi by the slip coefficients c, force along the major axis, and QV.
-
-    The force is zero unless traction enters the balance of normal forces.
+def part_sums(bearing, buf, contact, c, R, even, slopes, gradient, hessian):
+    """`friction_sums` of one part of a film's friction, or of all that follows the load.
 
     Parameters
     ----------
+    even : bool
+        Whether of the part that is even over the ellipse; QV is of no use then.
     slopes : bool
         Whether `gradient` and `hessian` are filled too, as by `traction.traction_slope`.
 
@@ -52,15 +52,55 @@ def friction_sums(bearing, buf, contact, c, R, slopes, gradient, hessian):
     m, rule = bearing.op, bearing.rule
     if rule.across.size == 1 and not bearing.traction:
         t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
+        mu = contact.mu - contact.mu_even
+        if even:
+            mu, t, weight = contact.mu_even, buf.t[: t.size], buf.weight[: t.size]
+            fill_points(rule, contact, R, c, m.v_r, t, weight, True)
         if slopes:
-            qv = strip_slope_sums(contact, R, c, contact.mu, m.v_r, t, weight, gradient, hessian)
+            qv = strip_slope_sums(contact, R, c, mu, m.v_r, t, weight, gradient, hessian)
             return gradient[0], gradient[1], gradient[2], gradient[3], 0.0, qv
-        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, contact.mu, m.v_r, t, weight)
+        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, mu, m.v_r, t, weight)
         return g_1, g_0, g_h, g_x, 0.0, qv
     g_1, g_0, g_h, g_x, g_t, qv = ellipse_friction(
-        bearing.points, contact, R, c, m.v_r, slopes, buf.places, gradient, hessian
+        bearing.points, contact, R, c, m.v_r, even, slopes, buf.places, gradient, hessian
     )
     return g_1, g_0, g_h, g_x, (g_t if bearing.traction else 0.0), qv
+
+
+@jit
+def with_even_part(sums, bearing, buf, contact, c, R, slopes, even, gradient, hessian):
+    """`friction_sums` of a film, from those of the part that follows the load."""
+    g_1, g_0, g_h, g_x, g_t, qv = sums
+    added = part_sums(bearing, buf, contact, c, R, True, slopes, even, buf.even_hessian)
+    if slopes:
+        for i in range(gradient.size):
+            gradient[i] += even[i]
+            for j in range(gradient.size):
+                hessian[i, j] += buf.even_hessian[i, j]
+    e_1, e_0, e_h, e_x, e_t, _ = added
+    return g_1 + e_1, g_0 + e_0, g_h + e_h, g_x + e_x, g_t + e_t, qv
+
+
+@jit(forceinline=True)
+def friction_sums(bearing, buf, contact, c, R, slopes, even, gradient, hessian):
+    """Gradient of Phi by the slip coefficients c, force along the major axis, and QV.
+
+    The force is zero unless traction enters the balance of normal forces.
+
+    Parameters
+    ----------
+    slopes : bool
+        Whether `gradient` and `hessian` are filled too, and `even`, the even part of `gradient`.
+
+    Returns
+    -------
+    g_1, g_0, g_h, g_x, g_t, qv
+        As `traction.ellipse_sums`.
+    """
+    sums = part_sums(bearing, buf, contact, c, R, False, slopes, gradient, hessian)
+    if contact.mu_even > 0.0:
+        return with_even_part(sums, bearing, buf, contact, c, R, slopes, even, gradient, hessian)
+    return sums
 
 
 @jit
@@ -92,8 +132,9 @@ def race_friction(y, bearing, buf, j, f, qv, slopes):
             return status, f
         c = slip_coefficients(contact, u, r)
         g_1, g_0, g_h, g_x, buf.balls.T[j, k], qv[k] = friction_sums(
-            bearing, buf, contact, c, R, slopes, buf.gradient[j, k], buf.hessian[j, k]
-        )
+            bearing, buf, contact, c, R, slopes, buf.even[j, k], buf.gradient[j, k],
+            buf.hessian[j, k],
+        )  # fmt: skip
         sigma, sine, cosine = contact.sigma, contact.sin_a, contact.cos_a
         turning = sigma * cosine * g_h - sine * g_x
         f = BallForces(
@@ -119,6 +160,7 @@ def find_tractions(y, bearing, buf):
             if contact.Q > 0.0 and contact_status(contact, R) == OK:
                 c = slip_coefficients(contact, u, r)
                 _, _, _, _, T, _ = friction_sums(
-                    bearing, buf, contact, c, R, False, buf.gradient[j, k], buf.hessian[j, k]
-                )
+                    bearing, buf, contact, c, R, False, buf.even[j, k], buf.gradient[j, k],
+                    buf.hessian[j, k],
+                )  # fmt: skip
             buf.balls.T[j, k] = T

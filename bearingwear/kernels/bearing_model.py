@@ -62,6 +62,8 @@ class Buffers(NamedTuple):
     L: np.ndarray  # (4, 6) derivative of the slip coefficients, see contact_changes.slip_changes
     gradient: np.ndarray  # (n, 2, 4) of the friction potentials, or (n, 2, 5) with traction
     hessian: np.ndarray  # (n, 2, 4, 4) or (n, 2, 5, 5)
+    even: np.ndarray  # (n, 2, 4) or (n, 2, 5), the part of a film that shears evenly
+    even_hessian: np.ndarray  # (4, 4) or (5, 5), of the contact at hand
     change: np.ndarray  # (5, 7) derivative of the gradient
     blocks: np.ndarray  # (n, 8, 8) see jacobian.ball_blocks
     inner: np.ndarray  # (n, 2, 8) likewise
@@ -80,6 +82,8 @@ def buffers(n, rule, points, traction):
         L=np.zeros((4, 6)),
         gradient=np.zeros((n, 2, size)),
         hessian=np.zeros((n, 2, size, size)),
+        even=np.zeros((n, 2, size)),
+        even_hessian=np.zeros((size, size)),
         change=np.zeros((5, 7)),
         blocks=np.empty((n, 8, 8)),
         inner=np.empty((n, 2, 8)),

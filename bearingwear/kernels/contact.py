@@ -15,7 +15,7 @@ friction.py, the shape of the contact in profile.py.
 import math
 
 from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
-from bearingwear.kernels.friction import force_per_slip, friction_coefficient
+from bearingwear.kernels.friction import even_coefficient, force_per_slip
 from bearingwear.kernels.hertz import INNER, OUTER
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, pressure, profile, semi_axis
@@ -36,6 +36,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
         Of the contact angle.
     """
     S, mu = (op.S_i, op.mu_i) if k == 0 else (op.S_o, op.mu_o)
+    mu_even = even_coefficient(S, Q, a, b)
     return Contact(
         sigma=INNER if k == 0 else OUTER,
         Q=Q,
@@ -45,7 +46,8 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
         cos_a=cosine,
         r_g=g.r_i if k == 0 else g.r_o,
         omega=op.omega_i if k == 0 else op.omega_o,
-        mu=friction_coefficient(S, mu, Q, a, b),
+        mu=mu + mu_even,
+        mu_even=mu_even,
     )
 
 

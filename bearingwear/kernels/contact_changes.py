@@ -31,7 +31,7 @@ def slip_changes(contact, c, r, L):
 
 
 @jit
-def gradient_changes(contact, bare, R, c, gradient, H, L, change):
+def gradient_changes(contact, R, c, gradient, even, H, L, change):
     """Derivatives (size, 7) of the friction of a contact, from those L of its slip coefficients.
 
     By its load, both semi-axes grow with its cube root: the points go out, and along the arc of
@@ -39,10 +39,9 @@ def gradient_changes(contact, bare, R, c, gradient, H, L, change):
 
     Parameters
     ----------
-    bare : float
-        The part of the friction coefficient that does not depend on the load [1].
+    even : ndarray (size,)
+        The part of `gradient` that goes with the area, the load to the power 2/3.
     """
-    film = (contact.mu - bare) / (3.0 * contact.mu) if contact.mu > 0.0 else 0.0
     size, p_R = gradient.size, profile(contact.r_g, R, contact.a)
     up = contact.a * contact.a * (1.0 / p_R.arc - 1.0 / p_R.ball) / 3.0
     middle = middle_height(p_R) - 1.5 * up
@@ -54,7 +53,7 @@ def gradient_changes(contact, bare, R, c, gradient, H, L, change):
             change[p, v] = value
         higher = 2.0 * c[2] * (H[p, 2] - middle * H[p, 1])
         change[p, BY_LOAD] = (
-            gradient[p] * (1.0 - film) + (c[3] * H[p, 3] + higher) / 3.0
+            gradient[p] - even[p] / 3.0 + (c[3] * H[p, 3] + higher) / 3.0
         ) / contact.Q
     change[2, BY_LOAD] += 2.0 / 3.0 * (gradient[2] - middle * gradient[1]) / contact.Q
     change[3, BY_LOAD] += gradient[3] / (3.0 * contact.Q)

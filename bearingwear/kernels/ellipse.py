@@ -16,7 +16,7 @@ import numpy as np
 
 from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact import half_width, surface_height
-from bearingwear.kernels.profile import PEAK, base, pressure, profile
+from bearingwear.kernels.profile import PEAK, WIDEST, base, pressure, profile
 
 EDGE = 0.5  # points across gather no nearer to the edge of the ellipse than this share
 SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each
@@ -27,13 +27,19 @@ MIDDLE, WHOLE = np.zeros(1), np.ones(1)  # across: the line model
 
 
 class Rule(NamedTuple):
-    """Points x/a and load shares, or what they are made from; and those across."""
+    """Points x/a and load shares, or what they are made from; and those across.
+
+    The root in the ellipse's width ends steeply at its tips. `tip` corrects the area of the points
+    of a half, or of a segment that ends there.
+    """
 
     split: bool
     t: np.ndarray  # (n,) points x/a; split: distances from a pure-rolling point, over 0 to 1
     weight: np.ndarray  # (n,) shares of the load; split: of the length
+    tip: np.ndarray  # (n,) factors on shares of the area [1]
     across: np.ndarray = MIDDLE  # (m,) places across a strip over its half-width; split: moved
     share: np.ndarray = WHOLE  # (m,) shares of the strip's load
+    even: np.ndarray = WHOLE  # (m,) shares of its area
 
 
 @jit
@@ -82,14 +88,18 @@ def rolling_points(contact, R, c, v_r):
 
 
 @jit
-def cluster_points(rule, start, end, n, t, weight):
+def cluster_points(rule, start, end, n, t, weight, even):
     """Put the points of one segment, close together at its start; returns their new count."""
     length = end - start
-    share = PEAK * abs(length)
+    share = (WIDEST if even else PEAK) * abs(length)
     for k in range(rule.t.size):
         x = start + length * rule.t[k]
         t[n + k] = x
-        weight[n + k] = share * rule.weight[k] * pressure(x)
+        if even:
+            tip = rule.tip[k] if abs(end) == 1.0 else 1.0
+            weight[n + k] = share * rule.weight[k] * tip * math.sqrt(pressure(x))
+        else:
+            weight[n + k] = share * rule.weight[k] * pressure(x)
     return n + rule.t.size
 
 
@@ -112,22 +122,30 @@ def pure_rolling(contact, R, c, v_r):
 
 
 @jit
-def fill_points(rule, contact, R, c, v_r, t, weight):
-    """Fill the buffers of `quadrature_points`; returns how many points they have got."""
+def fill_points(rule, contact, R, c, v_r, t, weight, even):
+    """Fill the buffers of `quadrature_points`; returns how many points they have got.
+
+    Parameters
+    ----------
+    even : bool
+        Whether `weight` gets shares of the area, not of the load.
+    """
     if not rule.split:
         for k in range(rule.t.size):
             t[k], weight[k] = rule.t[k], rule.weight[k]
+            if even:
+                weight[k] *= WIDEST / PEAK * rule.tip[k] / math.sqrt(pressure(t[k]))
         return rule.t.size
     low, high = pure_rolling(contact, R, c, v_r)
     n = 0
     if low > -1.0:
-        n = cluster_points(rule, low, -1.0, n, t, weight)
+        n = cluster_points(rule, low, -1.0, n, t, weight, even)
     if high > low:
         middle = 0.5 * (low + high)
-        n = cluster_points(rule, low, middle, n, t, weight)
-        n = cluster_points(rule, high, middle, n, t, weight)
+        n = cluster_points(rule, low, middle, n, t, weight, even)
+        n = cluster_points(rule, high, middle, n, t, weight, even)
     if high < 1.0:
-        n = cluster_points(rule, high, 1.0, n, t, weight)
+        n = cluster_points(rule, high, 1.0, n, t, weight, even)
     return n
 
 
@@ -151,7 +169,7 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
     t, weight : ndarray (n,)
         Parts of the buffers, or those of fixed points.
     """
-    n = fill_points(rule, contact, R, c, v_r, t, weight) if rule.split else 0
+    n = fill_points(rule, contact, R, c, v_r, t, weight, False) if rule.split else 0
     points = t[:n] if rule.split else rule.t
     shares = weight[:n] if rule.split else rule.weight
     return points, shares
@@ -165,7 +183,7 @@ def middle_shift(contact, R, c):
 
 
 @jit(fastmath=REORDER_SUMS)
-def place_across(rule, contact, R, c, across, share):
+def place_across(rule, contact, R, c, across, share, even):
     """Places across the strips of a contact with the slip c, and their shares of a strip's load.
 
     A split rule moves its own by a Moebius map, which keeps both edges and carries the middle,
@@ -175,6 +193,8 @@ def place_across(rule, contact, R, c, across, share):
     ----------
     across, share : ndarray (rule.across.size,)
         Filled.
+    even : bool
+        Whether `share` gets shares of the strip's area, not of its load.
     """
     e = 0.0
     if rule.split and across.size > 1:
@@ -183,7 +203,7 @@ def place_across(rule, contact, R, c, across, share):
     for j in range(across.size):
         y = rule.across[j]
         by = 1.0 / (1.0 + e * y)
-        part = rule.share[j] * by * by * by
+        part = rule.even[j] * by * by if even else rule.share[j] * by * by * by
         across[j] = (y + e) * by
         share[j] = part
         total += part
@@ -195,10 +215,10 @@ def place_across(rule, contact, R, c, across, share):
 @jit
 def fill_contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
     """Fill the buffers of `contact_points`; returns how many points there are."""
-    n = fill_points(rule, contact, R, c, v_r, t, weight)
+    n = fill_points(rule, contact, R, c, v_r, t, weight, False)
     surface_height(contact, R, t[:n], h)
     if across.size > 1:
-        place_across(rule, contact, R, c, across, share)
+        place_across(rule, contact, R, c, across, share, False)
         half_width(contact, t[:n], width)
     return n
 

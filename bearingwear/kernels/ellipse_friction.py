@@ -16,6 +16,7 @@ from bearingwear.kernels.profile import base, pressure, profile
 from bearingwear.kernels.traction import store_slopes, store_traction_slopes
 
 X_OVER_A, LOAD_SHARE, Y_OVER_B = range(3)  # of `Places`
+AT_TIP = 1e-9  # x/a of a segment's end less than that from the tip of the ellipse is there
 
 
 class EllipsePoints(NamedTuple):
@@ -26,6 +27,8 @@ class EllipsePoints(NamedTuple):
     weight: np.ndarray  # (n,) shares of the load over `pressure`; split: for the length 1
     y: np.ndarray  # (n,) places across over the half-width
     moved: np.ndarray  # (n,) 1 where these gather about v1 = 0, else 0
+    area: np.ndarray  # (n,) shares of the area over the root of `pressure`, as `weight` has them
+    tip: np.ndarray  # (n,) factors on `area`, as in ellipse.Rule
 
 
 class Places(NamedTuple):
@@ -62,6 +65,28 @@ def place_segment(points, i, start, length, segments):
         segments[X_OVER_A, i, p] = start + length * points.s[p]
         segments[LOAD_SHARE, i, p] = share * segments[LOAD_SHARE, SEGMENTS, p]
         segments[Y_OVER_B, i, p] = segments[Y_OVER_B, SEGMENTS, p]
+
+
+@jit
+def place_areas(points, contact, R, c, n, segments):
+    """Put shares of the area in place of those of the load of the n points that are placed."""
+    e = middle_shift(contact, R, c)
+    for p in range(points.s.size):
+        by = e * points.moved[p]
+        scale = 1.0 / (1.0 + by * points.y[p])
+        segments[LOAD_SHARE, SEGMENTS, p] = points.area[p] * (1.0 - by * by) * scale * scale
+    last = points.s.size - 1
+    for i in range(n // points.s.size):
+        length, ends = 1.0, True
+        if points.split:
+            length = segments[X_OVER_A, i, last] - segments[X_OVER_A, i, 0]
+            length /= points.s[last] - points.s[0]
+            end = segments[X_OVER_A, i, last] + length * (1.0 - points.s[last])
+            ends = abs(end) > 1.0 - AT_TIP
+        for p in range(points.s.size):
+            share = abs(length) * segments[LOAD_SHARE, SEGMENTS, p]
+            root = math.sqrt(pressure(segments[X_OVER_A, i, p]))
+            segments[LOAD_SHARE, i, p] = share * (points.tip[p] if ends else 1.0) / root
 
 
 @jit(fastmath=ESTIMATE_ROOTS, forceinline=True)
@@ -180,12 +205,15 @@ def point_slopes(surface, c, v_r2, flat, n, scale, gradient, hessian):
 
 
 @jit
-def ellipse_friction(points, contact, R, c, v_r, slopes, buffers, gradient, hessian):
+def ellipse_friction(points, contact, R, c, v_r, even, slopes, buffers, gradient, hessian):
     """Gradient of Phi by the slip coefficients c, force along the major axis, and QV.
 
     Parameters
     ----------
     points : EllipsePoints
+    even : bool
+        Whether the even part of a film's friction is summed, not the part that follows the load;
+        QV is of no use then.
     slopes : bool
         Whether `gradient` and `hessian` (of 4 or 5) are filled too, as by
         `traction.traction_slope`.
@@ -197,9 +225,13 @@ def ellipse_friction(points, contact, R, c, v_r, slopes, buffers, gradient, hess
         As `traction.ellipse_sums`.
     """
     n = place_points(points, contact, R, c, v_r, buffers.segments)
+    mu = contact.mu - contact.mu_even
+    if even:
+        mu = contact.mu_even
+        place_areas(points, contact, R, c, n, buffers.segments)
     p_R = profile(contact.r_g, R, contact.a)
     surface = PressedSurface(a=contact.a, b=contact.b, R_d2=p_R.R_d * p_R.R_d, base=base(p_R))
-    s, v_r2 = contact.mu * contact.Q, v_r * v_r
+    s, v_r2 = mu * contact.Q, v_r * v_r
     if slopes:
         g_1, g_0, g_h, g_x, g_t, qv = point_slopes(
             surface, c, v_r2, buffers.flat, n, s, gradient, hessian

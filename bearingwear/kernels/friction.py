@@ -4,9 +4,10 @@ A point that presses with dQ and slips by v feels the friction force
 
     dF = mu dQ v / sqrt(|v|^2 + v_r^2),
 
-Coulomb's law, smoothed below the slip v_r. It is the gradient, by the slip, of the convex potential
+Coulomb's law, smoothed below the slip v_r. A film adds its shear strength times the area dA in
+place of mu dQ. The force is the gradient, by the slip, of the convex potential
 mu dQ sqrt(|v|^2 + v_r^2). The functions give force, slope and potential for a given mu dQ or, where
-a sum is scaled by mu Q afterwards, for a share of the load.
+a sum is scaled by mu Q afterwards, for a share of load or area.
 """
 
 import math
@@ -87,10 +88,10 @@ def potential(load, v_2, v_r2):
 
 
 @jit
-def friction_coefficient(S, mu, Q, a, b):
-    """Friction coefficient of a contact under its mean pressure p_m, mu + S/p_m [1].
+def even_coefficient(S, Q, a, b):
+    """Friction coefficient of a film's shear strength, S/p_m with the mean pressure p_m [1].
 
-    A solid film is sheared at S + mu p_m (theory.md Eq. 79); without one S is zero.
+    A film is sheared at S + mu p (theory.md Eq. 79); without one S is zero.
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def friction_coefficient(S, mu, Q, a, b):
     Q, a, b : float
         Load [N] and semi-axes [m].
     """
-    return mu + S * math.pi * a * b / Q if S > 0.0 and Q > 0.0 else mu
+    return S * math.pi * a * b / Q if S > 0.0 and Q > 0.0 else 0.0
 
 
 @jit
@@ -108,10 +109,10 @@ def friction_coefficients(op, state):
     mu_i, mu_o = op.mu_i, op.mu_o
     if op.S_i > 0.0:
         a, b = semi_axis(state.hertz_i.c_a, state.Q_i), semi_axis(state.hertz_i.c_b, state.Q_i)
-        mu_i = friction_coefficient(op.S_i, mu_i, state.Q_i, a, b)
+        mu_i += even_coefficient(op.S_i, state.Q_i, a, b)
     if op.S_o > 0.0:
         a, b = semi_axis(state.hertz_o.c_a, state.Q_o), semi_axis(state.hertz_o.c_b, state.Q_o)
-        mu_o = friction_coefficient(op.S_o, mu_o, state.Q_o, a, b)
+        mu_o += even_coefficient(op.S_o, state.Q_o, a, b)
     return mu_i, mu_o
 
 

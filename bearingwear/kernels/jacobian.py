@@ -121,9 +121,8 @@ def ball_blocks(y, bearing, buf):
                 continue
             c = slip_coefficients(contact, u, r)
             slip_changes(contact, c, r, buf.L)
-            bare = m.mu_i if k == 0 else m.mu_o
-            gradient, hessian = buf.gradient[j, k], buf.hessian[j, k]
-            gradient_changes(contact, bare, R, c, gradient, hessian, buf.L, buf.change)
+            gradient, even = buf.gradient[j, k], buf.even[j, k]
+            gradient_changes(contact, R, c, gradient, even, buf.hessian[j, k], buf.L, buf.change)
             add_contact(bearing, buf, j, k, contact, c)
         Omega, mass = u[3], bearing.mass[j]
         block[P_RADIAL, OUTER_2] += mass * Omega * Omega

@@ -101,3 +101,4 @@ class Contact(NamedTuple):
     r_g: float  # groove radius [m]
     omega: float  # race speed [rad/s]
     mu: float  # friction coefficient at its load [1]
+    mu_even: float = 0.0  # the part of it that a film's shear strength makes, even over the ellipse

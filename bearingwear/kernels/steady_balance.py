@@ -19,6 +19,7 @@ from bearingwear.kernels.contact import LARGEST_AXIS, race_contacts, slip_coeffi
 from bearingwear.kernels.contact_changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
+from bearingwear.kernels.film_friction import add_even_friction, add_even_slope, area_shares
 from bearingwear.kernels.friction import friction_capacity, friction_coefficients
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.profile import contact_approach
@@ -68,6 +69,8 @@ class BalanceProblem(NamedTuple):
     share: np.ndarray  # (m,)
     gradient: np.ndarray  # (2, 4), with traction (2, 5)
     hessian: np.ndarray  # (4, 4) or (5, 5)
+    even: np.ndarray  # (2, 4) or (2, 5), the part of `gradient` of a film that shears evenly
+    even_hessian: np.ndarray  # (4, 4) or (5, 5)
     L: np.ndarray  # (2, 4, 6) see contact_changes.slip_changes
     change: np.ndarray  # (2, 5, 7) with traction: see contact_changes.gradient_changes
     rates: np.ndarray  # (3, 2, 3) with traction: see ball_response.load_rates
@@ -110,6 +113,8 @@ def balance_problem(bearing, rule, traction):
         share=np.ones(m),
         gradient=np.empty((2, f)),
         hessian=np.empty((f, f)),
+        even=np.zeros((2, f)),
+        even_hessian=np.empty((f, f)),
         L=np.zeros((2, 4, 6)),
         change=np.empty((2, 5, 7)),
         rates=np.empty((3, 2, 3)),
@@ -251,20 +256,26 @@ def friction_balance(p, v_r, state, u, out, slope):
         )
         L, gradient = p.L[k], p.gradient[k]
         slip_changes(contact, c, r, L)
+        points, mu = (t, weight, h, p.width, across, share), contact.mu - contact.mu_even
         if slope:
-            traction_slope(
-                contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, gradient,
-                p.hessian,
-            )  # fmt: skip
-            subtract_projected(L, p.hessian, J)
+            traction_slope(contact, c, mu, v_r, *points, gradient, p.hessian)
         else:
-            traction(contact, c, contact.mu, v_r, t, weight, h, p.width, across, share, gradient)
+            traction(contact, c, mu, v_r, *points, gradient)
+        if contact.mu_even > 0.0:
+            area_shares(p.rule, contact, R, c, v_r, t, weight, across, share)
+            if slope:
+                add_even_slope(
+                    contact, c, v_r, points, p.even[k], p.even_hessian, gradient, p.hessian
+                )
+            else:
+                add_even_friction(contact, c, v_r, points, p.even[k], gradient)
+        if slope:
+            subtract_projected(L, p.hessian, J)
         subtract_gradient(L, gradient, out)
         if u.size > 4:
             out[4 + k] = R * (gradient[4] - u[4 + k])
             if slope:
-                bare = op.mu_i if k == 0 else op.mu_o
-                gradient_changes(contact, bare, R, c, gradient, p.hessian, L, p.change[k])
+                gradient_changes(contact, R, c, gradient, p.even[k], p.hessian, L, p.change[k])
                 J[4 + k, 4 + k] = -R
                 for j in range(4):
                     J[4 + k, j] += R * p.change[k, 4, j]

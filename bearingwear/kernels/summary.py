@@ -16,6 +16,7 @@ from bearingwear.kernels.contact import (
     surface_height,
 )
 from bearingwear.kernels.ellipse import contact_points, most_points
+from bearingwear.kernels.film_friction import area_shares, even_dissipation
 from bearingwear.kernels.profile import middle_height, profile, semi_axis
 
 # Columns of a summary row, one row a race.
@@ -85,10 +86,16 @@ def contact_summary(g, D, op, state, u, r, rule, work, out, quick):
         t, weight = contact_points(
             rule, contact, R, c, op.v_r, work.t, work.weight, h, width, across, share
         )
-        args = contact, c, contact.mu, op.v_r, r, t, weight, h, width, across, share
+        points = t, weight, h, width, across, share
+        args = contact, c, contact.mu - contact.mu_even, op.v_r, r, *points
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = (
             quick_dissipation(*args) if quick else dissipation(*args)
         )
+        if contact.mu_even > 0.0:
+            area_shares(rule, contact, R, c, op.v_r, t, weight, across, share)
+            heat, torque = even_dissipation(contact, c, op.v_r, r, points)
+            row[HEAT] += heat
+            row[TORQUE] += torque
         # Angular velocity of the ball against the race, along the normal and in the contact plane.
         w_rel = u[0] - contact.omega
         row[SPIN] = contact.sigma * (w_rel * contact.sin_a + u[2] * contact.cos_a)

@@ -3,7 +3,8 @@
 The solvers sum the gradient of a potential in four coefficients of a contact; here every point of
 the contact gets its position, both surface velocities, friction force and moment as plain vectors.
 The solvers follow a ball centre; here loads and angles must close the polygon of groove
-centres. Only where the points of a split rule lie is taken from the solvers.
+centres. Only where the points of a rule lie, and which shares of load and area are theirs, is taken
+from the solvers.
 """
 
 import math
@@ -15,6 +16,7 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact import race_contacts, slip_coefficients
 from bearingwear.kernels.ellipse import most_points, place_across, quadrature_points
+from bearingwear.kernels.film_friction import area_shares
 from bearingwear.kernels.hertz import INNER, OUTER, race_contact
 
 
@@ -61,7 +63,8 @@ class PlainContact(NamedTuple):
     omega: float  # of the race [rad/s]
     a: float  # semi-axis across the groove [m]
     b: float  # along the rolling [m]
-    mu: float
+    mu: float  # friction force over the load, if all of it slips one way [1]
+    pressed: float  # the part of it that goes with the local pressure [1]
 
 
 class Work(NamedTuple):
@@ -88,14 +91,17 @@ def plain_contact(g, op, state, side):
         Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
         c_a, c_b, S, mu = state.hertz_o.c_a, state.hertz_o.c_b, op.S_o, op.mu_o
     a, b = c_a * Q ** (1.0 / 3.0), c_b * Q ** (1.0 / 3.0)
+    whole = mu
     if S > 0.0:
         peak = 1.5 * Q / (math.pi * a * b)
-        mu += S / (2.0 / 3.0 * peak)
-    return PlainContact(side=side, Q=Q, alpha=alpha, r_g=r_g, omega=omega, a=a, b=b, mu=mu)
+        whole += S / (2.0 / 3.0 * peak)
+    return PlainContact(
+        side=side, Q=Q, alpha=alpha, r_g=r_g, omega=omega, a=a, b=b, mu=whole, pressed=mu
+    )
 
 
 @jit
-def with_contact(before, one, R, r, u, v_r, t, weight, across, share):
+def with_contact(before, one, R, r, u, v_r, t, weight, across, share, length, width):
     """Friction's work with that of one contact added to it, point by point; `race` is its own.
 
     Parameters
@@ -104,6 +110,8 @@ def with_contact(before, one, R, r, u, v_r, t, weight, across, share):
     one : PlainContact
     t, weight, across, share : ndarray
         Places and shares of the load, as `quadrature_points` and `place_across` leave them.
+    length, width : ndarray
+        Likewise, shares of the area.
     """
     m_x, m_y, m_z, f_x, f_y, f_z, heat, qv, _ = before
     race = 0.0
@@ -125,7 +133,9 @@ def with_contact(before, one, R, r, u, v_r, t, weight, across, share):
         v_1 = -ball_x * e_x + (race_z - ball_z) * e_z
         v_2 = race_y - ball_y
         v = math.hypot(v_1, v_2)
-        F = one.mu * one.Q * weight[i] * share[j] / math.hypot(v, v_r)
+        shear = one.pressed * one.Q * weight[i] * share[j]
+        shear += (one.mu - one.pressed) * one.Q * length[i] * width[j]
+        F = shear / math.hypot(v, v_r)
         F_x, F_y, F_z = F * v_1 * e_x, F * v_2, F * v_1 * e_z
         m_x += y * F_z - p_z * F_y
         m_y += p_z * F_x - p_x * F_z
@@ -172,14 +182,17 @@ def friction_check(g, D, op, state, u, rule, bears):
     w = Work(m_x=0.0, m_y=0.0, m_z=0.0, f_x=0.0, f_y=0.0, f_z=0.0, heat=0.0, qv=0.0, race=0.0)
     power = power_in = 0.0
     contacts = race_contacts(g, op, state)
-    t_buffer, weight_buffer = np.empty(most_points(rule)), np.empty(most_points(rule))
-    across, share = np.empty((2, rule.across.size))
+    t_buffer, weight_buffer, length = np.zeros((3, most_points(rule)))
+    across, share, width = np.zeros((3, rule.across.size))
     for k in range(2):
         c = slip_coefficients(contacts[k], u, r)
         t, weight = quadrature_points(rule, contacts[k], R, c, op.v_r, t_buffer, weight_buffer)
-        place_across(rule, contacts[k], R, c, across, share)
+        place_across(rule, contacts[k], R, c, across, share, False)
         one = inner if k == 0 else outer
-        w = with_contact(w, one, R, r, u, op.v_r, t, weight, across, share)
+        if one.mu > one.pressed:
+            width[:] = 1.0
+            area_shares(rule, contacts[k], R, c, op.v_r, t.copy(), length, across, width)
+        w = with_contact(w, one, R, r, u, op.v_r, t, weight, across, share, length, width)
         power += w.race
         power_in += abs(w.race)
     inertia = ball_inertia(ball_mass(g.rho, D), D)

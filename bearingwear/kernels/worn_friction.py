@@ -20,6 +20,7 @@ from bearingwear.kernels.contact import (
     surface_height,
 )
 from bearingwear.kernels.ellipse import contact_points, most_points
+from bearingwear.kernels.film_friction import add_even_slope, area_shares, even_dissipation
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
@@ -105,8 +106,8 @@ def place_cells(g, D, op, races, seat, work):
         for worn in range(2):
             pressure = race.pressure if worn == OF_WORN else race.cells.fresh
             fill_cells(race, pressure, worn, contact.b, total, work, work.cells[k, worn])
-        if (op.S_i if k == 0 else op.S_o) > 0.0 or race.without >= 0.0:
-            film_friction(race, op.mu_i if k == 0 else op.mu_o, contact.mu, work.cells[k, OF_WORN])
+            if contact.mu_even > 0.0 or race.without >= 0.0:
+                film_friction(race, pressure, worn, contact, total, work.cells[k, worn])
 
 
 @jit
@@ -132,25 +133,27 @@ def area_in_contact(pressure):
 
 
 @jit
-def film_friction(race, constant, unworn, cells):
-    """Shares of friction of worn cells: of their film under its own mean pressure, or bare.
+def film_friction(race, pressure, worn, contact, total, cells):
+    """Shares of friction of cells: a film's, its even part by their area, or bare.
 
     Parameters
     ----------
-    constant : float
-        The part of the film's coefficient that the pressure has no part in [1].
-    unworn : float
-        Coefficient of the unworn contact, which the shares are of [1].
+    contact : Contact
+        The unworn one, whose friction the shares are of.
+    total : float
+        Sum of the unworn pressure.
     cells : ndarray
-        Rows of the worn cells.
+        Rows of the cells with load.
     """
-    load = race.pressure.sum() / race.cells.fresh.sum()
-    area = area_in_contact(race.pressure) / area_in_contact(race.cells.fresh)
-    filmed = constant + (unworn - constant) * area / load
+    in_contact, constant = area_in_contact(race.cells.fresh), contact.mu - contact.mu_even
     for p in range(int(cells[CELL_COUNT, 0])):
-        bare = race.bare[int(cells[CELL_COLUMN, p])] if race.without >= 0.0 else 0.0
-        mu = filmed + bare * (race.without - filmed)
-        cells[CELL_FRICTION, p] = cells[CELL_WEIGHT, p] * mu / unworn
+        load = cells[CELL_WEIGHT, p]
+        area = min(load * total / THIN_PRESSURE, 1.0) / in_contact
+        friction = constant * load + contact.mu_even * area
+        if worn == OF_WORN and race.without >= 0.0:
+            bare = race.bare[int(cells[CELL_COLUMN, p])]
+            friction += bare * (race.without * load - friction)
+        cells[CELL_FRICTION, p] = friction / contact.mu
 
 
 @jit
@@ -193,10 +196,14 @@ def worn_slope(k, contact, R, c, v_r, rule, work):
     t, weight = contact_points(
         rule, contact, R, c, v_r, work.t, work.weight, work.h, work.width, across, share
     )
-    traction_slope(
-        contact, c, contact.mu, v_r, t, weight, work.h, work.width, across, share, work.gradient,
-        work.hessian,
-    )  # fmt: skip
+    points, mu = (t, weight, work.h, work.width, across, share), contact.mu - contact.mu_even
+    traction_slope(contact, c, mu, v_r, *points, work.gradient, work.hessian)
+    if contact.mu_even > 0.0:
+        area_shares(rule, contact, R, c, v_r, t, weight, across, share)
+        add_even_slope(
+            contact, c, v_r, points, work.part_gradient, work.part_hessian, work.gradient,
+            work.hessian,
+        )  # fmt: skip
     rounded = math.hypot(v_r, work.rounded[k])
     for worn in range(2):
         t, _, friction, h, width, _ = loaded_cells(work.cells[k, worn])
@@ -329,10 +336,14 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
         t, weight = contact_points(
             rule, contact, R, c, op.v_r, work.t, work.weight, work.h, work.width, across, share
         )
-        qv, heat, gyro, torque = dissipation(
-            contact, c, contact.mu, op.v_r, r, t, weight, work.h, work.width, across, share
-        )
+        points, mu = (t, weight, work.h, work.width, across, share), contact.mu - contact.mu_even
+        qv, heat, gyro, torque = dissipation(contact, c, mu, op.v_r, r, *points)
         gyro *= qv
+        if contact.mu_even > 0.0:
+            area_shares(rule, contact, R, c, op.v_r, t, weight, across, share)
+            even_heat, even_torque = even_dissipation(contact, c, op.v_r, r, points)
+            heat += even_heat
+            torque += even_torque
         rounded = math.hypot(op.v_r, work.rounded[k])
         for worn in range(2):
             t, weight, friction, h, width, column = loaded_cells(work.cells[k, worn])
@@ -343,7 +354,7 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
             qv += sign * part[0]
             gyro += sign * part[2] * part[0]
             out[k, 4] = contact.mu * (friction.sum() / weight.sum())
-            if out[k, 4] != contact.mu:
+            if contact.mu_even > 0.0 or race.without >= 0.0:
                 part = dissipation(
                     contact,
                     c,

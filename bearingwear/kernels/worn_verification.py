@@ -116,17 +116,15 @@ def friction_of_cells(pressure, fresh, law, bare, without):
     """
     S, constant, peak = law
     m, n = pressure.shape
-    load = old_load = area = old_area = bare_load = 0.0
+    load = old_load = old_area = filmed_area = bare_load = 0.0
     for i in range(n):
+        uncovered = bare[i] if without >= 0.0 else 0.0
         for j in range(m):
             load += pressure[j, i]
-            bare_load += bare[i] * pressure[j, i]
+            bare_load += uncovered * pressure[j, i]
+            filmed_area += (1.0 - uncovered) * min(20.0 * pressure[j, i], 1.0)
             old_load += fresh[j, i]
-            area += min(20.0 * pressure[j, i], 1.0)
             old_area += min(20.0 * fresh[j, i], 1.0)
-    # Hertz' mean pressure, two thirds of the peak, times the load's share over the area's.
-    mean = 2.0 / 3.0 * peak * (load / old_load) / (area / old_area)
-    filmed = constant + S / mean
-    if without < 0.0:
-        return filmed
-    return filmed * (1.0 - bare_load / load) + without * bare_load / load
+    # Hertz' mean pressure, two thirds of the peak, is that over the unworn area.
+    sheared = S / (2.0 / 3.0 * peak) * (filmed_area / old_area) * old_load
+    return (constant * (load - bare_load) + sheared + without * bare_load) / load

@@ -9,7 +9,7 @@ from bearingwear.kernels.ellipse import SEGMENTS, Rule
 from bearingwear.kernels.ellipse_friction import EllipsePoints
 from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.profile import PEAK
+from bearingwear.kernels.profile import PEAK, WIDEST
 from bearingwear.model.films import Films, friction_law
 from bearingwear.model.growth import axial_change, grown, growth_of
 from bearingwear.model.mounted import GPA as GPA
@@ -22,10 +22,13 @@ from bearingwear.model.quadrature import (
     chebyshev,
     chebyshev_halves,
     equal_strips,
+    even_shares,
     gathered,
     gauss_halves,
     spread_ellipse,
     spread_fixed,
+    strip_tips,
+    tips,
 )
 from bearingwear.scene.scene import Arrangement, Scene
 
@@ -85,9 +88,16 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
     Shared by callers, who must not write to it.
     """
     if name == "split":
-        return Rule(True, *gathered(-(-points // SEGMENTS)), *chebyshev_halves(across))
-    along = {"gauss": gauss_halves, "strips": equal_strips}[name](points)
-    return Rule(False, *along, *chebyshev(across))
+        m = -(-points // SEGMENTS)
+        y, share = chebyshev_halves(across)
+        return Rule(True, *gathered(m), tips(m), y, share, even_shares(y, True))
+    y, share = chebyshev(across)
+    if name == "strips":
+        along, tip = equal_strips(points), strip_tips(points)
+    else:
+        half = tips((points + 1) // 2)
+        along, tip = gauss_halves(points), np.concatenate([half[::-1], half])
+    return Rule(False, *along, tip, y, share, even_shares(y, False))
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:
@@ -110,6 +120,12 @@ def split_points(count: int, across: int) -> EllipsePoints:
     return EllipsePoints(True, *spread_ellipse(count, across))
 
 
+def line_points(rule: Rule) -> EllipsePoints:
+    """Points of a split rule with one across, in the form of those in time."""
+    middle, area = np.zeros(rule.t.size), WIDEST * rule.weight
+    return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle, area, rule.tip)
+
+
 def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
     """Points from which the motion in time sums friction, with so many times those of `quadrature`.
 
@@ -119,8 +135,7 @@ def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
     if rule.split and rule.across.size > 1:
         return split_points(rule.t.size, rule.across.size)
     if rule.split:
-        middle = np.zeros(rule.t.size)
-        return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle)
+        return line_points(rule)
     return EllipsePoints(False, *spread_fixed(*rule[1:]))
 
 

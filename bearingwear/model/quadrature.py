@@ -1,8 +1,9 @@
-"""Points and load shares on the major axis of a contact ellipse (theory.md section 3)."""
+"""Points over a contact ellipse, their shares of its load and of its area (theory.md section 3)."""
 
 import numpy as np
+from numpy.polynomial.legendre import legval, legvander
 
-from bearingwear.kernels.profile import PEAK, pressure, pressure_integral
+from bearingwear.kernels.profile import PEAK, WIDEST, pressure, pressure_integral
 
 FEWEST_ACROSS = 6  # of `spread_ellipse`
 MANY_ACROSS = 16  # likewise
@@ -22,6 +23,33 @@ def equal_strips(n):
     edges = np.linspace(-1.0, 1.0, n + 1)
     t = 0.5 * (edges[1:] + edges[:-1])
     return t, np.diff(PEAK * pressure_integral(edges))
+
+
+def strip_tips(n):
+    """Area of n equal strips over what the ellipse's width in their middles makes of it (n,)."""
+    edges = np.linspace(-1.0, 1.0, n + 1)
+    area = np.diff(edges * np.sqrt(pressure(edges)) + np.arcsin(edges)) / np.pi
+    t, weight = equal_strips(n)
+    return area / (WIDEST / PEAK * weight / np.sqrt(pressure(t)))
+
+
+def uniform(y, low=-1.0, high=1.0):
+    """Weights of n points for a uniform density: exact for polynomials of the degree n - 1."""
+    z = (2.0 * y - low - high) / (high - low)
+    moments = np.zeros(y.size)
+    moments[0] = high - low
+    return np.linalg.solve(legvander(z, y.size - 1).T, moments)
+
+
+def tips(m):
+    """Factors on the weights of m Gauss-Legendre points on 0 to 1 under the root sqrt(1 - z).
+
+    With them the root times a polynomial of the degree m - 1 is integrated exactly: the factors are
+    the root's Legendre series, as far as m terms go, over the root.
+    """
+    x, _ = gauss_legendre(m)
+    k = np.arange(m)
+    return legval(x, -2.0 / ((2 * k - 1) * (2 * k + 3))) / np.sqrt(0.5 * (1.0 - x))
 
 
 def gauss_legendre(m):
@@ -84,6 +112,14 @@ def chebyshev(n):
     return across, 2.0 / (n + 1) * np.sin(angle) ** 2
 
 
+def even_shares(across, halves):
+    """Shares of a strip's area at its points, of the whole or of both halves by themselves."""
+    if not halves or across.size == 1:
+        return 0.5 * uniform(across)
+    half = 0.5 * uniform(across[across.size // 2 :], 0.0, 1.0)
+    return np.concatenate([half[::-1], half])
+
+
 def chebyshev_halves(n):
     """The same by Gauss points on each half of the strip, for a bend in its middle.
 
@@ -122,21 +158,27 @@ def spread_ellipse(m, across):
 
     Returns
     -------
-    s, weight, y, moved : ndarray (n,)
+    s, weight, y, moved, area, tip : ndarray (n,)
         As in kernels.ellipse_friction.EllipsePoints.
     """
     t, weight = gathered(m, power=2)
     across = max(across, FEWEST_ACROSS)
     rows = []
-    for s, w in zip(t, PEAK * normalised(t, weight), strict=True):
+    columns = t, PEAK * normalised(t, weight), WIDEST * weight, tips(m)
+    for s, w, length, tip in zip(*columns, strict=True):
         count = round(across * max(0.25, 0.55 - 0.5 * s))
         near = s < NEAR or across >= MANY_ACROSS
         y, share = chebyshev_halves(2 * -(-3 * across // 8)) if near else chebyshev(count)
-        rows.append((np.full(y.size, s), w * share, y, np.full(y.size, float(near))))
+        area = length * even_shares(y, near)
+        rows.append((np.full(y.size, s), w * share, y, np.full(y.size, float(near)), area))
+        rows[-1] += (np.full(y.size, tip),)
     return tuple(np.concatenate(column) for column in zip(*rows, strict=True))
 
 
-def spread_fixed(t, weight, across, share):
+def spread_fixed(t, weight, tip, across, share, even):
     """Points of a fixed rule, in the same form."""
-    shares = np.outer(weight / pressure(t), share)
-    return t.repeat(across.size), shares.ravel(), np.tile(across, t.size), np.zeros(shares.size)
+    density = weight / pressure(t)
+    loads, areas = np.outer(density, share), np.outer(WIDEST / PEAK * density * tip, even)
+    n = across.size
+    ones, zeros = np.ones(loads.size), np.zeros(loads.size)
+    return t.repeat(n), loads.ravel(), np.tile(across, t.size), zeros, areas.ravel(), ones

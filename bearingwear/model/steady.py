@@ -22,7 +22,6 @@ from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, summed
 from bearingwear.model.films import Bare, friction_law
-from bearingwear.model.micro_slip import micro_slip_values
 from bearingwear.model.outputs import (
     contact_values,
     diameter_loss_rates,
@@ -231,9 +230,6 @@ def solve_steady(
         if case.held:
             attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
         values |= {"status": case.status} | steady_values(scene, problem, D, case)
-        if scene.model.micro_slip:
-            place = case.u, case.r, case.contacts
-            values |= micro_slip_values(scene, problem.g, problem.op, D, *place)
         values |= {
             "fast_time_scale": 1.0 / np.abs(scales).max(),
             "slow_time_scale": 1.0 / np.abs(scales.real).min(),

@@ -162,12 +162,6 @@ class Model:
             choices=NORMAL_BALANCES,
         ),
     ] = None
-    micro_slip: Annotated[
-        bool,
-        Key(
-            "Evaluate elastic micro-slip at the motion found, and the QV it takes away, steady only"
-        ),
-    ] = False
     cage_results: Annotated[
         bool, Key("Solve motion and wear of the cage, which takes the dynamic model")
     ] = False

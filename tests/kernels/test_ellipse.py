@@ -37,7 +37,7 @@ def placed(rule, c, contact=CONTACT, v_r=V_R):
     n, m = most_points(rule), rule.across.size
     t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, n)))
     across, share = np.empty((2, m))
-    place_across(rule, contact, R, c, across, share)
+    place_across(rule, contact, R, c, across, share, False)
     h, width = np.empty(t.size), np.zeros(t.size)
     surface_height(contact, R, t, h)
     half_width(contact, t, width)

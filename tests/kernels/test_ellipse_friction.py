@@ -8,28 +8,20 @@ from kernels.test_ellipse import CONTACT, MU, SCALE, SLIPS, STEPS, V_R, R, place
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels.ellipse_friction import EllipsePoints, ellipse_friction, places
-from bearingwear.kernels.profile import PEAK
 from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
-from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.quadrature import (
-    chebyshev,
-    gathered,
-    gauss_halves,
-    normalised,
-    spread_ellipse,
-    spread_fixed,
-)
+from bearingwear.model.parameters import ellipse_rule, line_points, split_points
+from bearingwear.model.quadrature import gathered, normalised, spread_fixed
 
-FIXED = EllipsePoints(False, *spread_fixed(*gauss_halves(40), *chebyshev(5)))
-SPREAD = EllipsePoints(True, *spread_ellipse(5, 8))
-FINE = EllipsePoints(True, *spread_ellipse(25, 32))
-LINE = EllipsePoints(True, *(column := gathered(10))[:1], PEAK * column[1], *np.zeros((2, 10)))
+FIXED = EllipsePoints(False, *spread_fixed(*ellipse_rule("gauss", 40, 5)[1:]))
+SPREAD = split_points(5, 8)
+FINE = split_points(25, 32)
+LINE = line_points(ellipse_rule("split", 40))
 
 
-def friction(points, c, v_r=V_R, size=5):
+def friction(points, c, v_r=V_R, size=5, contact=CONTACT, even=False):
     """Sums without slopes, and with: gradient and Hessian, `size` of each."""
     gradient, hessian = np.zeros(size), np.zeros((size, size))
-    args = points, CONTACT, R, c, v_r
+    args = points, contact, R, c, v_r, even
     sums = ellipse_friction(*args, False, places(points), gradient, hessian)
     again = ellipse_friction(*args, True, places(points), gradient, hessian)
     assert_allclose(again, sums, rtol=1e-12, atol=1e-15)

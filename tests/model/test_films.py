@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start
-from bearingwear.kernels.friction import friction_coefficient
+from bearingwear.kernels.friction import even_coefficient
 from bearingwear.kernels.steady_balance import (
     Seat,
     friction_balance,
@@ -62,12 +62,10 @@ def through(result):
 def test_law_goes_by_the_inverse_cube_root_of_the_load_to_its_limit():
     c_a, c_b = 6.4e-5, 9.8e-6  # m/N^(1/3)
     Q = np.logspace(-3, 12, 16)
-    mu = np.array(
-        [friction_coefficient(S_0, ALPHA_S, q, c_a * np.cbrt(q), c_b * np.cbrt(q)) for q in Q]
-    )
-    assert_allclose((mu[1:] - ALPHA_S) / (mu[:-1] - ALPHA_S), 10.0 ** (-1 / 3), rtol=1e-9)
-    assert mu[-1] == pytest.approx(ALPHA_S, abs=1e-4)
-    assert friction_coefficient(0.0, 0.08, 2.0, 6e-5, 2e-5) == 0.08
+    mu = np.array([even_coefficient(S_0, q, c_a * np.cbrt(q), c_b * np.cbrt(q)) for q in Q])
+    assert_allclose(mu[1:] / mu[:-1], 10.0 ** (-1 / 3), rtol=1e-9)
+    assert mu[-1] == pytest.approx(0.0, abs=1e-4)
+    assert even_coefficient(0.0, 2.0, 6e-5, 2e-5) == 0.0
 
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
@@ -78,7 +76,8 @@ def test_each_contact_has_the_coefficient_of_its_mean_pressure(scene, fidelity):
     expected = S_0 / (2 / 3 * peak) + ALPHA_S
     assert_allclose(found["friction_coefficient"], expected, rtol=1e-12)
     ratio = found["friction_heat"] / found["qv"]
-    assert np.all(ratio < expected) and np.all(ratio > 0.9 * expected)
+    even = expected - ALPHA_S  # sheared at the edge too, where slip is large and pressure small
+    assert np.all(ratio > expected) and np.all(ratio < ALPHA_S + 1.25 * even)
 
 
 @pytest.mark.parametrize("contact", ["hertz", "paper"])
@@ -309,9 +308,10 @@ def test_race_control_follows_films_too(scene):
 def test_a_symmetric_pair_has_the_films_of_the_single_bearing(scene):
     one = life(scene("gyro_s1", THIN)).values
     two = life(scene("gyro_s1", THIN | {"arrangement.kind": "spring_pair"})).values
-    assert_array_equal(two["life"], one["life"])
+    assert_allclose(two["life"], one["life"], rtol=1e-12)  # compiled apart, so but for rounding
     for k in range(2):
-        assert_array_equal(two["race_film_worn_through"][k], one["race_film_worn_through"])
+        worn_through = two["race_film_worn_through"][k]
+        assert_allclose(worn_through, one["race_film_worn_through"], rtol=1e-12)
 
 
 # in closed form

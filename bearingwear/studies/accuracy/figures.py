@@ -243,7 +243,6 @@ SIMPLER = (
     ("fidelity_steady", "race control", "race control for the steady state"),
     ("across", "1", "slip on the centre line of the ellipse"),
     ("normal_balance", "with traction", "traction in the normal balance"),
-    ("micro_slip", "micro slip", "elastic micro-slip"),
     ("fidelity", "race control", "race control for the dynamic model"),
     ("fidelity", "steady", "steady, thrust alone"),
     ("fidelity", "three balls", "three balls, dynamic, thrust alone"),

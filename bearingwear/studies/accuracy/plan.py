@@ -25,7 +25,6 @@ FIRST, _SCENE = "first", "scene"
 SWEEP_KINDS = ("numerical", "model")
 TRADE_FIDELITIES = (
     "race_control",
-    "micro_slip",
     "steady",
     "three_balls",
     "no_cage",

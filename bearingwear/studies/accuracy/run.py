@@ -19,7 +19,6 @@ from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.fitted_hertz import fitted_displacement, fitted_factors
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.outputs import wear_values
-from bearingwear.model.parameters import ball_diameters
 from bearingwear.model.race_control import race_control_motion
 from bearingwear.model.result import Result
 from bearingwear.model.solve import solve
@@ -212,29 +211,12 @@ def runner(scene: Scene, point: SweepPoint) -> Callable[[], dict]:
     if fidelity == "steady":
         thrust = thrust_alone(scene)
         return lambda: solve(thrust, fidelity).values
-    if fidelity == "micro_slip":
-        return lambda: with_micro_slip(scene)
     if fidelity == "three_balls":
         return lambda: three_balls(scene)
     trial = scene.without_cage if fidelity == "no_cage" else scene
     if not (point.start or point.hertz):
         return lambda: solve(trial, "dynamic").values
     return lambda: dynamic_values(trial, point.start or "steady", point.hertz == "fit")
-
-
-def with_micro_slip(scene: Scene) -> dict:
-    """The steady state under the thrust alone, its QV with micro-slip at the motion found."""
-    thrust = thrust_alone(scene)
-    asked = replace(thrust, model=replace(thrust.model, micro_slip=True))
-    values = dict(solve(asked, "steady").values)
-    if values["status"] == code.OK and "micro_slip_qv_ratio" in values:
-        row = values["micro_slip_qv_ratio"]
-        before, values["qv"] = values["qv"], values["qv"] * row
-        values["total_qv"] = values["total_qv"] * values["qv"].sum() / before.sum()
-        D = ball_diameters(scene)[:1]
-        places = values["semi_major_axis"], values["contact_track_radius"]
-        values |= wear_values(scene, D, values["qv"], *places)
-    return values
 
 
 def three_balls(scene: Scene) -> dict:

@@ -1,0 +1,64 @@
+"""The part of a film's friction that spreads evenly over the ellipse (theory.md section 23).
+
+A film shears at S_0 + alpha p: dF = (S_0 dA + alpha dQ) v/|v|. The second part sums as Coulomb's
+friction does, over shares of the load; the first sums over shares of the area. They are taken at
+the same points.
+"""
+
+from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.contact import quick_dissipation
+from bearingwear.kernels.ellipse import fill_points, place_across
+from bearingwear.kernels.traction import traction, traction_slope
+
+
+@jit
+def area_shares(rule, contact, R, c, v_r, t, weight, across, share):
+    """Put shares of the area in place of those of the load; points as `contact_points` has them.
+
+    Parameters
+    ----------
+    t, weight : ndarray (n,)
+    across, share : ndarray (rule.across.size,)
+    """
+    fill_points(rule, contact, R, c, v_r, t, weight, True)
+    if across.size > 1:
+        place_across(rule, contact, R, c, across, share, True)
+
+
+@jit
+def add_even_friction(contact, c, v_r, points, even, gradient):
+    """Add to `gradient` that of the even part, which is left in `even`.
+
+    Parameters
+    ----------
+    points : tuple of 6 ndarray
+        t, weight, h, width, across, share: as in `traction`, with shares of the area.
+    even, gradient : ndarray (4,) or (5,)
+    """
+    t, weight, h, width, across, share = points
+    traction(contact, c, contact.mu_even, v_r, t, weight, h, width, across, share, even)
+    for i in range(gradient.size):
+        gradient[i] += even[i]
+
+
+@jit
+def add_even_slope(contact, c, v_r, points, even, even_hessian, gradient, hessian):
+    """As `add_even_friction`, with the second derivatives."""
+    t, weight, h, width, across, share = points
+    traction_slope(
+        contact, c, contact.mu_even, v_r, t, weight, h, width, across, share, even, even_hessian
+    )
+    for i in range(gradient.size):
+        gradient[i] += even[i]
+        for j in range(gradient.size):
+            hessian[i, j] += even_hessian[i, j]
+
+
+@jit
+def even_dissipation(contact, c, v_r, r, points):
+    """Heat [W] and torque [N m] of the even part, as `contact.dissipation` has them."""
+    t, weight, h, width, across, share = points
+    _, heat, _, torque = quick_dissipation(
+        contact, c, contact.mu_even, v_r, r, t, weight, h, width, across, share
+    )
+    return heat, torque

@@ -1,0 +1,182 @@
+"""A film's friction, even over the ellipse: shares of the area, closed forms, slopes, the check."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kernels.test_ellipse import CONTACT, R, placed
+from kernels.test_ellipse_friction import SCALE, SLIPS, STEPS, V_R, friction
+from numpy.testing import assert_allclose
+from scipy.special import ellipe
+from support import scene_file
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import cold_start
+from bearingwear.kernels.film_friction import area_shares
+from bearingwear.kernels.friction import even_coefficient
+from bearingwear.kernels.profile import semi_axis
+from bearingwear.kernels.steady_balance import Seat, motion_equilibrium
+from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, workspace
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL
+from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
+from bearingwear.kernels.verification import friction_check
+from bearingwear.model.parameters import ellipse_rule, line_points, split_points
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.scene.variant import variant
+
+MU_EVEN = 0.05
+FILM = CONTACT._replace(mu=0.07, mu_even=MU_EVEN)
+SPIN = (0.0, 0.0, 0.0, 1e3)
+RULES = {"split": (100, 32), "gauss": (20, 8), "strips": (200, 8)}
+
+
+def evenly(rule, c, contact=FILM, v_r=V_R):
+    """Points of a rule with shares of the area: t, weight, h, width, across, share."""
+    t, weight, h, width, across, share = placed(rule, c, contact, v_r)
+    t, weight, across, share = (np.array(one) for one in (t, weight, across, share))
+    area_shares(rule, contact, R, c, v_r, t, weight, across, share)
+    return t, weight, h, width, across, share
+
+
+@pytest.mark.parametrize("name", RULES)
+@pytest.mark.parametrize("c", [SPIN, *SLIPS])
+def test_shares_are_those_of_an_ellipse(name, c):
+    """The whole of it, and its moments of inertia, a quarter of the squared semi-axes."""
+    t, weight, _, width, across, share = evenly(ellipse_rule(name, *RULES[name]), c)
+    error = 1e-4 if name == "strips" else 1e-6
+    assert_allclose(weight.sum(), 1.0, rtol=error)
+    assert_allclose(share.sum(), 1.0, rtol=1e-12)
+    assert_allclose((weight * t * t).sum(), 0.25, rtol=error)
+    y = np.outer(width, across) / FILM.b
+    assert_allclose((np.outer(weight, share) * y * y).sum(), 0.25, rtol=error)
+
+
+@pytest.mark.parametrize("kappa", [1.5, 6.0, 20.0])
+def test_pure_spin_in_closed_form(kappa):
+    """4/(3 pi) a E(m) times the force, 1.132 times what follows Hertz' pressure: 3/8 a E(m)."""
+    contact, v_r = FILM._replace(b=FILM.a / kappa), 1e-9
+    exact = 4.0 / (3.0 * math.pi) * MU_EVEN * contact.Q * contact.a * ellipe(1.0 - kappa**-2)
+    for rule, error in (
+        (ellipse_rule("split", 20, 8), 1e-3),
+        (ellipse_rule("split", 200, 64), 1e-6),
+    ):
+        points = evenly(rule, SPIN, contact, v_r)
+        torque = ellipse_sums(contact, SPIN, MU_EVEN, v_r, *points)[3]
+        assert_allclose(torque, exact, rtol=error)
+        hertz = ellipse_sums(contact, SPIN, MU_EVEN, v_r, *placed(rule, SPIN, contact, v_r))[3]
+        assert_allclose(torque / hertz, 32.0 / (9.0 * math.pi), rtol=error)
+    in_time, _ = friction(split_points(5, 8), SPIN, v_r, contact=contact, even=True)
+    assert_allclose(in_time[3], exact, rtol=1e-3 if kappa > 3.0 else 1e-2)  # few across
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_in_time_as_in_the_steady_state(c):
+    """Many points of either: both are right. On a line the points are the same."""
+    many = ellipse_sums(FILM, c, MU_EVEN, V_R, *evenly(ellipse_rule("split", 200, 64), c))
+    found, _ = friction(split_points(25, 32), c, contact=FILM, even=True)
+    assert_allclose(found[:5] / SCALE, many[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
+    line = ellipse_rule("split", 40)
+    along = ellipse_sums(FILM, c, MU_EVEN, V_R, *evenly(line, c))
+    found, _ = friction(line_points(line), c, contact=FILM, even=True)
+    assert_allclose(found[:5] / SCALE, along[:5] / SCALE, atol=1e-11 * MU_EVEN * FILM.Q)
+
+
+@pytest.mark.parametrize("c", SLIPS)
+def test_slopes_are_those_of_a_convex_potential(c):
+    """Against differences at held points, and by many points in time, which move."""
+    points, gradient, hessian = (
+        evenly(ellipse_rule("split", 24, 8), c),
+        np.empty(5),
+        np.empty((5, 5)),
+    )
+    ellipse_slope(FILM, c, MU_EVEN, V_R, *points, gradient, hessian)
+    scale = SCALE[:, None] * SCALE
+    found = np.empty((4, 5))
+    for i, step in enumerate(STEPS):
+        moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
+        low, high = (np.array(ellipse_sums(FILM, m, MU_EVEN, V_R, *points)[:5]) for m in moved)
+        found[i] = (high - low) / (2.0 * step)
+    size = np.abs(hessian / scale).max()
+    assert_allclose(found / scale[:4], hessian[:4] / scale[:4], atol=1e-6 * size)
+    assert np.linalg.eigvalsh((hessian / scale)[:4, :4]).min() > 0.0
+    _, in_time = friction(split_points(25, 32), c, contact=FILM, even=True)
+    ellipse_slope(
+        FILM, c, MU_EVEN, V_R, *evenly(ellipse_rule("split", 200, 64), c), gradient, hessian
+    )
+    assert_allclose(in_time / scale, hessian / scale, atol=1e-4 * size)
+
+
+MOS2 = {"shear_strength_MPa": 24.8, "pressure_coefficient": 0.001}  # Singer et al. (1990)
+SPINDLE = {
+    "ball_count": 15, "ball_diameter_mm": 8.4, "pitch_diameter_mm": 54.0,
+    "contact_angle_deg": 15.0, "inner_groove_factor": 0.52, "outer_groove_factor": 0.53,
+}  # fmt: skip
+SCENES = {
+    "mos2_gyro": {},
+    "7008C": {
+        **{f"bearing.{key}": value for key, value in SPINDLE.items()}, "cage": None,
+        "operation.preload_N": 140, "operation.shaft_speed_rpm": 18_000,
+    },
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def solved(request):
+    """A steady state of a film: its balance, its place and motion."""
+    changes = SCENES[request.param] | {"uncertainty": None, "model.contact": "hertz"}
+    problem = ThrustProblem.of(variant(scene_file("mos2_gyro"), changes))
+    return request.param, problem
+
+
+def state_of(problem):
+    case = problem.solve(problem.g.D0)
+    assert case.status == code.OK
+    balance = problem.balance(problem.g.D0)
+    u = np.append(case.u, [case.T_i, case.T_o])
+    near = Seat(delta_a=case.delta_a, state=cold_start())
+    return balance.bearing, motion_equilibrium(balance.bearing, u, near).state, u
+
+
+def means(op, state):
+    """The law that has the film's mean coefficients, spread as Hertz' pressure."""
+    mu = {}
+    for k, Q, hertz in (("i", state.Q_i, state.hertz_i), ("o", state.Q_o, state.hertz_o)):
+        a, b = semi_axis(hertz.c_a, Q), semi_axis(hertz.c_b, Q)
+        law = (op.S_i, op.mu_i) if k == "i" else (op.S_o, op.mu_o)
+        mu |= {f"mu_{k}": law[1] + even_coefficient(law[0], Q, a, b), f"S_{k}": 0.0}
+    return op._replace(**mu)
+
+
+def in_balance_with_means(problem):
+    """State and motion that balance with the film's mean coefficients, spread as the pressure."""
+    law = problem.op
+    for _ in range(4):  # the coefficients of the state's own loads
+        bearing, state, u = state_of(replace(problem, op=law))
+        law = means(problem.op, state)
+    return bearing, state, u, law
+
+
+def test_power_at_the_same_motion(solved):
+    """An even film takes more than its mean coefficient under Hertz' pressure."""
+    name, problem = solved
+    bearing, state, u, law = in_balance_with_means(problem)
+    out, r = np.empty((2, 2, COLUMNS)), bearing.g.R_o + state.X2
+    rule, work = ellipse_rule("split", 200, 32), workspace(ellipse_rule("split", 200, 32))
+    for rows, op in zip(out, (problem.op, law), strict=True):
+        contact_summary(bearing.g, bearing.D, op, state, u[:4], r, rule, work, rows, False)
+    heat = out[..., HEAT].sum(axis=1)
+    assert_allclose(heat[0] / heat[1], {"mos2_gyro": 1.127, "7008C": 1.125}[name], atol=2e-3)
+    assert_allclose(out[0, :, QV], out[1, :, QV], rtol=1e-15)  # wear counts |v| dQ as before
+
+
+def test_the_check_says_no_to_the_spread_of_hertz(solved):
+    """A state in balance with the same mean coefficients, but spread as Hertz' pressure."""
+    _, problem = solved
+    bearing, state, u, law = in_balance_with_means(problem)
+
+    def left(op):
+        return friction_check(bearing.g, bearing.D, op, state, u[:4], problem.rule, True)[0]
+
+    assert left(law) < LARGEST_RESIDUAL
+    assert left(problem.op) > 1e3 * LARGEST_RESIDUAL
