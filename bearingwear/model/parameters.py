@@ -90,14 +90,15 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
     if name == "split":
         m = -(-points // SEGMENTS)
         y, share = chebyshev_halves(across)
-        return Rule(True, *gathered(m), tips(m), y, share, even_shares(y, True))
+        t, weight = gathered(m)
+        return Rule(True, t, weight, tips(m), y, share, even_shares(y, True))
     y, share = chebyshev(across)
     if name == "strips":
-        along, tip = equal_strips(points), strip_tips(points)
+        (t, weight), tip = equal_strips(points), strip_tips(points)
     else:
         half = tips((points + 1) // 2)
-        along, tip = gauss_halves(points), np.concatenate([half[::-1], half])
-    return Rule(False, *along, tip, y, share, even_shares(y, False))
+        (t, weight), tip = gauss_halves(points), np.concatenate([half[::-1], half])
+    return Rule(False, t, weight, tip, y, share, even_shares(y, False))
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:

@@ -170,8 +170,8 @@ def spread_ellipse(m, across):
         near = s < NEAR or across >= MANY_ACROSS
         y, share = chebyshev_halves(2 * -(-3 * across // 8)) if near else chebyshev(count)
         area = length * even_shares(y, near)
-        rows.append((np.full(y.size, s), w * share, y, np.full(y.size, float(near)), area))
-        rows[-1] += (np.full(y.size, tip),)
+        ones = np.ones(y.size)
+        rows.append((s * ones, w * share, y, float(near) * ones, area, tip * ones))
     return tuple(np.concatenate(column) for column in zip(*rows, strict=True))
 
 
