@@ -16,7 +16,7 @@ import numpy as np
 
 from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
 from bearingwear.kernels.contact import half_width, surface_height
-from bearingwear.kernels.profile import PEAK, WIDEST, base, pressure, profile
+from bearingwear.kernels.profile import MIDDLE_WIDTH, PEAK, base, pressure, profile
 
 EDGE = 0.5  # points across gather no nearer to the edge of the ellipse than this share
 SEGMENTS = 4  # two pure-rolling points at the most, one segment on each side of each
@@ -91,7 +91,7 @@ def rolling_points(contact, R, c, v_r):
 def cluster_points(rule, start, end, n, t, weight, even):
     """Put the points of one segment, close together at its start; returns their new count."""
     length = end - start
-    share = (WIDEST if even else PEAK) * abs(length)
+    share = (MIDDLE_WIDTH if even else PEAK) * abs(length)
     for k in range(rule.t.size):
         x = start + length * rule.t[k]
         t[n + k] = x
@@ -134,7 +134,7 @@ def fill_points(rule, contact, R, c, v_r, t, weight, even):
         for k in range(rule.t.size):
             t[k], weight[k] = rule.t[k], rule.weight[k]
             if even:
-                weight[k] *= WIDEST / PEAK * rule.tip[k] / math.sqrt(pressure(t[k]))
+                weight[k] *= MIDDLE_WIDTH / PEAK * rule.tip[k] / math.sqrt(pressure(t[k]))
         return rule.t.size
     low, high = pure_rolling(contact, R, c, v_r)
     n = 0

@@ -26,32 +26,28 @@ def area_shares(rule, contact, R, c, v_r, t, weight, across, share):
 
 
 @jit
-def add_even_friction(contact, c, v_r, points, even, gradient):
-    """Add to `gradient` that of the even part, which is left in `even`.
+def add_even_part(rule, contact, R, c, v_r, points, even, even_hessian, gradient, hessian, slope):
+    """Add to `gradient`, and where asked to `hessian`, those of the even part.
 
     Parameters
     ----------
     points : tuple of 6 ndarray
-        t, weight, h, width, across, share: as in `traction`, with shares of the area.
-    even, gradient : ndarray (4,) or (5,)
+        t, weight, h, width, across, share, as in `traction`; left with shares of the area.
+    even, even_hessian : ndarray
+        Filled: the even part alone.
     """
     t, weight, h, width, across, share = points
-    traction(contact, c, contact.mu_even, v_r, t, weight, h, width, across, share, even)
-    for i in range(gradient.size):
+    area_shares(rule, contact, R, c, v_r, t, weight, across, share)
+    mu, n = contact.mu_even, gradient.size
+    if slope:
+        traction_slope(contact, c, mu, v_r, t, weight, h, width, across, share, even, even_hessian)
+        for i in range(n):
+            for j in range(n):
+                hessian[i, j] += even_hessian[i, j]
+    else:
+        traction(contact, c, mu, v_r, t, weight, h, width, across, share, even)
+    for i in range(n):
         gradient[i] += even[i]
-
-
-@jit
-def add_even_slope(contact, c, v_r, points, even, even_hessian, gradient, hessian):
-    """As `add_even_friction`, with the second derivatives."""
-    t, weight, h, width, across, share = points
-    traction_slope(
-        contact, c, contact.mu_even, v_r, t, weight, h, width, across, share, even, even_hessian
-    )
-    for i in range(gradient.size):
-        gradient[i] += even[i]
-        for j in range(gradient.size):
-            hessian[i, j] += even_hessian[i, j]
 
 
 @jit

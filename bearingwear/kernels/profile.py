@@ -10,7 +10,7 @@ from typing import NamedTuple
 from bearingwear.kernels.build.decorators import inlined
 
 PEAK = 0.75  # load per length of t in the middle of the contact, as a share of the load [1]
-WIDEST = 2.0 / math.pi  # area per length of t there, as a share of the ellipse [1]
+MIDDLE_WIDTH = 2.0 / math.pi  # area per length of t there, as a share of the ellipse [1]
 STORED = 0.4  # elastic energy over Q d: the integral of K d^1.5 is 2/5 K d^2.5 [1]
 
 

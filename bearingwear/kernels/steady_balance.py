@@ -19,7 +19,7 @@ from bearingwear.kernels.contact import LARGEST_AXIS, race_contacts, slip_coeffi
 from bearingwear.kernels.contact_changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.ellipse import Rule, contact_points, most_points
 from bearingwear.kernels.equilibrium import orbit_load, thrust_equilibrium
-from bearingwear.kernels.film_friction import add_even_friction, add_even_slope, area_shares
+from bearingwear.kernels.film_friction import add_even_part
 from bearingwear.kernels.friction import friction_capacity, friction_coefficients
 from bearingwear.kernels.params import BallState, Geometry, OperatingPoint
 from bearingwear.kernels.profile import contact_approach
@@ -262,13 +262,10 @@ def friction_balance(p, v_r, state, u, out, slope):
         else:
             traction(contact, c, mu, v_r, *points, gradient)
         if contact.mu_even > 0.0:
-            area_shares(p.rule, contact, R, c, v_r, t, weight, across, share)
-            if slope:
-                add_even_slope(
-                    contact, c, v_r, points, p.even[k], p.even_hessian, gradient, p.hessian
-                )
-            else:
-                add_even_friction(contact, c, v_r, points, p.even[k], gradient)
+            add_even_part(
+                p.rule, contact, R, c, v_r, points, p.even[k], p.even_hessian, gradient, p.hessian,
+                slope,
+            )  # fmt: skip
         if slope:
             subtract_projected(L, p.hessian, J)
         subtract_gradient(L, gradient, out)

@@ -20,7 +20,7 @@ from bearingwear.kernels.contact import (
     surface_height,
 )
 from bearingwear.kernels.ellipse import contact_points, most_points
-from bearingwear.kernels.film_friction import add_even_slope, area_shares, even_dissipation
+from bearingwear.kernels.film_friction import add_even_part, area_shares, even_dissipation
 from bearingwear.kernels.friction import friction_capacity
 from bearingwear.kernels.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
 from bearingwear.kernels.linear import copy, solve_in_place
@@ -199,10 +199,9 @@ def worn_slope(k, contact, R, c, v_r, rule, work):
     points, mu = (t, weight, work.h, work.width, across, share), contact.mu - contact.mu_even
     traction_slope(contact, c, mu, v_r, *points, work.gradient, work.hessian)
     if contact.mu_even > 0.0:
-        area_shares(rule, contact, R, c, v_r, t, weight, across, share)
-        add_even_slope(
-            contact, c, v_r, points, work.part_gradient, work.part_hessian, work.gradient,
-            work.hessian,
+        add_even_part(
+            rule, contact, R, c, v_r, points, work.part_gradient, work.part_hessian, work.gradient,
+            work.hessian, True,
         )  # fmt: skip
     rounded = math.hypot(v_r, work.rounded[k])
     for worn in range(2):

@@ -9,7 +9,7 @@ from bearingwear.kernels.ellipse import SEGMENTS, Rule
 from bearingwear.kernels.ellipse_friction import EllipsePoints
 from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.profile import PEAK, WIDEST
+from bearingwear.kernels.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.model.films import Films, friction_law
 from bearingwear.model.growth import axial_change, grown, growth_of
 from bearingwear.model.mounted import GPA as GPA
@@ -123,7 +123,7 @@ def split_points(count: int, across: int) -> EllipsePoints:
 
 def line_points(rule: Rule) -> EllipsePoints:
     """Points of a split rule with one across, in the form of those in time."""
-    middle, area = np.zeros(rule.t.size), WIDEST * rule.weight
+    middle, area = np.zeros(rule.t.size), MIDDLE_WIDTH * rule.weight
     return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle, area, rule.tip)
 
 

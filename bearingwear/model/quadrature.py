@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.polynomial.legendre import legval, legvander
 
-from bearingwear.kernels.profile import PEAK, WIDEST, pressure, pressure_integral
+from bearingwear.kernels.profile import MIDDLE_WIDTH, PEAK, pressure, pressure_integral
 
 FEWEST_ACROSS = 6  # of `spread_ellipse`
 MANY_ACROSS = 16  # likewise
@@ -30,7 +30,7 @@ def strip_tips(n):
     edges = np.linspace(-1.0, 1.0, n + 1)
     area = np.diff(edges * np.sqrt(pressure(edges)) + np.arcsin(edges)) / np.pi
     t, weight = equal_strips(n)
-    return area / (WIDEST / PEAK * weight / np.sqrt(pressure(t)))
+    return area / (MIDDLE_WIDTH / PEAK * weight / np.sqrt(pressure(t)))
 
 
 def uniform(y, low=-1.0, high=1.0):
@@ -164,7 +164,7 @@ def spread_ellipse(m, across):
     t, weight = gathered(m, power=2)
     across = max(across, FEWEST_ACROSS)
     rows = []
-    columns = t, PEAK * normalised(t, weight), WIDEST * weight, tips(m)
+    columns = t, PEAK * normalised(t, weight), MIDDLE_WIDTH * weight, tips(m)
     for s, w, length, tip in zip(*columns, strict=True):
         count = round(across * max(0.25, 0.55 - 0.5 * s))
         near = s < NEAR or across >= MANY_ACROSS
@@ -178,7 +178,7 @@ def spread_ellipse(m, across):
 def spread_fixed(t, weight, tip, across, share, even):
     """Points of a fixed rule, in the same form."""
     density = weight / pressure(t)
-    loads, areas = np.outer(density, share), np.outer(WIDEST / PEAK * density * tip, even)
+    loads, areas = np.outer(density, share), np.outer(MIDDLE_WIDTH / PEAK * density * tip, even)
     n = across.size
     ones, zeros = np.ones(loads.size), np.zeros(loads.size)
     return t.repeat(n), loads.ravel(), np.tile(across, t.size), zeros, areas.ravel(), ones
