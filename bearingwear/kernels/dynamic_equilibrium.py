@@ -123,7 +123,7 @@ def free_equilibrium(time, y, bearing, buf):
     for _ in range(MOST_ITERATIONS):
         find_contacts(y, bearing, balls)
         balance(y, bearing, buf)
-        regular = assemble_condensed(bearing, bearing.axial_is_held, balls)
+        regular = assemble_condensed(bearing, bearing.axial_is_held, True, balls)
         if regular and solve_race(bearing, balls):
             largest = back_substitute(bearing, balls)
             if largest < LONGEST_PLACE_STEP * BD:
@@ -162,7 +162,7 @@ def joint_equilibrium(time, y, bearing, buf):
         balance(y, bearing, buf)
         left = size_of_unbalanced(balls)
         if left < size:
-            regular = assemble_condensed(bearing, bearing.axial_is_held, balls)
+            regular = assemble_condensed(bearing, bearing.axial_is_held, True, balls)
             if not (regular and solve_race(bearing, balls)):
                 return NOT_CONVERGED
             size = left
@@ -229,7 +229,8 @@ def correct_places(bearing, buf):
             -block[0, OUTER_1], -block[0, OUTER_2], -block[1, OUTER_1], -block[1, OUTER_2],
         )  # fmt: skip
     if not (
-        assemble_condensed(bearing, bearing.axial_is_held, balls) and solve_race(bearing, balls)
+        assemble_condensed(bearing, bearing.axial_is_held, True, balls)
+        and solve_race(bearing, balls)
     ):
         return False
     return back_substitute(bearing, balls) < LONGEST_PLACE_STEP * bearing.g.BD

@@ -221,11 +221,16 @@ def unbalanced_forces(y, bearing, balls):
 
 
 @jit
-def assemble_condensed(bearing, axial_is_held, balls):
+def assemble_condensed(bearing, axial_is_held, cage, balls):
     """One pass over the balls: condensation of each ball, equations of the race.
 
     Fills `balls.matrix` and `balls.step` for the free translations of the race, from the contacts
     and unbalanced forces of `balls`.
+
+    Parameters
+    ----------
+    cage : bool
+        Whether pockets and land hold balls and race too.
 
     Returns
     -------
@@ -238,14 +243,16 @@ def assemble_condensed(bearing, axial_is_held, balls):
     for i in range(3 - first):
         step[i] = balls.race_left[first + i]
     k = 1 - first
-    matrix[k, k], matrix[k, k + 1] = land[K_11], land[K_12]
-    matrix[k + 1, k], matrix[k + 1, k + 1] = land[K_21], land[K_22]
+    if cage:
+        matrix[k, k], matrix[k, k + 1] = land[K_11], land[K_12]
+        matrix[k + 1, k], matrix[k + 1, k + 1] = land[K_21], land[K_22]
     for j in range(bearing.D.size):
         r1, r2 = balls.left[j, 0], balls.left[j, 1]
         x, s = balls.cage_linear[j], balls.stiffness[j]
         i11, i12, i21, i22 = s[I_11], s[I_12], s[I_21], s[I_22]
-        k11, k12 = i11 + s[O_11] + x[K_11], i12 + s[O_12] + x[K_12]
-        k21, k22 = i21 + s[O_21] + x[K_21], i22 + s[O_22] + x[K_22]
+        k11, k12, k21, k22 = i11 + s[O_11], i12 + s[O_12], i21 + s[O_21], i22 + s[O_22]
+        if cage:
+            k11, k12, k21, k22 = k11 + x[K_11], k12 + x[K_12], k21 + x[K_21], k22 + x[K_22]
         det = k11 * k22 - k12 * k21
         if not abs(det) > 0.0:  # below 0 where friction in a pocket is stronger than the races
             return False

@@ -257,7 +257,7 @@ def add_instant(y, bearing, buf, recorder, place):
         mean_lead += (psi - 2.0 * math.pi * j / n) / n
     left = race_residual(bearing, buf, (race_x, race_y, race_z), largest)
     sums.residual[0] = max(sums.residual[0], left)
-    assemble_condensed(bearing, False, balls)
+    assemble_condensed(bearing, False, False, balls)  # stiffness of the bearing alone
     for i in range(3):
         sums.bearing[SHIFT + i] += balls.delta[i]
     sums.bearing[PRELOAD] += race_x
