@@ -1,15 +1,19 @@
-"""Set the program against manufacturers' catalogues and a commercial program.
+"""Set the program against makers' catalogues and a commercial program.
 
-`python benchmarks/catalogues.py` prints the table of docs/validation.md and draws its figure,
-docs/figures/catalogues.svg. `tests/model/test_catalogues.py` judges every row.
+`python benchmarks/catalogues.py` puts totals and rows into docs/validation.md and draws its
+figures, docs/figures/catalogues.svg and makers.svg. `tests/model/test_catalogues.py` judges every
+row.
 """
 
+import functools
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 
+import makers
 import numpy as np
+from comparison import FIGURES, PAGE, ROOT, Group, Row, row_table, totals, with_block
+from matplotlib.axis import Axis
+from matplotlib.ticker import NullLocator
 
 from bearingwear.kernels.equilibrium import (
     ball_equilibrium,
@@ -23,12 +27,10 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.stiffness import DOF, bearing_stiffness
 from bearingwear.model.mounted import groove_geometry
 from bearingwear.model.solve import solve
-from bearingwear.plotting.drawing import frame, key, new_figure, save
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
 
-ROOT = Path(__file__).resolve().parents[1]
-FIGURE = ROOT / "docs" / "figures" / "catalogues.svg"
 AT_REST = orbit_load(0.0, 0.0, 0.0)
 UM, MM = 1e-6, 1e-3
 
@@ -39,22 +41,6 @@ SNFA_LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)  # [N]
 SNFA_ANGLES = (15.0, 25.0)  # [degree]
 SKF_LOADS = (4450.0, 17800.0, 71200.0)  # [N], 16:1, on the 218
 SLOW_RPM, SLOW_V_R = 10.0, 1e-7  # as slow as friction models without speed mean it
-
-
-@dataclass(frozen=True)
-class Row:
-    """A number of others beside the program's own, and how near it has to be."""
-
-    source: str
-    what: str
-    unit: str
-    expected: float
-    found: float
-    tolerance: float
-
-    @property
-    def difference(self) -> float:
-        return self.found / self.expected - 1.0
 
 
 def grooved(
@@ -211,57 +197,110 @@ def orbit_rows() -> Iterator[Row]:
         yield Row("kinematics", f"{name}, orbit over shaft speed", "1", expected, found, 5e-4)
 
 
-def rows() -> list[Row]:
+@functools.cache
+def catalogue_groups() -> tuple[Group, ...]:
+    """Rows of the catalogues of NSK and SNFA that `makers` compares."""
+    ratios = makers.radial_ratios()
+    torques, _ = makers.torque_rows()
+    return (
+        *makers.rigidity_groups(makers.printed_rows()),
+        Group("radial over axial rigidity", "NSK, SNFA", makers.radial_rows(ratios), 0.10),
+        Group("low-speed torque, one friction", "SNFA", torques, 0.05),
+        Group("exponent of torque over preload", "SKF", makers.exponent_rows(), 0.03),
+    )
+
+
+@functools.cache
+def small_groups() -> tuple[Group, ...]:
+    """The others, of few rows each."""
+    return (
+        Group("axial rigidity of a pair", "GMN", list(gmn_rows()), 0.03),
+        Group("place under load", "ISO 16281", list(deep_groove_rows()), 1e-3),
+        Group("lift-off load", "SNFA", list(lift_off_rows()), 1e-3),
+        Group("axial deflection", "SNFA", list(deflection_rows()), 0.05),
+        Group("torque over thrust^(4/3), 218", "SKF", list(torque_rows()), 0.02),
+        Group("orbit of balls, speed of cage", "kinematics", list(orbit_rows()), 5e-4),
+    )
+
+
+def groups() -> tuple[Group, ...]:
     """Every comparison."""
-    parts = (gmn_rows, deep_groove_rows, lift_off_rows, deflection_rows, torque_rows, orbit_rows)
-    return [row for part in parts for row in part()]
+    return catalogue_groups() + small_groups()
 
 
-def drawn(found: list[Row]) -> None:
-    figure, panels = new_figure(1, 2, 6.8, 3.4)
-    stiffness, deflection = panels[0]
+def ticked(axis: Axis, values: Sequence[float]) -> None:
+    """Plain numbers at these values of a logarithmic axis, and nothing between them."""
+    axis.set_ticks(values, [f"{value:g}" for value in values])
+    axis.set_minor_locator(NullLocator())
+
+
+def drawn() -> Figure:
+    """What has few rows: rigidity and deflection as curves, and how far off each row is."""
+    figure, panels = new_figure(1, 3, 7.2, 3.0)
+    stiffness, deflection, off = panels[0]
     F = np.geomspace(100.0, 1500.0, 40)
     stiffness.plot(F, [2e-6 * axial_stiffness_at(S6208C, one) for one in F], color="C0")
-    stiffness.plot(list(GMN), list(GMN.values()), color="C3", marker="o", linestyle="none")
+    stiffness.plot(list(GMN), list(GMN.values()), color="C1", marker="o", linestyle="none")
     stiffness.set_xlabel("preload (N)")
-    stiffness.set_ylabel("axial stiffness of the pair (N/µm)")
-    stiffness.set_title("GMN S 6208 C", loc="left")
+    stiffness.set_title("GMN pair (N/µm)", loc="left")
     F = np.geomspace(SNFA_LOADS[0], SNFA_LOADS[-1], 30)
     for angle in SNFA_ANGLES:
         deflection.plot(F, [snfa_deflection(angle, one) for one in F], color="C0")
         expected = [palmgren(7.938, 13, angle, one) for one in SNFA_LOADS]
-        deflection.plot(SNFA_LOADS, expected, color="C3", marker="o", linestyle="none")
-        deflection.text(F[-1], snfa_deflection(angle, F[-1]), f" {angle:g}°", va="center")
+        deflection.plot(SNFA_LOADS, expected, color="C1", marker="o", linestyle="none")
+        deflection.text(22.0, 0.75 * snfa_deflection(angle, 20.0), f"{angle:g}°")
     deflection.set_xlabel("thrust (N)")
-    deflection.set_ylabel("axial deflection (µm)")
-    deflection.set_title("13 balls of 7.938 mm, SNFA", loc="left")
-    for axes in panels[0]:
+    deflection.set_title("axial deflection (µm)", loc="left")
+    for axes in (stiffness, deflection):
         axes.set_xscale("log")
         axes.set_yscale("log")
-    gmn = max(abs(row.difference) for row in found if row.source == "GMN")
-    snfa = max(abs(row.difference) for row in found if row.what.startswith("axial deflection"))
+    ticked(stiffness.xaxis, (100, 300, 1000))
+    ticked(stiffness.yaxis, (50, 100, 150))
+    ticked(deflection.xaxis, (5, 10, 20, 50, 100))
+    ticked(deflection.yaxis, (0.5, 1, 2, 5, 10))
+    kinds = small_groups()
+    for k, group in enumerate(reversed(kinds)):
+        off.plot(100 * np.maximum(np.abs(group.differences), 1e-5), np.full(len(group.rows), k),
+                 color="C0", marker="o", linestyle="none")  # fmt: skip
+        off.plot(100 * group.allowed, k, color="C1", marker="|", markersize=12)
+        off.text(1e-3, k + 0.22, f"{group.name}, {group.source}")
+    off.set_yticks([])
+    off.set_ylim(-0.5, len(kinds) - 0.4)
+    off.set_xscale("log")
+    off.set_xlim(8e-4, 12.0)
+    ticked(off.xaxis, (0.001, 0.01, 0.1, 1, 10))
+    off.set_xlabel("difference of a row (%)")
+    off.set_title("all others", loc="left")
+    stiff, bent = kinds[0], kinds[3]
     title = (
-        f"Stiffness of a pair is within {100 * gmn:.1f} % of the catalogue, deflection within "
-        f"{100 * snfa:.0f} % of its formula"
+        f"Rigidity of a pair is within {100 * np.abs(stiff.differences).max():.1f} % of GMN's, "
+        f"deflection within {100 * np.abs(bent.differences).max():.0f} % of Palmgren's formula"
     )
     handles = [
         key("program", color="C0"),
-        key("catalogue", color="C3", marker="o", linestyle="none"),
+        key("theirs", color="C1", marker="o", linestyle="none"),
+        key("a row", color="C0", marker="o", linestyle="none"),
+        key("rms allowed", color="C1", marker="|", linestyle="none"),
     ]
-    frame(figure, title, handles, columns=2)
-    save(figure, [FIGURE, FIGURE.with_suffix(".png")])
+    frame(figure, title, handles, 4)
+    return figure
 
 
 def main() -> None:
-    found = rows()
-    print("| source | what | unit | theirs | program | difference | allowed |")
-    print("| --- | --- | --- | ---: | ---: | ---: | ---: |")
-    for row in found:
-        print(
-            f"| {row.source} | {row.what} | {row.unit} | {row.expected:.6g} | {row.found:.6g} "
-            f"| {100 * row.difference:+.2g} % | {100 * row.tolerance:.2g} % |"
-        )
-    drawn(found)
+    large, small = catalogue_groups(), small_groups()
+    blocks = {
+        "totals": totals(groups()),
+        "rows": row_table([row for group in (*large[2:], *small) for row in group.rows]),
+        "misprints": row_table(makers.misprint_rows()),
+    }
+    page = PAGE.read_text(encoding="utf-8")
+    for name, block in blocks.items():
+        page = with_block(page, name, block)
+    PAGE.write_text(page, encoding="utf-8")
+    print(blocks["totals"])
+    torques, mu = makers.torque_rows()
+    save(drawn(), [FIGURES / "catalogues.svg"])
+    save(makers.drawn(large[:2], makers.radial_ratios(), torques, mu), [FIGURES / "makers.svg"])
 
 
 if __name__ == "__main__":

@@ -18,8 +18,10 @@ def scene_file(name: str) -> Path:
 
 
 def benchmark(name: str):
-    """A program of `benchmarks/`, as a module."""
+    """A program of `benchmarks/`, as a module; it may import others from there."""
     path = ROOT / "benchmarks" / f"{name}.py"
+    if str(path.parent) not in sys.path:
+        sys.path.append(str(path.parent))
     spec = importlib.util.spec_from_file_location(f"benchmark_{name}", path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look themselves up there

@@ -95,7 +95,7 @@ class CatalogueBearing(NamedTuple):
 
 
 @functools.cache
-def entries() -> tuple[CatalogueBearing, ...]:
+def bearings() -> tuple[CatalogueBearing, ...]:
     """Every bearing of the catalogues."""
     with Path(__file__).with_name("catalogue.csv").open(encoding="utf-8", newline="") as file:
         return tuple(_entry(row) for row in csv.DictReader(file))
@@ -142,7 +142,7 @@ def entry_of(
     if words and maker == "NSK":
         words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
     known: dict[str, list[CatalogueBearing]] = {}
-    for entry in entries():
+    for entry in bearings():
         if entry.maker == maker:
             known.setdefault(_plain(entry.designation), []).append(entry)
     found, ignored = _longest(words, known)
@@ -180,7 +180,7 @@ def _plain(designation: str) -> str:
 def same_size(bore: float, outside: float, angle: float) -> list[CatalogueBearing]:
     """Bearings of a bore, an outside diameter [mm] and a contact angle [degree], of any maker."""
     size = bore, outside, angle
-    return [entry for entry in entries() if (entry.bore, entry.outside, entry.angle) == size]
+    return [entry for entry in bearings() if (entry.bore, entry.outside, entry.angle) == size]
 
 
 def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
@@ -188,7 +188,7 @@ def entry_of_bearing(bearing: Mapping[str, Any]) -> CatalogueBearing | None:
     maker, name = bearing.get("maker"), bearing.get("designation")
     if maker not in MAKERS or not name:
         return None
-    found = [e for e in entries() if e.maker == maker and e.designation == name]
+    found = [e for e in bearings() if e.maker == maker and e.designation == name]
     angle = bearing["contact_angle_deg"]
     return min(found, key=lambda entry: abs(entry.angle - angle), default=None)
 
@@ -217,9 +217,9 @@ def listed(maker: str, series: str = "") -> list[str]:
         There is none.
     """
     start = _plain(series)
-    found = [e for e in entries() if e.maker == maker and _plain(e.designation).startswith(start)]
+    found = [e for e in bearings() if e.maker == maker and _plain(e.designation).startswith(start)]
     if not found:
-        names = dict.fromkeys(_series(e) for e in entries() if e.maker == maker)
+        names = dict.fromkeys(_series(e) for e in bearings() if e.maker == maker)
         problem = f"got {shown(series)}, expected {', '.join(names)}"
         raise SceneError("", problem, source=f"--list {maker}")
     classes = MAKERS[maker].classes

@@ -1,25 +1,20 @@
 """Bearings of makers' catalogues: the table, how its balls were identified, `new --maker`."""
 
 import csv
-import sys
 
 import pytest
-from support import ROOT, benchmark
+from support import benchmark
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.scene.catalogue import MAKERS, entries, entry_of
+from bearingwear.scene.catalogue import MAKERS, bearings, entry_of
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene
 
 
 @pytest.fixture(scope="module")
 def identify():
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    try:
-        return benchmark("identify")
-    finally:
-        sys.path.pop(0)
+    return benchmark("identify")
 
 
 def test_the_table_is_what_the_program_makes(identify):
@@ -58,7 +53,7 @@ def test_wrong_ratings_identify_nothing(identify):
 def test_every_bearing_makes_a_scene():
     """All 963 preloads of NSK, and the middle one of each SNFA bearing."""
     count = {maker: 0 for maker in MAKERS}
-    for entry in entries():
+    for entry in bearings():
         known = {"designation": entry.designation, "contact_angle": entry.angle}
         for name, preload in entry.preloads.items():
             if entry.maker == "SNFA" and name != "M":
@@ -76,7 +71,7 @@ def test_every_bearing_makes_a_scene():
 
 
 def test_classes_grow_and_stand_for_the_speed():
-    for entry in entries():
+    for entry in bearings():
         preloads = list(entry.preloads.values())
         assert preloads == sorted(preloads)
         assert entry.speed_grease < entry.speed_oil
@@ -144,7 +139,7 @@ def test_a_rule_says_what_a_makers_inside_changes(tmp_path, capsys):
 def test_list(capsys):
     assert main(["new", "--list", "NSK", "70"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 2 + sum(entry.designation.startswith("70") for entry in entries())
+    assert len(lines) == 2 + sum(entry.designation.startswith("70") for entry in bearings())
     assert any(line.split()[:1] == ["7010C"] and "390" in line.split() for line in lines)
     assert main(["new", "--list", "snfa", "SEA"]) == 0
 
