@@ -254,7 +254,7 @@ def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
         key("some limit passed", color="0.3", alpha=0.35, linewidth=0.8),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(
-            f"recommended{', bar: 10 % to 90 % credible' if has_spread else ''}",
+            f"recommended{', bar: 90 % of bearings' if has_spread else ''}",
             color="0.6",
             linestyle="none",
             **STAR,
