@@ -26,6 +26,9 @@ _UNITS = {
 """Of a unit for people: the SI unit in files, and its size in that."""
 
 
+_ROUNDING = 1e-9
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measure:
     """A quantity that may end a life or limit a design.
@@ -165,12 +168,20 @@ class Measure:
         """A limit [as in its key] in its unit."""
         return 100.0 * limit if self.unit == "%" else limit
 
+    def in_files(self, limit: float, preload_N: float) -> float:
+        """A limit [as in its key] in the unit of its variable [SI]."""
+        return limit * _UNITS[self.unit][1] * (preload_N if self.over_preload else 1.0)
+
     def excess(self, value: float, limit: float) -> float:
         """A value [SI] over its limit, or the limit over the value where less is worse."""
         ratio = self.ratio(value, limit)
         if not self.falls:
             return float(ratio)
         return 1.0 / ratio if ratio > 0.0 else math.inf
+
+    def is_passed(self, value: float, limit: float) -> bool:
+        """Whether a value [SI] is beyond a limit, by more than rounding."""
+        return bool(self.margin(value, limit) < -_ROUNDING)
 
     def passed(self, value: float, limit: float) -> str:
         """A value [SI] at its limit or beyond, in words."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.measures import ENDS
-from bearingwear.model.criterion import criterion_met, value_along
+from bearingwear.model.criterion import criteria_of_case, criterion_met, value_along
 from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence
 from bearingwear.model.fidelity import unwatched
 from bearingwear.model.films_told import film_worn
@@ -242,11 +242,34 @@ def _when_new(e: Evidence) -> Finding | None:
     return excess, {"said": measure.passed(value, limit), "new": new, "advice": measure.advice}
 
 
+def _limit_passed(e: Evidence) -> Finding | None:
+    """The criteria that a case is beyond, the one that is passed by most first."""
+    end = e.scene.wear.end_of_life
+    if e.case is None or end is None:
+        return None
+    met = []
+    for name, value in criteria_of_case(e.scene, e.case).items():
+        measure, limit = ENDS[name], end.criteria[name]
+        if measure.is_passed(value, limit):
+            met.append((measure.excess(value, limit), measure.passed(value, limit), measure))
+    if not met:
+        return None
+    met.sort(key=lambda one: -one[0])
+    said = ", ".join(text for _, text, _ in met)
+    return met[0][0], {"said": said, "advice": met[0][2].advice}
+
+
 CAUTIONS = (
     Caution(
         "over_limit_when_new",
         _when_new,
         "over the limit {new}: {said}",
+        "{advice}",
+    ),
+    Caution(
+        "limit_passed",
+        _limit_passed,
+        "a life would end at once: {said}",
         "{advice}",
     ),
     Caution(

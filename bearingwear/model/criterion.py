@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.measures import ENDS, Measure
+from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import Scene
 from bearingwear.sides import SHARED
@@ -21,6 +22,20 @@ def value_along(measure: Measure, life: Mapping[str, Any], k: int, scene: Scene)
 
     initial = np.array([side.operation.preload_N for side in scene.sides])
     return measure.critical(at_step, initial)[0]
+
+
+def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, float]:
+    """The measure [SI] of each criterion of a scene that the values of a case hold."""
+    end, preload = scene.wear.end_of_life, scene.operation.preload_N
+    held = dict(case)
+    if "system_axial_stiffness" not in held and "axial_stiffness" in held:
+        holding = bearings_holding(scene.operation.preload_method)
+        held["system_axial_stiffness"] = holding * np.asarray(held["axial_stiffness"])
+    return {
+        name: ENDS[name].critical(lambda one: np.asarray(held[one]), preload)[0]
+        for name in (end.criteria if end else ())
+        if held.keys() >= {*ENDS[name].variables} and (preload or not ENDS[name].over_preload)
+    }
 
 
 def criterion_met(scene: Scene, values: Mapping[str, Any]) -> tuple[Measure, float] | None:

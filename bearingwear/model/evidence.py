@@ -33,6 +33,7 @@ class Evidence:
     lifted: float = 0.0  # share of time that any ball is off the inner race
     loss: float = math.nan  # of ball diameter [m]
     life: Mapping[str, Any] | None = None  # values of a life
+    case: Mapping[str, Any] | None = None  # values of a case
     growth: Mapping[str, float] = field(default_factory=dict)  # see `GrowthRates.values`
 
 
@@ -63,6 +64,7 @@ def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iter
             slip=float(qv.sum() / state["load"].sum()) if state["load"].any() else math.nan,
             torque_error=float(values.get("shaft_torque_error_estimate", math.nan)),
             life=values if history else None,
+            case=None if history else values,
             growth={name: float(np.asarray(found)[k]) for name, found in growth.items()},
             **state,
         )

@@ -21,6 +21,7 @@ from bearingwear.model.outputs import friction_used, loss_per_wear, wear_values
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.steady import ThrustProblem, axial_force
 from bearingwear.model.thermal import HeatFlow, Warmed, warmed
+from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
@@ -115,9 +116,10 @@ def in_half_of_pair(scene: Scene, mounted: float, state: WearState, **more: Any)
     no stiffness here, and the rotor goes where the bearing lets it from the axial displacement
     `mounted` [m].
     """
-    if scene.operation.preload_method == "fixed_position":
-        return replace(state, system_stiffness=2.0 * state.stiffness, shift=0.0, **more)
-    return replace(state, system_stiffness=state.stiffness, shift=state.place - mounted, **more)
+    method = scene.operation.preload_method
+    stiffness = bearings_holding(method) * state.stiffness
+    shift = 0.0 if method == "fixed_position" else state.place - mounted
+    return replace(state, system_stiffness=stiffness, shift=shift, **more)
 
 
 def race_control_states(scene: Scene) -> StateAtLoss:

@@ -205,7 +205,7 @@ class WornLife:
         return any(side.too_deep(before, after, self.step) for side, before, after in both)
 
     def margin(self, now: Instant) -> np.ndarray:
-        """How far each criterion is from being met (4,), as `life.margins`."""
+        """How far each criterion is from being met, as `life.margins`."""
         left = [
             margins(state, self.end, side.scene.operation.preload_N)
             for side, state in zip(self.sides, now.states, strict=True)

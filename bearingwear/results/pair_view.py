@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.results.pair_variables import MODES, OF_BEARING
-from bearingwear.results.rows import mean_rows, row_of, values
+from bearingwear.results.rows import limits_of_rows, marked, mean_rows, row_of, values
 from bearingwear.results.sheet import Block, Row
 
 SYSTEM_ROWS = ("system_axial_stiffness", "rotor_axial_shift", "lift_off_force")
@@ -77,7 +77,7 @@ def _each(file: Any, name: str) -> np.ndarray | None:
 
 def system_blocks(file: Any) -> list[Block]:
     """Block of the arrangement of both bearings."""
-    rows: tuple[Row, ...] = mean_rows(file, SYSTEM_ROWS)
+    rows: tuple[Row, ...] = marked(mean_rows(file, SYSTEM_ROWS, limits_of_rows(file)), file)
     if "natural_frequency" in file.variables:
         found = row_of("natural_frequency", values(file, "natural_frequency"))
         rows += tuple(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.measures import ENDS, Measure
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.units import Display, digits, display, scale_of
 from bearingwear.results.variables import CASE, LIFE
@@ -120,6 +122,36 @@ def mean_rows(
         for name in names
         if name in file.variables
     )
+
+
+def _criteria(file: Any) -> dict[str, tuple[Measure, float, float]]:
+    """Criteria of the scene: measure, limit and initial preload, by each variable one looks at."""
+    scene = json.loads(getattr(file, "scene", "{}"))
+    given = scene.get("wear", {}).get("end_of_life") or {}
+    return {
+        variable: (measure, given[key], scene["operation"]["preload_N"])
+        for key, measure in ENDS.items()
+        if given.get(key)
+        for variable in measure.variables
+    }
+
+
+def limits_of_rows(file: Any) -> dict[str, float]:
+    """Limits of what may end a life, by variable [units of the file]."""
+    found = _criteria(file).items()
+    return {name: measure.in_files(limit, preload) for name, (measure, limit, preload) in found}
+
+
+def marked(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
+    """Rows, of which those say so that are beyond their limit."""
+    criteria, found = _criteria(file), []
+    for row in rows:
+        if row.limit is not None:
+            measure, limit, preload = criteria[row.name]
+            value, _ = measure.critical(lambda name: values(file, name), preload)
+            row = row._replace(note="passed" if measure.is_passed(value, limit) else "")
+        found.append(row)
+    return tuple(found)
 
 
 def _pair_words(a: Mapping[str, Any]) -> list[str]:

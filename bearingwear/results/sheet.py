@@ -80,10 +80,10 @@ class Sheet:
         """For a program: a line for each number; facts stand first."""
         text = io.StringIO()
         table = csv.writer(text, lineterminator="\n")
-        table.writerow(["block", "name", "column", "unit", "value"])
+        table.writerow(["block", "name", "label", "column", "unit", "value"])
         for name, value in self.facts.items():
             for one in value if isinstance(value, list) else [value]:
-                table.writerow(["", name, "", "", one])
+                table.writerow(["", name, "", "", "", one])
         for block in self.blocks:
             for row in block.rows:
                 for k, value in enumerate(map(_plain, row.values)):
@@ -92,11 +92,10 @@ class Sheet:
                     ends = ("_low", "_high") if len(several) > 1 else ("",)
                     for end, number in zip(ends, several, strict=True):
                         name = (row.name or row.label) + end
-                        table.writerow([block.title, name, column, row.unit, number])
+                        table.writerow([block.title, name, row.label, column, row.unit, number])
                 if row.limit is not None:
-                    table.writerow(
-                        [block.title, row.name or row.label, "limit", row.unit, row.limit]
-                    )
+                    own = row.name or row.label, row.label
+                    table.writerow([block.title, *own, "limit", row.unit, row.limit])
         return text.getvalue().rstrip("\n")
 
 

@@ -17,9 +17,12 @@ from bearingwear.model.result import status_sentence
 from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.netcdf import in_memory, opened
+from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.pair_view import bearings_of, system_blocks
 from bearingwear.results.rows import (
     COUNTED,
+    limits_of_rows,
+    marked,
     mean,
     mean_rows,
     operation_lines,
@@ -31,7 +34,7 @@ from bearingwear.results.rows import (
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.show_life import life_blocks
 from bearingwear.results.units import digits, display
-from bearingwear.results.variables import DIAGNOSTICS, EXTREMES, RACES, of_all_balls
+from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
 from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 
 if TYPE_CHECKING:
@@ -84,6 +87,16 @@ CAGE_MEANS = (
     "cage_wear_rate",
     "cage_land_wear_rate",
 )
+
+
+def _further(*dims: tuple[str, ...]) -> tuple[str, ...]:
+    """Variables with a label that have no row of their own above."""
+    placed = {*CONTACT, *BEARING, *LOSSES, *RUN, *CAGE_MEANS, *WARMTH, *RINGS, *SYSTEM}
+    return tuple(
+        name
+        for name, one in CASE.items()
+        if one.label and one.dims in dims and name not in placed | DIAGNOSTICS
+    )
 
 
 def sheet(
@@ -179,21 +192,24 @@ def _case(file: Any) -> list[Block]:
 
 
 def _case_of(file: Any) -> list[Block]:
-    scene = json.loads(getattr(file, "scene", "{}"))
-    limits = _limits(scene)
+    limits = limits_of_rows(file)
     balls = file.dimensions["ball"].size
     mean_of = f" (mean of {balls} balls)" if balls > 1 else ""
-    names = [name for name in CONTACT if name not in LOAD_RANGE or name in file.variables]
+    contacts = (*CONTACT, *(name for name in _further(("ball", "race")) if name in file.variables))
+    names = [name for name in contacts if name not in LOAD_RANGE or name in file.variables]
     contact = tuple(_race_row(file, name, limits) for name in names)
     power = _friction_power(file)
     unit = display("W", power)
     bearing = (
         *mean_rows(file, BEARING, limits),
         Row("friction power", unit.unit, (unit.of(power),), "friction_power"),
-        *mean_rows(file, LOSSES),
+        *mean_rows(file, (*LOSSES, *_further((), ("ball",)))),
         *_stiffness_rows(file),
     )
-    blocks = [Block(f"contact{mean_of}", RACES, contact), Block(f"bearing{mean_of}", (), bearing)]
+    blocks = [
+        Block(f"contact{mean_of}", RACES, marked(contact, file)),
+        Block(f"bearing{mean_of}", (), marked(bearing, file)),
+    ]
     if "ball_diameter_loss_rate" in file.variables:
         rate = row_of("ball_diameter_loss_rate", values(file, "ball_diameter_loss_rate"))
         blocks.append(Block("wear counted", COUNTED, (rate,)))
@@ -223,15 +239,6 @@ def _friction_power(file: Any) -> float:
     cage = values(file, "cage_friction_heat")
     drag = values(file, "drag_power")
     return float(heat.sum() * alike + np.nan_to_num(drag) + np.nan_to_num(cage))
-
-
-def _limits(scene: Mapping[str, Any]) -> dict[str, float]:
-    """Values of a case that may end a life, and their limits [units of the file]."""
-    end = scene.get("wear", {}).get("end_of_life") or {}
-    found = {name: end[name] for name in ("gyroscopic_slip_share", "skid_ratio") if end.get(name)}
-    if fraction := end.get("preload_fraction"):
-        found["residual_preload"] = fraction * scene["operation"]["preload_N"]
-    return found
 
 
 def _dynamics(file: Any) -> list[Block]:

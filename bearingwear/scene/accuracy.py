@@ -311,7 +311,7 @@ class Model:
 
     @property
     def averaged_turns(self) -> float:
-        """Shaft turns over which a transient is averaged; its second half if not given."""
+        """Shaft turns over which a dynamic run is averaged; its second half if not given."""
         return self.evaluated_turns or 0.5 * self.simulated_turns
 
 

@@ -220,6 +220,11 @@ def one_bearing(scene: Scene, source: object) -> Scene:
     return scene
 
 
+def bearings_holding(method: str) -> float:
+    """How many bearings of a symmetric pair hold the rotor: a spring has no stiffness here."""
+    return 2.0 if method == "fixed_position" else 1.0
+
+
 def held_by(scene: Scene, method: str, preload_N: float | None = None, **operation: float) -> Scene:
     """The scene with its preload held by a method, as the pair that is made by it if it is one.
 

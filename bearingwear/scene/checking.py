@@ -3,7 +3,7 @@
     plan = record(Sampling, {"samples": -1}, "config/design.yaml")
 
 raises a SceneError for the first thing that is wrong, in one line:
-`config/design.yaml: samples: given -1; allowed a whole number >= 1`.
+`config/design.yaml: samples: got -1, expected a whole number >= 1`.
 
 What several fields must fulfil together is checked in the record's `__post_init__`, which raises
 a ValueError, or a `SceneError` that names the field.

@@ -67,6 +67,10 @@ def ids(result) -> set[str]:
 
 
 ABSURD = {
+    "both rings turn": (
+        {"operation.outer_speed_rpm": -18_000, "wear.end_of_life.gyroscopic_slip_share": 0.1},
+        {"limit_passed"},
+    ),
     "speed of a dentist's drill": (
         {"operation.shaft_speed_rpm": 200_000, "operation.preload_N": 2000},
         {"pressure_above_yield", "ellipse_over_shoulder", "speed_beyond_practice",
@@ -191,7 +195,8 @@ def test_the_study_warns_of_its_worn_grooves_and_cold_fixed_positions_alone():
                         expected = {"groove_worn"} if loss else set()
                         if method == "fixed_position":
                             expected |= {"temperature_left_out"}
-                        assert ids(result) == expected, (name, changes)
+                        at_end = {"limit_passed"} if loss == 0.7 else set()
+                        assert ids(result) - at_end == expected, (name, changes)
 
 
 def test_what_nobody_would_build(spindle):

@@ -62,7 +62,7 @@ class Life(NamedTuple):
 
 
 def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life]:
-    """Every life in a file of `bearingwear wear-life`.
+    """Every life in a file of `grid.life.wear_life`.
 
     `known` are files of the study of uncertainty, if there are any.
     """

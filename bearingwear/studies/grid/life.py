@@ -6,16 +6,19 @@ study's grid: it needs no solve, and its error is that of the grid, which the fi
 """
 
 import json
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.measures import ENDS, Measure
 from bearingwear.model.life import life
 from bearingwear.results.netcdf import dataset, dataset_of, load
 from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.results.warnings import gathered_warnings
+from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
 from bearingwear.scene.variant import variant
@@ -26,9 +29,10 @@ from bearingwear.studies.grid.grid import Case, Grid
 POINTS_PER_INTERVAL = 50
 """Points of the interpolated history in each interval of the grid."""
 
-_NEEDED = ("residual_preload", "gyroscopic_slip_share", "skid_ratio", "ball_diameter_loss_rate")
-
 MICROMETRE = 1e-6
+
+NOT_INTERPOLATED = "criteria_not_interpolated"
+"""Attribute: criteria that the cases do not hold, by which no interpolated life ends."""
 
 
 def study_life(scene: Path, study: Path) -> xr.Dataset:
@@ -63,37 +67,50 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
         study["ball_diameter_loss"].values.tolist(),
     )
     solved, interpolated = [], []
+    unknown: set[str] = set()
     for i, method in enumerate(grid.preload_method):
         for j, friction in enumerate(grid.friction):
             scene = variant(scene_path, Case(method, friction, 0.0).changes)
             solved.append(dataset(life(scene)))
-            interpolated.append(
-                interpolated_life(
-                    study.isel(preload_method=i, friction=j, drop=True),
-                    scene.wear.end_of_life.criteria if scene.wear.end_of_life else {},
-                    scene.operation.preload_N,
-                )
-            )
+            criteria = scene.wear.end_of_life.criteria if scene.wear.end_of_life else {}
+            line = study.isel(preload_method=i, friction=j, drop=True)
+            if "system_axial_stiffness" not in line:
+                holding = bearings_holding(scene.operation.preload_method)
+                line["system_axial_stiffness"] = holding * line["axial_stiffness"]
+            unknown |= criteria.keys() - known_of(criteria, line).keys()
+            interpolated.append(interpolated_life(line, criteria, scene.operation.preload_N))
     coords = axis_coordinates(grid)
     del coords["ball_diameter_loss"]
     lengths = {name: len(values) for name, (_, values, _) in coords.items()}
     whole = stacked(solved, lengths).assign_coords(coords)
     whole = whole.merge(stacked(interpolated, lengths).assign_coords(coords))
-    whole["life_route_difference"] = (
-        whole["interpolated_life"] / whole["life"] - 1.0
-    ).assign_attrs(
-        long_name="life by interpolation of the study against the solver in the loop", units="1"
+    difference = whole["interpolated_life"] / whole["life"] - 1.0
+    whole["life_route_difference"] = difference.where(_comparable(whole, unknown)).assign_attrs(
+        long_name="life by interpolation of the study against the solver in the loop",
+        units="1",
+        comment="of lives with the same grooves, ended by what the cases hold",
     )
     name = json.loads(study.attrs["scene"])["name"]
     return whole.assign_attrs(
         study.attrs
         | {
             "title": f"Wear life of {name}",
-            "history": "solved, and interpolated from the study, by bearingwear wear-life",
+            "history": "solved, and interpolated from the study, by bearingwear study",
+            NOT_INTERPOLATED: json.dumps(sorted(unknown)),
             "warnings": gathered_warnings(each.attrs for each in solved),
             "comment": "life and history_*: solver in the loop. interpolated_*: from the study.",
         }
     )
+
+
+def _comparable(lives: xr.Dataset, unknown: Collection[str]) -> xr.DataArray:
+    """Which lives in the loop end as one between cases could: of Hertzian grooves, by what they
+    hold.
+    """
+    found = ~lives["end_criterion"].isin([CRITERIA.index(name) for name in unknown])
+    if "history_approach_loss" in lives:  # the grooves were followed
+        found &= lives["history_approach_loss"].isnull().all("step")
+    return found
 
 
 _FROM_THE_STUDY = "interpolated from the study"
@@ -134,17 +151,19 @@ INTERPOLATED = table(
 )
 
 
-def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: float) -> xr.Dataset:
+def interpolated_life(
+    line: xr.Dataset, criteria: Mapping[str, float], preload_N: float
+) -> xr.Dataset:
     """Wear life from the cases along one line of the grid.
 
     Parameters
     ----------
     line : Dataset
-        One preload method and friction coefficient of a study: status, residual_preload,
-        gyroscopic_slip_share, skid_ratio and ball_diameter_loss_rate over `ball_diameter_loss`.
+        One preload method and friction coefficient of a study: cases over `ball_diameter_loss`.
         What lies behind the first case that was not solved is not used.
-    criteria : dict
-        Limits by the names of `bearingwear.results.variables.CRITERIA`.
+    criteria : mapping
+        Limits by the names of `CRITERIA`; those that the cases do not hold (`known_of`) are not
+        looked at.
     preload_N : float
         Initial preload [N].
 
@@ -163,12 +182,17 @@ def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: f
     preload = np.full(steps, np.nan)
     end, criterion = np.nan, "none"
     if usable > 1 and losses[0] == 0.0:
+        known = known_of(criteria, line)
+        needed = {"residual_preload", "ball_diameter_loss_rate"}
+        needed |= {variable for name in known for variable in ENDS[name].variables}
         fine = (
-            line[[name for name in _NEEDED if name in line]]
+            line[sorted(needed - set(line.coords))]
             .isel(ball_diameter_loss=slice(usable))
             .interp(ball_diameter_loss=loss, method="pchip")
+            .transpose("ball_diameter_loss", ...)
         )
-        end, criterion = _first_met(loss, _margins(fine, criteria, preload_N))
+        in_metres = fine.assign_coords(ball_diameter_loss=loss * MICROMETRE)
+        end, criterion = _first_met(loss, _margins(in_metres, known, preload_N))
         preload = fine["residual_preload"].values
         slowness = 1.0 / fine["ball_diameter_loss_rate"].transpose("ball_diameter_loss", "counts")
         mean = 0.5 * (slowness[1:].values + slowness[:-1].values)
@@ -193,21 +217,27 @@ def interpolated_life(line: xr.Dataset, criteria: dict[str, float], preload_N: f
     return found.assign_coords(counts=np.arange(len(COUNTS), dtype=np.int8))
 
 
-def _margins(fine: xr.Dataset, criteria: dict[str, float], preload_N: float) -> dict:
-    """Distance of each criterion from its limit along the line; met where it is not positive."""
-    values = {
-        "preload_fraction": fine["residual_preload"] / preload_N,
-        "gyroscopic_slip_share": fine["gyroscopic_slip_share"].max(("ball", "race")),
-        "ball_diameter_loss_um": fine["ball_diameter_loss"],
-    }
-    if "skid_ratio" in fine:  # race control knows no skidding
-        values["skid_ratio"] = abs(fine["skid_ratio"])
-    falls = {"preload_fraction": 1.0}
+def known_of(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, float]:
+    """Those of some criteria whose measure the cases of a study hold."""
     return {
-        name: falls.get(name, -1.0) * (values[name].values - limit)
+        name: limit
         for name, limit in criteria.items()
-        if name in values
+        if all(variable in cases.variables for variable in ENDS[name].variables)
     }
+
+
+def _margins(fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float) -> dict:
+    """Distance of each criterion from its limit along the line; met where it is not positive."""
+    found = {}
+    for name, limit in criteria.items():
+        measure = ENDS[name]
+
+        def at(k: int, measure: Measure = measure) -> float:
+            return measure.critical(lambda one: fine[one].values[k], preload_N)[0]
+
+        along = np.array([at(k) for k in range(fine.sizes["ball_diameter_loss"])])
+        found[name] = measure.margin(along, limit)
+    return found
 
 
 def _first_met(loss: np.ndarray, margins: dict[str, np.ndarray]) -> tuple[float, str]:

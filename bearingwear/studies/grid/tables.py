@@ -3,6 +3,8 @@
 import csv
 import io
 import itertools
+import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table, plain_text
 from bearingwear.results.quantiles import (
@@ -21,10 +24,11 @@ from bearingwear.results.quantiles import (
     spread_text,
     spreads_of,
 )
-from bearingwear.results.units import digits, display, key_in_words
+from bearingwear.results.units import digits, display
 from bearingwear.results.variables import of_all_balls
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
+from bearingwear.studies.grid.life import NOT_INTERPOLATED
 
 _LOSS = display("m")
 AXES = ("preload_method", "friction", "ball_diameter_loss")
@@ -123,6 +127,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
             "| its spread | ended by | at a loss of (µm) | interpolated against solved",
             life,
         ),
+        _not_compared(lives),
         causes_told(scene) if any(spreads) else "",
         f"Where no spread is computed, {SEE}." if not all(spreads) else "",
         "## Not solved",
@@ -151,12 +156,34 @@ def _lives(
                         for hours, way in zip(one["life"].values, COUNTS, strict=True)
                         for cell in (digits(float(hours)), spread_text(spread.get(way)))
                     ),
-                    key_in_words(ends[int(one["end_criterion"])])[0],
+                    _end(ends[int(one["end_criterion"])]),
                     _LOSS.text(one["loss_at_end"]),
-                    f"{round(100.0 * float(one['life_route_difference'][-1]), 3) + 0.0:+.3f} %",
+                    _percent(float(one["life_route_difference"][-1])),
                 ]
             )
     return life, spreads
+
+
+def _end(name: str) -> str:
+    return ENDS[name].words if name in ENDS else name
+
+
+def _percent(share: float) -> str:
+    return f"{round(100.0 * share, 3) + 0.0:+.3f} %" if math.isfinite(share) else "–"
+
+
+def _not_compared(lives: xr.Dataset) -> str:
+    """Why some lives have no interpolated one beside them."""
+    unknown = [ENDS[name].words for name in json.loads(lives.attrs.get(NOT_INTERPOLATED, "[]"))]
+    said = []
+    if bool(lives["life_route_difference"].isnull().any()):
+        said.append(
+            "A dash: grooves are followed as they wear, which lives interpolated between Hertzian "
+            "cases are not, or the life has no end that these cases show."
+        )
+    if unknown:
+        said.append(f"The cases do not hold: {', '.join(unknown)}.")
+    return " ".join(said)
 
 
 def _unsolved(study: xr.Dataset) -> Iterator[str]:

@@ -1,0 +1,270 @@
+"""Each row of the table of measures is everywhere where a measure has to be."""
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.markers import MarkerStyle
+from support import scene_file
+
+from bearingwear.arguments import command_parser
+from bearingwear.kernels.status import OK
+from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
+from bearingwear.model import courses
+from bearingwear.model.criterion import criteria_of_case, end_attribute
+from bearingwear.model.life import margins
+from bearingwear.model.life_integrator import FIELDS, WearState
+from bearingwear.results.life_variables import LIFE
+from bearingwear.results.rows import limits_of_rows, marked, row_of
+from bearingwear.results.show_life import _criteria
+from bearingwear.results.variables import CASE
+from bearingwear.scene.blocks import CRITERIA, OF_CAGE, EndOfLife
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.records import parts
+from bearingwear.studies.design.choice import ACTIVE, limit_margins
+from bearingwear.studies.design.figures import LETTERS
+from bearingwear.studies.design.map import POINT, gone_through
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.design.words import (
+    BRIEF_WORDS,
+    LIMIT_WORDS,
+    RECOMMENDED_WORDS,
+    limit_text,
+)
+from bearingwear.studies.grid.figures import END_MARKS
+from bearingwear.studies.grid.life import interpolated_life, known_of
+
+PRELOAD, LIMIT = 7.0, 0.5
+LOSS = "ball_diameter_loss_um"
+of_all = pytest.mark.parametrize("measure", MEASURES, ids=lambda one: one.key)
+of_ends = pytest.mark.parametrize("name", ENDS)
+of_limits = pytest.mark.parametrize("name", LIMITED)
+
+
+def at(measure: Measure, ratio: float) -> float:
+    """A value [SI] of the measure's variables, `ratio` times as near as the limit is."""
+    return measure.in_files(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
+
+
+def states(measure: Measure, ratio: float, **more) -> WearState:
+    """A state whose measure is at that ratio; of all others little is known."""
+    known = {FIELDS.get(name, name): at(measure, ratio) for name in measure.variables}
+    of_races = known.keys() & {"share", "film_worn"}
+    known |= {name: np.array([0.1, 1.0]) * known[name] for name in of_races}
+    return WearState(**{"loss": 0.0, "status": OK} | known | more)
+
+
+def ended_by(name: str):
+    """A scene whose life has one end."""
+    made = load_scene(scene_file("mos2_gyro" if name == "film_worn_share" else "gyro_s1"))
+    made = replace(made, operation=replace(made.operation, preload_N=PRELOAD))
+    return replace(made, wear=replace(made.wear, end_of_life=EndOfLife(**{name: LIMIT})))
+
+
+class File:
+    """As much of an open file as the sheets read."""
+
+    def __init__(self, arrays, end, scene="{}"):
+        self.variables, self.scene = dict(arrays), scene
+        flag = SimpleNamespace(flag_meanings=" ".join(CRITERIA))
+        self._end = CRITERIA.index(end), flag
+
+    def __getitem__(self, name):
+        if name == "end_criterion":
+            k, flag = self._end
+
+            class Flag:
+                flag_meanings = flag.flag_meanings
+
+                def __getitem__(self, _):
+                    return k
+
+            return Flag()
+        return np.asarray(self.variables[name])
+
+
+def test_margin_and_its_sign():
+    for measure in MEASURES:
+        limit = measure.in_files(LIMIT, 1.0)
+        assert measure.margin(limit, LIMIT) == 0.0
+        near, beyond = (measure.margin(limit * part, LIMIT) for part in (0.9, 1.1))
+        assert (near < 0.0 < beyond) if measure.falls else (beyond < 0.0 < near)
+        beyond = limit / 2.0 if measure.falls else 2.0 * limit
+        assert measure.excess(beyond, LIMIT) == pytest.approx(2.0)
+
+
+@of_all
+def test_words(measure):
+    assert measure.words and measure.advice and measure.short and measure.variables
+    assert len(measure.kinds) == len(measure.variables)
+    assert measure.end or measure.limit
+    assert measure.limit_text(LIMIT).endswith(measure.unit)
+
+
+# what ends a life
+
+
+@of_ends
+def test_an_end_is_a_key(name):
+    part = parts(EndOfLife)[name]
+    assert part.key.meaning and part.nullable and part.key.ends[0] == 0.0
+    assert EndOfLife(**{name: LIMIT}).criteria == {name: LIMIT}
+    assert CRITERIA[[*ENDS].index(name)] == name and CRITERIA[-1] == "none"
+
+
+@of_ends
+def test_an_end_has_a_margin(name):
+    end = EndOfLife(**{name: LIMIT})
+    for ratio, sign in ((0.9, 1.0), (1.1, -1.0)):
+        state = None if name in OF_CAGE else states(ENDS[name], ratio)
+        found = margins(state or WearState(0.0, OK), end, PRELOAD)
+        k = CRITERIA.index(name)
+        assert np.isinf(np.delete(found, k)).all()
+        # a dynamic life has the clearances of a cage, no state of wear has them
+        assert np.isinf(found[k]) if name in OF_CAGE else np.sign(found[k]) == sign
+
+
+@of_ends
+def test_an_end_has_its_history(name):
+    units = "N" if ENDS[name].over_preload else ENDS[name].si_unit
+    for variable in ENDS[name].variables:
+        assert LIFE[f"history_{variable}"].units == units
+
+
+@of_ends
+def test_an_end_has_a_mark_of_its_own(name):
+    mark, words = END_MARKS[name]
+    assert mark and MarkerStyle(mark).get_marker() == mark and ENDS[name].short in words
+    assert [one for one, _ in END_MARKS.values()].count(mark) == 1
+
+
+@of_ends
+def test_an_interpolated_life_knows_it(name):
+    measure, losses = ENDS[name], np.linspace(0.0, 0.7, 8)
+    criteria = {name: 0.35 if name == LOSS else LIMIT}
+    nearer = np.linspace(-0.5, 0.5, len(losses))  # the limit is met half way
+    values = at(measure, 1.0) * (1.0 + (-nearer if measure.falls else nearer))
+    columns = {one: ("ball_diameter_loss", values) for one in measure.variables if name != LOSS}
+    line = xr.Dataset(
+        {
+            "status": ("ball_diameter_loss", np.zeros(len(losses), int)),
+            "ball_diameter_loss_rate": (("ball_diameter_loss", "counts"), np.full((8, 2), 1e-12)),
+            "residual_preload": ("ball_diameter_loss", np.full(len(losses), PRELOAD)),
+        }
+        | columns,
+        {"ball_diameter_loss": losses, "counts": [0, 1]},
+    )
+    found = interpolated_life(line, criteria, PRELOAD)
+    assert CRITERIA[int(found["interpolated_end_criterion"])] == name
+    assert float(found["interpolated_loss_at_end"]) == pytest.approx(0.35e-6, rel=1e-6)
+    if name not in (LOSS, "preload_fraction"):
+        without = line.drop_vars(list(columns))
+        assert known_of(criteria, without) == {} and known_of(criteria, line) == criteria
+        assert np.isnan(interpolated_life(without, criteria, PRELOAD)["interpolated_life"]).all()
+
+
+@of_ends
+def test_an_end_has_a_row_of_a_life(name):
+    measure = ENDS[name]
+    arrays = {f"history_{one}": [at(measure, 0.5), at(measure, 1.0)] for one in measure.variables}
+    plain = {"wear": {"end_of_life": {name: LIMIT}}, "operation": {"preload_N": PRELOAD}}
+    (row,) = _criteria(File(arrays, name), plain)
+    assert (row.label, row.unit, row.note) == (measure.short, measure.unit, "ends the life")
+    shown = measure.shown_limit(LIMIT)
+    assert row.limit == shown and row.values[1] == pytest.approx(shown)
+    # of a pair, the bearing that is still within its limit does not end the life
+    arrays = {key: [values[0], values[0]] for key, values in arrays.items()}
+    pair = plain | {"arrangement": {"kind": "rigid_pair"}}
+    assert _criteria(File(arrays, name), pair)[0].note == ""
+
+
+@of_ends
+def test_what_ended_a_life_is_said(name):
+    measure = ENDS[name]
+    end = measure.in_files(LIMIT, PRELOAD)
+    values = {"history_ball_diameter_loss": np.zeros(1), "end_criterion": CRITERIA.index(name)}
+    values |= {f"history_{one}": np.array([end]) for one in measure.variables}
+    said = measure.limit_text(LIMIT)
+    ended = end_attribute(ended_by(name), values)
+    assert ended == {"ended_by": f"{measure.words} {said}, limit {said}"}
+
+
+@of_ends
+def test_a_case_beyond_an_end_is_marked(name):
+    measure = ENDS[name]
+    plain = json.dumps(ended_by(name).to_dict())
+    for variable in measure.variables:
+        if variable not in CASE:
+            continue
+        for ratio, note in ((0.9, ""), (1.1, "passed")):
+            file = File({variable: [at(measure, ratio)]}, "none", plain)
+            row = row_of(variable, [at(measure, ratio)], limits_of_rows(file)[variable])
+            assert [one.note for one in marked([row], file)] == [note]
+    end = measure.in_files(LIMIT, PRELOAD)
+    held = criteria_of_case(ended_by(name), dict.fromkeys(measure.variables, end))
+    assert measure.margin(held[name], LIMIT) == pytest.approx(0.0)
+
+
+# what limits a design
+
+
+@of_limits
+def test_a_limit_is_a_key_and_an_option(name):
+    measure = LIMITED[name]
+    assert parts(DesignLimits)[name].key.meaning.startswith(measure.limit[0])
+    assert DesignLimits(**{name: LIMIT}).given == {name: LIMIT}
+    args = command_parser().parse_args(["recommend", "a.yaml", measure.option, str(LIMIT)])
+    assert getattr(args, name) == LIMIT
+    assert sum(one.option == measure.option for one in MEASURES) == 1
+
+
+@of_limits
+def test_a_limit_is_in_words_and_letters(name):
+    measure = LIMITED[name]
+    assert name in ACTIVE and LIMIT_WORDS[name] == measure.words
+    assert measure.words in limit_text(name, LIMIT)
+    assert LETTERS[name] and [*LETTERS.values()].count(LETTERS[name]) == 1
+    assert set(measure.extremes) <= RECOMMENDED_WORDS.keys()
+    assert not measure.brief or set(measure.extremes) <= BRIEF_WORDS.keys()
+
+
+@of_limits
+def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
+    monkeypatch.setattr("bearingwear.studies.design.map.lowest_frequency", lambda *_: np.nan)
+    measure, made = LIMITED[name], ended_by("skid_ratio")
+    along = [states(measure, ratio) for ratio in (0.9, 1.1, 0.5)]
+    found = gone_through(made, along)
+    assert set(measure.extremes) <= POINT.keys() and set(found) <= POINT.keys()
+    worst = at(measure, 1.1) / (PRELOAD if measure.over_preload else 1.0)
+    for variable in measure.extremes:
+        assert found[variable] == pytest.approx(worst)
+    (left,) = limit_margins(found, DesignLimits(**{name: LIMIT}))
+    assert left == pytest.approx(measure.margin(worst, LIMIT)) and left < 0.0
+
+
+@of_all
+def test_the_worse_bearing_of_a_pair_counts(measure, monkeypatch):
+    if measure.key in OF_CAGE:
+        return
+    lowest = lambda _, both: min(one.frequency for one in both)  # noqa: E731
+    monkeypatch.setattr(courses, "lowest_frequency", lowest)
+    rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
+    near, far = states(measure, 1.2), states(measure, 0.3)
+    for both in ((near, far), (far, near)):
+        (worse,) = courses.worse_halves([both], rotor)
+        assert measure.critical(worse.__getitem__, 1.0) == measure.critical(near.__getitem__, 1.0)
+
+
+def test_of_several_variables_the_worst_counts_and_is_named():
+    both = replace(
+        LIMITED["axial_stiffness_N_um"],
+        variables=("axial_stiffness", "skid_ratio"),
+        kinds=("dynamic", "quasi-static"),
+    )
+    known = {"axial_stiffness": np.array([3e6, 5e6]), "skid_ratio": np.array([4e6, 2e6])}
+    assert both.critical(known.__getitem__) == (2e6, "skid_ratio")
+    assert both.worst(known).tolist() == [3e6, 2e6]
+    assert both.margins(known, 2.5).tolist() == pytest.approx([0.2, -0.2])
