@@ -98,14 +98,16 @@ def side_by_side(of_each: Sequence[Sequence[Block]]) -> list[Block]:
 
 
 def _joined(rows: Sequence[Row]) -> Row:
-    """Rows of one quantity as one, in one unit; limits that differ stand as a note."""
+    """Rows of one quantity as one, in one unit; limits that differ and notes of each as notes."""
     rescaled = in_one_unit([Block("", rows=tuple(rows))])[0].rows
     limits = ["" if row.limit is None else digits(row.limit) for row in rescaled]
     alike = len(set(limits)) == 1
+    differ = "" if alike else f"limits {', '.join(filter(None, limits))}"
+    notes = [f"{row.note} by bearing {k}" for k, row in enumerate(rows, 1) if row.note]
     return rescaled[0]._replace(
         values=tuple(value for row in rescaled for value in row.values),
         limit=rescaled[0].limit if alike else None,
-        note="" if alike else f"limits {', '.join(filter(None, limits))}",
+        note=", ".join(filter(None, (differ, *notes))),
     )
 
 
