@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.measures import ENDS
-from bearingwear.model.criterion import criteria_of_case, criterion_met, value_along
+from bearingwear.model.criterion import criteria_passed, criterion_met, value_along
 from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence
 from bearingwear.model.fidelity import unwatched
 from bearingwear.model.films_told import film_worn
@@ -244,19 +244,11 @@ def _when_new(e: Evidence) -> Finding | None:
 
 def _limit_passed(e: Evidence) -> Finding | None:
     """The criteria that a case is beyond, the one that is passed by most first."""
-    end = e.scene.wear.end_of_life
-    if e.case is None or end is None:
+    found = [] if e.case is None else criteria_passed(e.scene, e.case)
+    if not found:
         return None
-    met = []
-    for name, value in criteria_of_case(e.scene, e.case).items():
-        measure, limit = ENDS[name], end.criteria[name]
-        if measure.is_passed(value, limit):
-            met.append((measure.excess(value, limit), measure.passed(value, limit), measure))
-    if not met:
-        return None
-    met.sort(key=lambda one: -one[0])
-    said = ", ".join(text for _, text, _ in met)
-    return met[0][0], {"said": said, "advice": met[0][2].advice}
+    said = ", ".join(measure.passed(value, limit) for measure, value, limit in found)
+    return found[0][0].excess(*found[0][1:]), {"said": said, "advice": found[0][0].advice}
 
 
 CAUTIONS = (

@@ -38,6 +38,17 @@ def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, float]:
     }
 
 
+def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[tuple[Measure, float, float]]:
+    """Measure, value [SI] and limit of each criterion that a case is beyond, the farthest first."""
+    end = scene.wear.end_of_life
+    found = [
+        (ENDS[name], value, end.criteria[name])
+        for name, value in criteria_of_case(scene, case).items()
+        if end and ENDS[name].is_passed(value, end.criteria[name])
+    ]
+    return sorted(found, key=lambda one: -one[0].excess(one[1], one[2]))
+
+
 def criterion_met(scene: Scene, values: Mapping[str, Any]) -> tuple[Measure, float] | None:
     """The criterion that ends a life, and its limit; None if none does."""
     name, end = CRITERIA[int(values["end_criterion"])], scene.wear.end_of_life
