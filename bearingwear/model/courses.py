@@ -6,16 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.kernels import status as code
 from bearingwear.measures import MEASURES, Measure
-from bearingwear.model.films import COVERED, Bare
-from bearingwear.model.life import life_history
+from bearingwear.model.life import life_history, lives_along
 from bearingwear.model.life_integrator import FIELDS, LifeHistory, WearState
-from bearingwear.model.pair_life import PairLife, PairStates, pair_states
+from bearingwear.model.pair_life import pair_states
 from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.states_at_loss import steady_states
+from bearingwear.model.wear_path import Condition, KnownStates, States
 from bearingwear.scene.blocks import OF_CAGE
-from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.scene.scene import Scene
 
 WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a life's tolerance
 
@@ -30,46 +29,40 @@ class WearCourses:
     """
 
     def __init__(self, scene: Scene):
-        self._known: dict[tuple[float, Bare], WearState] = {}
-        unlike = scene.pair is not None and not scene.pair.is_symmetric
-        self._both = pair_states(scene, "steady", WELL_BALANCED) if unlike else None
-        self._solve = None if unlike else steady_states(scene)
-        self.solves, self.failed = 0, 0
+        self._unlike = scene.pair is not None and not scene.pair.is_symmetric
+        if self._unlike:
+            self._states = pair_states(scene, "steady", WELL_BALANCED)
+        else:
+            alone = steady_states(scene)
+            self._states = KnownStates(lambda conditions: (alone(*conditions[0]),))
+
+    @property
+    def solves(self) -> int:
+        return self._states.solves
+
+    @property
+    def failed(self) -> int:
+        return self._states.failed
 
     def __call__(self, scene: Scene) -> LifeHistory:
         """The life of the scene, which may have another end."""
-        if self._both is not None:
-            return self._of_pair(scene, self._both)
-        history = life_history(scene, self._state)
-        self.solves = len(self._known)
-        self.failed = sum(state.status != code.OK for state in self._known.values())
-        return history
+        if self._unlike:
+            return self._of_pair(scene)
+        return life_history(scene, lambda *condition: self._states((Condition(*condition),))[0])
 
-    def _state(self, loss: float, bare: Bare = COVERED) -> WearState:
-        assert self._solve is not None
-        if (loss, bare) not in self._known:
-            self._known[loss, bare] = self._solve(loss, bare)
-        return self._known[loss, bare]
-
-    def _of_pair(self, scene: Scene, states: PairStates) -> LifeHistory:
-        runs = [
-            PairLife(states, scene, counts, scene.model.tolerance, between=(0.5,)).integrate()
-            for counts in range(len(COUNTS))
-        ]
-        self.solves, self.failed = states.solves, states.failed
-        own = runs[COUNTS.index(scene.wear.counts)]
-        ends = [run.times[-1] if run.status == own.status else np.nan for run in runs]
+    def _of_pair(self, scene: Scene) -> LifeHistory:
+        course, times, error = lives_along(scene, self._states, bounded=False, between=(0.5,))
         return LifeHistory(
-            states=worse_halves(own.states, scene),
-            times=[np.zeros(2)] * (len(own.times) - 1) + [np.array(ends)],
-            error=np.full(2, np.nan),
-            criterion=own.criterion,
-            status=own.status,
+            states=worse_halves(course.states, scene),
+            times=list(times),
+            error=error,
+            criterion=course.criterion,
+            status=course.status,
             solves=self.solves,
         )
 
 
-def worse_halves(states: Iterable[tuple[WearState, WearState]], scene: Scene) -> list[WearState]:
+def worse_halves(states: Iterable[States], scene: Scene) -> list[WearState]:
     """What limits look at in each state of a pair: of each measure the value of its worse bearing.
 
     The preload is that of the worse side, with all its bearings in tandem.

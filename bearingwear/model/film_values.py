@@ -1,22 +1,24 @@
 """Result variables of films along a life."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bearingwear.model.films import Films
-from bearingwear.model.life_integrator import LifeHistory
+from bearingwear.model.life_integrator import WearState
 from bearingwear.scene.scene import COUNTS, Scene
 
 
-def film_values(scene: Scene, history: LifeHistory) -> dict:
+def film_values(scene: Scene, states: Sequence[WearState], times: np.ndarray) -> dict:
     """Friction coefficients, films left and when each is worn through; empty without any film."""
-    films, states = Films.of(scene), history.states
+    films = Films.of(scene)
     values: dict = {}
     if scene.friction.film is not None:
         values["history_friction_coefficient"] = np.array([s.friction for s in states])
     if not films.wear_through:
         return values
     left = np.array([s.film for s in states])  # (steps, 3)
-    time = np.array(history.times)[:, COUNTS.index(scene.wear.counts)]
+    time = times[:, COUNTS.index(scene.wear.counts)]
     through = [_time_of_nothing(time, part) for part in left.T]
     left = np.maximum(left, 0.0)
     values["history_film_worn_share"] = np.array([s.film_worn for s in states])

@@ -41,13 +41,11 @@ def films_told(scene: Scene) -> list[str]:
 
 def films_refused(scene: Scene, fidelity: str) -> str:
     """Why a life cannot follow the films of a scene; nothing where it can."""
-    unlike = scene.pair is not None and not scene.pair.is_symmetric
-    if not changes_as_it_wears(scene) or not (unlike or fidelity == "dynamic"):
+    if not changes_as_it_wears(scene) or fidelity != "dynamic":
         return ""
-    which = "fidelity dynamic" if fidelity == "dynamic" else "two bearings that differ"
     return (
-        f"friction.film, materials: got films that wear through, or running in, with {which}; "
-        "expected, for a life, fidelity steady and one bearing, or two identical ones"
+        "friction.film, materials: got films that wear through, or running in, with fidelity "
+        "dynamic; expected, for a life, fidelity steady or race_control"
     )
 
 

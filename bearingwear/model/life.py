@@ -16,7 +16,6 @@ from bearingwear.model import parameters
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.fidelity import NotAvailable, choice_for_life
-from bearingwear.model.film_life import film_history
 from bearingwear.model.film_values import film_values
 from bearingwear.model.growth_told import growth_values
 from bearingwear.model.interrupt import Interrupt
@@ -34,6 +33,7 @@ from bearingwear.model.states_at_loss import (
     steady_states,
 )
 from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.wear_path import KnownStates, PathLives, States, WearPath, path_lives
 from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
@@ -183,12 +183,46 @@ def life_history(scene: Scene, state: StateAtLoss) -> LifeHistory:
     """Wear states of a scene, given by the function `state`, up to its end of life."""
     end, preload = scene.wear.end_of_life or EndOfLife(), scene.operation.preload_N
     if changes_as_it_wears(scene):
-        return film_history(scene, state, lambda s: margins(s, end, preload))
+        return _along_films(scene, state)
     integrator = LifeIntegrator(state, lambda s: margins(s, end, preload), scene.model.tolerance)
     D0 = scene.bearing.ball_diameter_mm * parameters.MM
     return integrator.integrate(
         scene.wear.ball_diameter_loss_um[0] * parameters.UM, LARGEST_LOSS * D0, FIRST_STEP * D0
     )
+
+
+def _along_films(scene: Scene, state: StateAtLoss) -> LifeHistory:
+    """Life of a bearing whose films wear through, or whose surfaces run in."""
+    states = KnownStates(lambda conditions: (state(*conditions[0]),))
+    course, times, error = lives_along(scene, states)
+    return LifeHistory(
+        states=[one for (one,) in course.states],
+        times=list(times),
+        error=error,
+        criterion=course.criterion,
+        status=course.status,
+        solves=states.solves,
+    )
+
+
+def lives_along(scene: Scene, states: KnownStates, bounded: bool = True, **more: Any) -> PathLives:
+    """Lives of one bearing or of two from their states; `more` as of `WearPath`."""
+
+    def path(*how: Any) -> WearPath:
+        return wear_path(scene, states, *how, **more)
+
+    return path_lives(scene, path, bounded)
+
+
+def wear_path(scene: Scene, states: KnownStates, *how: Any, **more: Any) -> WearPath:
+    """The path of a scene to its end of life; the rest as of `WearPath`."""
+    end = scene.wear.end_of_life or EndOfLife()
+
+    def worst(found: States) -> np.ndarray:
+        each = zip(found, scene.sides, strict=True)
+        return np.min([margins(s, end, side.operation.preload_N) for s, side in each], axis=0)
+
+    return WearPath(scene.sides, states, worst, *how, **more)
 
 
 def error_estimate(scene: Scene, history: LifeHistory) -> dict:
@@ -220,7 +254,7 @@ def life_values(scene: Scene, history: LifeHistory) -> dict:
         "loss_at_end": states[-1].loss,
         "history_time": np.array(history.times),
     }
-    return values | history_values(states) | film_values(scene, history)
+    return values | history_values(states) | film_values(scene, states, np.array(history.times))
 
 
 def history_values(states: list[WearState]) -> dict:

@@ -19,6 +19,7 @@ from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
+from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.heat import SteadyHeat, race_control_heat, warmth_of
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.pair_balance import (
@@ -59,6 +60,8 @@ class Side(Protocol):
     """Status where the rotor finds no place in which it stays."""
     kept_warm: bool
     """Whether the temperatures that a network found last are kept."""
+    bare: Bare
+    """The contacts on which no film is left."""
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
         """The bearing without friction, its balls orbiting as they roll or at `Omega` [rad/s]."""
@@ -89,7 +92,7 @@ class SteadySide:
         self.scene, self.tandem, self.problem = scene, tandem, ThrustProblem.of(scene)
         self.mounted = self.problem.preload.delta_a
         self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
-        self.kept_warm = False
+        self.kept_warm, self.bare = False, COVERED
         self._u: np.ndarray | None = None
         self._warmed: Warmed | None = None
 
@@ -107,6 +110,8 @@ class SteadySide:
 
     def _solved(self, loss: float, **held: Any) -> SideState:
         problem = replace(self.problem, preload=self.problem.preload._replace(**held))
+        if any(self.bare):
+            problem = problem.where_bare(self.scene, self.bare)
         if problem.undetermined() != code.OK:
             return SideState(problem.undetermined())
         if self.scene.thermal is None or self.kept_warm:
@@ -158,7 +163,7 @@ class RaceControlSide:
         self.scene, self.tandem, self.problem = scene, tandem, RaceControlProblem.of(scene)
         self.mounted = self.problem.delta_a
         self.loss = scene.wear.ball_diameter_loss_um[0] * parameters.UM
-        self.kept_warm = False
+        self.kept_warm, self.bare = False, COVERED
         self._warmed: Warmed | None = None
 
     def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
@@ -180,7 +185,7 @@ class RaceControlSide:
 
     def _solved(self, loss: float, **held: Any) -> SideState:
         def problem_of(scene: Scene) -> RaceControlProblem:
-            own = RaceControlProblem.of(scene)
+            own = RaceControlProblem.of(scene).where_bare(scene, self.bare)
             return replace(own, D=own.D - (loss - self.loss), **held)
 
         def heats(scene: Scene) -> tuple[int, HeatFlow]:

@@ -11,9 +11,9 @@ from bearingwear.kernels.worn_balance import arc_shift
 from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING
 from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.life import life_history, life_values
+from bearingwear.model.life import life_history, life_values, wear_path
 from bearingwear.model.life_integrator import LifeHistory
-from bearingwear.model.pair_life import PairLife, of_both, pair_states
+from bearingwear.model.pair_life import of_both, pair_states
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
 from bearingwear.scene.scene import Scene
@@ -122,7 +122,8 @@ def solve_worn_life(scene: Scene) -> tuple[dict, dict]:
 def life_without_grooves(scene: Scene) -> float:
     """Life where only the balls' wear counts, and grooves do not wear; NaN if it has no end [s]."""
     if scene.pair is not None:
-        ended = PairLife(pair_states(scene, "steady"), scene, 0, scene.model.tolerance).integrate()
+        states = pair_states(scene, "steady")
+        ended = wear_path(scene, states, 0, scene.model.tolerance).integrate()
         return ended.times[-1] if ended.status == code.OK else math.nan
     even = life_history(scene, steady_states(scene))
     return float(even.times[-1][0]) if even.status == code.OK else math.nan
