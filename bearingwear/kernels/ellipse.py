@@ -182,7 +182,7 @@ def middle_shift(contact, R, c):
     return e if abs(e) < EDGE else math.copysign(EDGE, e)  # NaN too
 
 
-@jit(fastmath=REORDER_SUMS)
+@jit
 def place_across(rule, contact, R, c, across, share, even):
     """Places across the strips of a contact with the slip c, and their shares of a strip's load.
 
@@ -199,17 +199,23 @@ def place_across(rule, contact, R, c, across, share, even):
     e = 0.0
     if rule.split and across.size > 1:
         e = middle_shift(contact, R, c)
-    total = 0.0
     for j in range(across.size):
         y = rule.across[j]
         by = 1.0 / (1.0 + e * y)
-        part = rule.even[j] * by * by if even else rule.share[j] * by * by * by
         across[j] = (y + e) * by
-        share[j] = part
-        total += part
-    scale = 1.0 / total
+        share[j] = rule.even[j] * by * by if even else rule.share[j] * by * by * by
+    scale = 1.0 / share_sum(share)
     for j in range(across.size):
         share[j] *= scale
+
+
+@jit(fastmath=REORDER_SUMS)
+def share_sum(share):
+    """Sum of the shares, apart from the loop that writes them: see `REORDER_SUMS`."""
+    found = 0.0
+    for part in share:
+        found += part
+    return found
 
 
 @jit

@@ -133,7 +133,6 @@ def steepest(cells, pressure, work):
         for i in range(n):
             at_hand = first[j] <= i < last[j]
             left[j, i] = work.gap[j, i] if at_hand and pressure[j, i] > 0.0 else 0.0
-    product = 0.0
     for j in range(m):
         below, above = left[max(j - 1, 0)], left[min(j + 1, m - 1)]  # even in Y
         past = 1.0 if j + 1 < m else 0.0
@@ -145,8 +144,17 @@ def steepest(cells, pressure, work):
                 + across * (below[i] + past * above[i])
                 + both * (below[ahead] + below[behind] + past * (above[ahead] + above[behind]))
             )
-            product += z[j, i] * left[j, i]
-    return product
+    return inner_product(z, left, first, last)
+
+
+@jit(fastmath=REORDER_SUMS)
+def inner_product(a, b, first, last):
+    """Sum of the products of two fields over the cells at hand."""
+    found = 0.0
+    for j in range(first.size):
+        for i in range(first[j], last[j]):
+            found += a[j, i] * b[j, i]
+    return found
 
 
 @jit
@@ -197,12 +205,7 @@ def conjugate_gradients(cells, wear, pressure, work, most):
                 kept = share * t[j, i] if share > 0.0 else 0.0
                 t[j, i] = z[j, i] + kept if pressure[j, i] > 0.0 else 0.0
         displacement(cells, t, work, r)
-        above = below = 0.0
-        for j in range(m):
-            for i in range(first[j], last[j]):
-                above += g[j, i] * t[j, i]
-                below += r[j, i] * t[j, i]
-        step = above / below
+        step = inner_product(g, t, first, last) / inner_product(r, t, first, last)
         released = 0
         for j in range(m):
             for i in range(first[j], last[j]):

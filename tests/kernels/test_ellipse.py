@@ -44,6 +44,17 @@ def placed(rule, c, contact=CONTACT, v_r=V_R):
     return t, weight, h, width, across, share
 
 
+def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
+    """A sum in a loop that stores took another order where its arrays lay close together."""
+    rule, c = ellipse_rule("split", 5, 8), (3.0, 0.02, 5.0, 4e5)
+    memory, found = np.zeros(512), set()
+    for distance in range(rule.across.size, 200):
+        across, share = (memory[k : k + rule.across.size] for k in (0, distance))
+        place_across(rule, CONTACT, R, c, across, share, False)
+        found.add(across.tobytes() + share.tobytes())
+    assert len(found) == 1
+
+
 def sums(c, points):
     """Potential, gradient, Hessian and QV of CONTACT over held points."""
     gradient, hessian = np.empty(5), np.empty((5, 5))

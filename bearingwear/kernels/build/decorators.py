@@ -6,7 +6,9 @@ from numba.extending import overload
 from bearingwear.kernels.build.versions import is_plain
 
 # Reductions may be summed in any order (the strip sums vectorise only then); NaN, infinity and
-# signed zero keep their meaning, so that a broken number is still seen.
+# signed zero keep their meaning, so that a broken number is still seen. A loop that sums stores
+# nothing: LLVM would test at run time how far its arrays lie apart, and take the sum in another
+# order where they happen to lie close, so that last bits change from run to run.
 REORDER_SUMS = {"reassoc", "contract", "nsz"}
 # And a root may begin with the processor's estimate of it, see friction.inverse_root.
 ESTIMATE_ROOTS = REORDER_SUMS | {"afn", "arcp"}
