@@ -233,10 +233,10 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         nargs="?",
         default="all",
         type=_study_name,
-        metavar="SCENE.yaml | NAME",
+        metavar="SCENE.yaml | NAME | FILE",
         help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
-        f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; default: the main "
-        "one",
+        f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; or a result of "
+        "it, results/..., which is then made again; default: the main study",
     )
     study.add_argument(
         "-o",
@@ -291,10 +291,15 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
 
 
 def _study_name(text: str) -> str:
-    if text not in ("all", *NAMES) and not text.endswith(SCENE_SUFFIXES):
-        allowed = ", ".join(("a scene, MINE.yaml", "all", *NAMES))
+    if text not in ("all", *NAMES) and not text.endswith(SCENE_SUFFIXES) and not is_result(text):
+        allowed = ", ".join(("a scene, MINE.yaml", "a file below results/", "all", *NAMES))
         raise argparse.ArgumentTypeError(f"got {text!r}, expected {allowed}")
     return text
+
+
+def is_result(text: str) -> bool:
+    """Whether the name of a study is rather that of one of its results."""
+    return Path(text).parts[:1] == ("results",)
 
 
 def _mapping(text: str) -> dict[str, Any]:

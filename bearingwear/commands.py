@@ -204,6 +204,10 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
+<<<<<<< HEAD
+=======
+    from bearingwear.arguments import LIMITS, is_result
+>>>>>>> add34bb (A study ends with what was found; single results and resumed runs outside a clone)
     from bearingwear.studies.launch import (
         CONFIG,
         DRY_RUN,
@@ -218,7 +222,7 @@ def study(args: argparse.Namespace) -> int:
     jobs = args.jobs or usable_cores()
 
     if args.name.endswith(SCENE_SUFFIXES):
-        from bearingwear.studies.own.folder import answer_of, looked_at, write_study
+        from bearingwear.studies.own.folder import looked_at, write_study
 
         file = Path(args.name)
         folder = args.output or Path(file.stem)
@@ -229,17 +233,19 @@ def study(args: argparse.Namespace) -> int:
         with contextlib.ExitStack() as stack:
             # a new folder comes into being only for a scene that can be studied
             held = stack.enter_context(only_run(folder)) if folder.exists() else None
-            name = write_study(file, folder, _limits(args))
+            write_study(file, folder, _limits(args))
             if held is None:
                 held = stack.enter_context(only_run(folder))
             status, page = launch_own(folder, jobs, held, args.more)
         if page:
-            _print(f"{page}: {answer_of(folder, name)}")
+            _print(f"the same page: {page}")
         return status
+    again = ["--force"] if is_result(args.name) else []
     if not CONFIG.is_file():  # refused, and no folder made
         return launch(args.name, jobs, args.more)
     with only_run(Path()) as held:
-        return launch(args.name, jobs, args.more, files=[held])
+        more = [*again, "--rerun-incomplete", *args.more]
+        return launch(args.name, jobs, more, files=[held])
 
 
 def step(args: argparse.Namespace) -> int:

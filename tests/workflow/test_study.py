@@ -90,6 +90,8 @@ def test_a_run_makes_everything_and_then_nothing(first_run, solved):
         assert f'<a href="../../{path}">' in page
     assert '<a href="../../results/gyro_s1/tables/cases.csv">' in page
     assert results["verdict.txt"] == b"all 15 solved and verified\n"  # 10 cases, 5 lives
+    last = run.text.splitlines()[-5:]  # what Snakemake says of its log follows
+    assert "page: results/report/index.html" in last and "Reason:" not in run.text
     again = solved.run()
     assert again.status == 0 and "Nothing to be done" in again.text
 
@@ -100,6 +102,19 @@ def test_the_same_bytes_twice(first_run, solved):
     run = solved.run("--forceall")
     assert run.status == 0 and run.jobs["grid_solve"] == 5
     assert solved.results() == before
+
+
+def test_one_result_again_outside_a_clone(solved):
+    case = solved.root / f"results/gyro_s1/cases/{WORN}.nc"
+    before = case.stat().st_mtime_ns
+    done = subprocess.run(
+        [sys.executable, "-m", "bearingwear", "study", str(case.relative_to(solved.root)), "-j2"],
+        cwd=solved.root,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert case.stat().st_mtime_ns > before and "1 of 1 steps" in done.stderr
 
 
 def test_the_report_of_the_jobs(solved):

@@ -5,11 +5,13 @@ import json
 import os
 import shlex
 import sys
+from pathlib import Path
 
 from snakemake.io import report as in_report
 
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
+from bearingwear.results.answer import load_answer
 from bearingwear.scene.read import as_data
 from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.repair import survey

@@ -59,3 +59,14 @@ rule verdict:
         "look for cases that could not be solved"
     shell:
         "bearingwear step studies.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"
+
+
+# The last lines of a run that made the page: what was found, and where it stands.
+onsuccess:
+    made = {path for job in workflow.dag.needrun_jobs() for path in job.output}
+    if PAGE in made:
+        for study in STUDIES.values():
+            for path in study.page_answers():
+                if path.endswith(".json"):
+                    print(load_answer(Path(path)).headline, file=sys.stderr)
+        print(f"page: {PAGE}", file=sys.stderr)

@@ -19,14 +19,13 @@ import yaml
 
 from bearingwear.atomic import reason, write_text
 from bearingwear.console import UsageError
-from bearingwear.results.answer import load_answer
 from bearingwear.scene.records import NAME, NAME_RULE
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.own.plan import plan_of
 
 
-def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | None = None) -> str:
+def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | None = None) -> None:
     """Write the configuration of a study of a scene, and the scene, into a folder.
 
     Parameters
@@ -38,11 +37,6 @@ def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | 
     limits : DesignLimits
     instead : path, optional
         Where to write in its place.
-
-    Returns
-    -------
-    str
-        Name of the scene in the study, that of its file.
 
     Raises
     ------
@@ -74,7 +68,6 @@ def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | 
         path = (instead or folder) / path.relative_to(folder)
         if _text(path) != text:
             write_text(path, text)
-    return name
 
 
 @contextlib.contextmanager
@@ -92,11 +85,6 @@ def looked_at(folder: Path) -> Iterator[Path]:
             if (folder / part).is_dir():
                 (other / part).symlink_to((folder / part).resolve())
         yield other
-
-
-def answer_of(folder: Path, name: str) -> str:
-    """The answer of the study of a scene, in a sentence."""
-    return load_answer(folder / f"results/{name}/preload/answer.json").headline
 
 
 def _hash(text: str) -> str:
