@@ -204,10 +204,7 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def study(args: argparse.Namespace) -> int:
-<<<<<<< HEAD
-=======
-    from bearingwear.arguments import LIMITS, is_result
->>>>>>> add34bb (A study ends with what was found; single results and resumed runs outside a clone)
+    from bearingwear.arguments import is_result
     from bearingwear.studies.launch import (
         CONFIG,
         DRY_RUN,

@@ -425,8 +425,8 @@ def test_an_unlike_pair_has_films_too(scene, contact):
         # a film that is all but gone ends between two states, on a straight line
         assert_allclose(nearly["race_film_worn_through"][k], through, rtol=1e-4)
     pushed = life(scene("gyro_s1", thin | UNLIKE | {"arrangement.external_axial_N": 1.0})).values
-    loaded, relieved = pushed["race_film_worn_through"]
-    assert pushed["status"] == code.OK and np.all(loaded < relieved)
+    loaded, relieved = pushed["race_film_worn_through"][:, 1]  # outer races, which wear first
+    assert pushed["status"] == code.OK and loaded < relieved
 
 
 def test_an_unlike_warm_pair_has_films_too(scene):

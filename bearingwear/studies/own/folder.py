@@ -25,7 +25,9 @@ from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.own.plan import plan_of
 
 
-def write_study(file: Path, folder: Path, limits: DesignLimits, instead: Path | None = None) -> None:
+def write_study(
+    file: Path, folder: Path, limits: DesignLimits, instead: Path | None = None
+) -> None:
     """Write the configuration of a study of a scene, and the scene, into a folder.
 
     Parameters
