@@ -1,51 +1,39 @@
 """Warnings beside a result: solved, but beyond what bearings withstand or the model covers.
 
-`CAUTIONS` is the one table: the value, its limit, the sentence and the advice. Each limit has a
-source or is called assumed. No warning is an error. A result has its warnings in the attribute
-`warnings`, which `bearingwear.results.warnings` reads.
+`CAUTIONS` is the one table: the value, its limit, the sentence and the advice. The limits of
+practice stand in `practice`, with their sources. No warning is an error. A result has its warnings
+in the attribute `warnings`, which `bearingwear.results.warnings` reads.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from bearingwear.measures import ENDS
 from bearingwear.model.criterion import criteria_passed, criterion_met, value_along
-from bearingwear.model.evidence import INNER_SIDE, OUTER_SIDE, Evidence
+from bearingwear.model.evidence import Evidence
 from bearingwear.model.fidelity import unwatched
 from bearingwear.model.films_told import film_worn
 from bearingwear.model.growth_told import fit_lost, growth_left_out, temperature_left_out
+from bearingwear.model.practice import (
+    Finding,
+    dents,
+    faster_than_made_for,
+    friction_beyond,
+    grown_preload,
+    hoop_stress,
+    inner_load,
+    over_shoulder,
+    pressed_hard,
+    radial_load,
+    temperature_beyond,
+    tilt_beyond,
+    tiny_preload,
+    too_fast,
+)
 from bearingwear.model.stability import unstable_told
-from bearingwear.scene.catalogue import MAKERS, entry_of_bearing
-
-STEEL_YIELD = 4.2
-"""Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
-
-LONG_LIVED = 2.0 / STEEL_YIELD
-"""Share of the yield pressure up to which a long life is usual: 2 GPa for steel."""
-
-SHOULDER_DEG, SHOULDER_ROOM_DEG = 55.0, 15.0
-"""Assumed angle of an unknown shoulder, and its least margin over the contact angle."""
-
-FASTEST = 4.0
-"""Speed times pitch diameter [million mm r/min] of the fastest steel bearings on rigs: bore times
-speed of 3 million, Bamberger, Zaretsky and Signer, J. Lubr. Technol. 98 (1976) 580."""
-
-HOOP_MPA = 200.0
-"""Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
-
-LIGHTEST_INNER = 0.05
-"""Least load of an inner contact over its outer one, assumed: below it the shaft hardly drives a
-ball."""
-
-LONGEST_LIFTED = 0.05
-"""Share of time off the inner race that knocks of the cage explain, assumed."""
-
-LEAST_PRELOAD = 1.5e-3
-"""Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa at rest in steel, assumed."""
 
 FLAT_GROOVE = 0.1
 """Loss over the gap at the ellipse's edge above which a worn groove's contact is not Hertzian."""
@@ -60,10 +48,7 @@ SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 JUST_MET = math.nextafter(1.0, 2.0)
 """Excess of a criterion that is met exactly; that ends a life too."""
 
-_GPA, _MPA, _UM, _MM = 1e9, 1e6, 1e-6, 1e-3
-
-Finding = tuple[float | None, Mapping[str, Any]]
-"""The value over its limit (None for a fact), and what fills the sentence."""
+_UM, _MM = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
@@ -80,116 +65,6 @@ class Caution:
     sentence: str
     advice: str
     impractical: bool = False
-
-
-def _yield_pressure(e: Evidence) -> tuple[float, str]:
-    """Yield pressure of the weaker of balls and races [GPa], and its source."""
-    b = e.scene.bearing
-    known = []
-    for name in (b.race_material, b.ball_material):
-        given = e.scene.materials[name].yield_pressure_GPa
-        source = "the scene's" if given else "assumed as ISO 76 has it for steel"
-        known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
-    return min(known, key=lambda one: one[0])
-
-
-def _yield(e: Evidence) -> Finding:
-    limit, source = _yield_pressure(e)
-    value = e.pressure / _GPA
-    return value / limit, {"value": value, "limit": limit, "source": source}
-
-
-def _practice(e: Evidence) -> Finding | None:
-    limit, _ = _yield_pressure(e)
-    value = e.pressure / _GPA
-    if value > limit:  # another warning says so
-        return None
-    return value / (LONG_LIVED * limit), {"value": value, "limit": LONG_LIVED * limit}
-
-
-def _shoulder(e: Evidence) -> Finding:
-    """The edge of the ellipse that comes closest to its shoulder, as angles from the bottom."""
-    b = e.scene.bearing
-    D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
-    found = []
-    for race, side, factor, shoulder in (
-        (INNER_SIDE, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
-        (OUTER_SIDE, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
-    ):
-        r = factor * D
-        edges = np.degrees(e.angle[:, race] + e.major[:, race] / (r * _MM))
-        edges = np.where(e.load[:, race] > 0.0, edges, -np.inf)  # not where a ball is lifted off
-        limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
-        source = "where a shoulder is assumed"
-        if shoulder is not None:
-            centre = 0.5 * b.pitch_diameter_mm - side * (factor - 0.5) * D * cosine
-            rise = side * (0.5 * shoulder - centre) / r
-            limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "its shoulder"
-        words = {"value": edges.max(), "limit": limit, "source": source}
-        found.append((edges.max() / limit, words | {"race": ("inner", "outer")[race]}))
-    return max(found, key=lambda one: one[0])
-
-
-def _speed(e: Evidence) -> Finding:
-    o = e.scene.operation
-    relative = abs(o.shaft_speed_rpm - o.outer_speed_rpm)
-    value = 1e-6 * relative * e.scene.bearing.pitch_diameter_mm
-    return value / FASTEST, {"value": value, "limit": FASTEST}
-
-
-def _makers_speed(e: Evidence) -> Finding | None:
-    """Of one under a light spring, or of a rigid pair by its preload; a starved bearing has no
-    oil that cools it, so the limit with grease counts."""
-    entry = entry_of_bearing(asdict(e.scene.bearing))
-    if entry is None:
-        return None
-    o = e.scene.operation
-    factor, name = entry.speed_factor(o.preload_method, o.preload_N)
-    limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
-    kind = f"a rigid pair of class {name}" if name else "one under a light spring"
-    return value / limit, {
-        "value": value,
-        "limit": limit,
-        "oil": factor * entry.speed_oil,
-        "bearing": f"{entry.maker} {entry.designation}",
-        "kind": kind,
-        "source": MAKERS[entry.maker].source,
-    }
-
-
-def _hoop(e: Evidence) -> Finding | None:
-    """Hoop stress at the bore of a rotating annulus, out to the shoulder or the groove's bottom."""
-    b = e.scene.bearing
-    if b.bore_mm is None:
-        return None
-    steel = e.scene.materials[b.race_material]
-    inside = 0.5 * _MM * b.bore_mm
-    bottom = b.pitch_diameter_mm - b.ball_diameter_mm
-    outside = 0.5 * _MM * (b.inner_shoulder_mm or bottom)
-    nu, omega = steel.poisson_ratio, math.pi / 30.0 * e.scene.operation.shaft_speed_rpm
-    squares = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
-    value = 0.25 * steel.density_kg_m3 * omega**2 * squares / _MPA
-    return value / HOOP_MPA, {"value": value, "limit": HOOP_MPA}
-
-
-def _inner(e: Evidence) -> Finding | None:
-    if e.scene.operation.shaft_speed_rpm == e.scene.operation.outer_speed_rpm == 0.0:
-        return None  # nothing skids
-    share = np.min(e.load[:, INNER_SIDE] / e.load[:, OUTER_SIDE])
-    if e.lifted > LONGEST_LIFTED:
-        said = f"a ball is off the inner race {e.lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
-        return e.lifted / LONGEST_LIFTED, {"said": said}
-    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
-    return LIGHTEST_INNER / share, {"said": said}
-
-
-def _preload(e: Evidence) -> Finding | None:
-    b, preload = e.scene.bearing, e.scene.operation.preload_N
-    if not preload:
-        return None
-    limit = LEAST_PRELOAD * b.ball_count * b.ball_diameter_mm**2
-    words = {"value": preload, "limit": limit, "n": b.ball_count, "D": b.ball_diameter_mm}
-    return limit / preload, words
 
 
 def _groove(e: Evidence) -> Finding | None:
@@ -271,22 +146,30 @@ CAUTIONS = (
         "fidelity dynamic watches all",
     ),
     Caution(
+        "tilt_beyond_practice",
+        tilt_beyond,
+        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above {limit:g}, "
+        "the most that catalogues allow (rule of thumb)",
+        "align the seats, or check the unit, mrad",
+        impractical=True,
+    ),
+    Caution(
         "pressure_above_yield",
-        _yield,
+        dents,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
-        "balls and races dent: take less load or speed, or larger balls",
+        "balls and races dent: take {take}",
         impractical=True,
     ),
     Caution(
         "pressure_above_practice",
-        _practice,
+        pressed_hard,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, usual for a long life "
         "(assumed)",
-        "fatigue is not modelled: take less load or speed, or larger balls",
+        "fatigue is not modelled: take {take}",
     ),
     Caution(
         "ellipse_over_shoulder",
-        _shoulder,
+        over_shoulder,
         "the {race} contact ellipse reaches {value:.3g} degrees up its groove, past {limit:.3g}, "
         "{source}",
         "pressure at the edge is not modelled: take less thrust, or higher shoulders",
@@ -294,7 +177,7 @@ CAUTIONS = (
     ),
     Caution(
         "speed_beyond_practice",
-        _speed,
+        too_fast,
         "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the most "
         "that steel bearings reached on rigs",
         "check the speed and its unit, r/min",
@@ -302,14 +185,14 @@ CAUTIONS = (
     ),
     Caution(
         "speed_beyond_makers",
-        _makers_speed,
+        faster_than_made_for,
         "{value:.6g} r/min is above the limit for {kind} of {bearing}: {limit:.0f} with grease, "
         "{oil:.0f} with oil ({source})",
         "take less speed or preload, or ask the maker",
     ),
     Caution(
         "hoop_stress",
-        _hoop,
+        hoop_stress,
         "rotation alone stresses the inner ring to {value:.0f} MPa, above {limit:g} MPa (assumed "
         "for hardened steel)",
         "take less speed, or a ring of tough steel",
@@ -317,18 +200,45 @@ CAUTIONS = (
     ),
     Caution(
         "inner_load_lost",
-        _inner,
-        "{said} (assumed)",
+        inner_load,
+        "{said} (rule of thumb)",
         "it may skid: take more preload, less speed or radial load, or ceramic balls",
         impractical=True,
     ),
     Caution(
         "preload_too_small",
-        _preload,
+        tiny_preload,
         "a preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below "
         "{limit:.2g} N (assumed)",
         "check its unit, newtons",
         impractical=True,
+    ),
+    Caution(
+        "radial_load_large",
+        radial_load,
+        "a radial load of {load:.4g} N is large against a preload of {preload:.4g} N: at rest the "
+        "first ball loses its load at {lost:.3g} N",
+        "take more preload, or a larger contact angle",
+    ),
+    Caution(
+        "preload_grown",
+        grown_preload,
+        "the running preload of {value:.4g} N is {ratio:.2g} times the {preload:.4g} N that are "
+        "set (rule of thumb: at most three times)",
+        "take a spring, less preload, or cooler inner rings",
+    ),
+    Caution(
+        "temperature_beyond_practice",
+        temperature_beyond,
+        "the {part} of {name} is at {value:.4g} degC, {side} {limit:g} (rule of thumb)",
+        "take a material for it; hardness, wear and friction are those of room temperature",
+        impractical=True,
+    ),
+    Caution(
+        "friction_beyond_practice",
+        friction_beyond,
+        "a friction coefficient of {value:.3g} is {said}",
+        "check friction.ball_race",
     ),
     Caution(
         "groove_worn",

@@ -8,7 +8,7 @@ from bearingwear.model.errors import NotAvailable as NotAvailable
 from bearingwear.model.films_told import films_refused, films_told
 from bearingwear.model.growth_told import growth_told
 from bearingwear.model.solution import check_solution, is_found_periodic, solution_told
-from bearingwear.scene.accuracy import FIDELITIES
+from bearingwear.scene.accuracy import CAGE_TOLERANCE, FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
 
@@ -392,6 +392,11 @@ def _dynamic(scene: Scene) -> list[str]:
         weight = f"gravity {g:.3g} m/s2" if g else "weightless, no operation.gravity_m_s2"
         balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
         told.append(f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}")
+        steps = scene.model.dynamic_tolerance
+        if steps > CAGE_TOLERANCE:
+            told.append(f"steps: tolerance {steps:g}; for wear of the cage it needs 0.001")
+        elif steps == CAGE_TOLERANCE:
+            told.append("steps: tolerance 0.001, for wear of the cage to 10 % in one motion")
     told.append(
         "Coriolis force and radial inertia of the balls: left out, as in the source of the model; "
         "the energy account books the first"

@@ -113,7 +113,8 @@ def growth_told(scene: Scene) -> list[str]:
         )
     growth = growth_of(scene)
     if scene.thermal is not None:
-        told.append("temperature: of rings and balls, found from the friction heat")
+        rough = "; conductances are known roughly, and so is the preload" if is_held(scene) else ""
+        told.append(f"temperature: of rings and balls, found from the friction heat{rough}")
     elif scene.temperature is not None:
         alone = Growth(growth.heat, _STILL, _STILL)
         told.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")

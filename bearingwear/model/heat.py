@@ -14,7 +14,7 @@ from bearingwear.model import parameters
 from bearingwear.model.growth import part_temperatures
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
 from bearingwear.model.start import thrust_alone
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.steady import ThrustProblem, axial_force
 from bearingwear.model.thermal import (
     LARGEST_HEAT_RESIDUAL,
     HeatFlow,
@@ -23,6 +23,10 @@ from bearingwear.model.thermal import (
     warmed,
 )
 from bearingwear.scene.scene import Scene
+
+CONDUCTED = (0.3, 1.8)
+"""Heat conducted between balls and a race over what the scene has: public estimates for a 7008C
+reach from 0.54 over 2.0 (contacts alone) to 3.6 W/K (with oil)."""
 
 NOTHING = HeatFlow(inner=0.0, outer=0.0, drag=0.0)
 
@@ -103,6 +107,21 @@ def warmed_for(scene: Scene, fidelity: str) -> tuple[Warmed, SteadyHeat]:
     if given is None:
         return replace(found, scene=scene), heat
     return replace(found, scene=replace(scene, temperature=given, thermal=None)), heat
+
+
+def preload_spread(scene: Scene) -> str:
+    """The running preload of a fixed position with less and more heat conducted between rings."""
+    assert scene.thermal is not None
+    G, told = scene.thermal.conductance_W_K, []
+    for factor in CONDUCTED:
+        other = replace(G, ball_race=factor * G.ball_race)
+        thermal = replace(scene.thermal, conductance_W_K=other)
+        found, heat = warmed_for(replace(scene, thermal=thermal), "steady")
+        preload = code.STATUS_NAMES[found.status]
+        if found.status == code.OK:
+            preload = f"{axial_force(heat.case, heat.problem.g.n_balls):.3g} N"
+        told.append(f"{preload} with {other.ball_race:.2g} W/K")
+    return f"running preload {' and '.join(told)} from balls to a race, which is known no better"
 
 
 def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:

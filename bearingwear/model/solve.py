@@ -7,8 +7,8 @@ from typing import Any
 
 from bearingwear.kernels import status as code
 from bearingwear.model.fidelity import Choice, NotAvailable, choice
-from bearingwear.model.growth_told import growth_values
-from bearingwear.model.heat import network_values, warmed_for
+from bearingwear.model.growth_told import growth_values, is_held
+from bearingwear.model.heat import network_values, preload_spread, warmed_for
 from bearingwear.model.interrupt import Interrupt
 from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
@@ -76,6 +76,8 @@ def solved(
         values, attrs = solve_steady(found.scene, heat.problem, heat.case)
     else:
         values, attrs = solved_as_given(found.scene, fidelity, restart, progress)
+    if fidelity == "steady" and is_held(scene):
+        attrs["preload_spread"] = preload_spread(scene)
     if "friction_heat" in values:
         values |= network_values(scene, found, values, fidelity)
     return values | growth_values(found.scene), attrs

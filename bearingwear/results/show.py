@@ -159,7 +159,7 @@ def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
     lines = [
         *(operation_lines(scene) if scene else ()),
         f"model {fidelity}{f' ({why})' if why else ''}, status {status}: "
-        f"{status_sentence(status, scene)}",
+        f"{status_sentence(status, scene)}{_not_settled(file)}",
         *wrapped_warnings(attributes),
     ]
     facts = {
@@ -170,6 +170,12 @@ def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
         "warnings": [text.removeprefix(WARNING) for text in warning_lines(attributes)],
     }
     return tuple(lines), facts
+
+
+def _not_settled(file: Any) -> str:
+    """What the first line adds for a run whose averages still drift."""
+    verdict = str(getattr(file, "settled", "")).partition(":")[0]
+    return f"; {verdict}" if verdict.startswith("not settled") else ""
 
 
 def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
@@ -260,7 +266,9 @@ def _grown(file: Any) -> list[Block]:
         if found:
             known = np.isfinite(found[0][1])  # shaft and housing need not be
             heads = tuple(c.replace("_", " ") for c, k in zip(columns, known, strict=True) if k)
-            blocks.append(Block(title, heads, tuple(row_of(n, v[known]) for n, v in found)))
+            said = (str(file.preload_spread),) if hasattr(file, "preload_spread") else ()
+            rows = tuple(row_of(n, v[known]) for n, v in found)
+            blocks.append(Block(title, heads, rows, said if title == "parts" else ()))
     return blocks
 
 

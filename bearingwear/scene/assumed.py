@@ -31,6 +31,9 @@ CLASSES = (*PRELOAD_CLASSES, *MAKERS_CLASSES)
 
 LARGEST_ANGLE_DEG = 80.0
 
+CONDUCTIVITY, DIFFUSIVITY, RING_MODULUS = 32.8, 8.7e-6, 2.31e11
+"""Bearing steel: W/(m K), m2/s, and the reduced elastic modulus of a pair [Pa]."""
+
 
 @dataclass(frozen=True)
 class Origin:
@@ -273,6 +276,31 @@ def refused_option(option: str, value: float | str, what: str) -> SceneError:
     given = value if isinstance(value, str) else f"{value:g}"
     expected = f"; {what}" if what.startswith("only") else f", expected {what}"
     return SceneError("", f"got {given}{expected}", source=option)
+
+
+def race_conductance(numbers: Mapping[str, Origin]) -> float:
+    """Heat conducted between all balls and a race through dry contacts [W/K], steel on steel.
+
+    Each contact is a heat source that moves over ball and race: Jungnickel, *Simulation des
+    thermischen Verhaltens von Werkzeugmaschinen* (TU Dresden 2010), p. 175. Oil adds as much again:
+    Thermca (github.com/steffenschroe/Thermca, lib/bearing.py) has 3.6 where this has 2.0.
+    """
+    Z, D, dm, angle, rpm, preload = (
+        numbers[key].value
+        for key in (
+            "bearing.ball_count",
+            "bearing.ball_diameter_mm",
+            "bearing.pitch_diameter_mm",
+            "bearing.contact_angle_deg",
+            "operation.shaft_speed_rpm",
+            "operation.preload_N",
+        )
+    )
+    R, r, omega = 0.5e-3 * D, 0.5e-3 * dm, math.pi / 30.0 * rpm
+    load = max(preload, 1.0) / (Z * math.sin(math.radians(angle)))
+    W = load / (RING_MODULUS * R**2)
+    moving = math.sqrt(W) ** (1.0 / 3.0) * math.sqrt(omega * R * r / DIFFUSIVITY)
+    return Z * 1.8 * CONDUCTIVITY * R * W ** (1.0 / 3.0) * (1.0 + moving)
 
 
 def rounded_to(value: float, digits: int = 2) -> float:

@@ -188,18 +188,28 @@ def _check_spread(data: Mapping[str, Any]) -> None:
 def _undecided(scene: Scene) -> dict[str, Any]:
     """Data of a scene without what its accuracy has decided, so that another one may."""
     plain = scene.to_dict()
-    for path, value in accuracy_preset(scene.model.accuracy).keys(scene.model.slip_is_over).items():
+    preset, over = accuracy_preset(scene.model.accuracy), scene.model.slip_is_over
+    for path, value in preset.keys(over, _cage_wears(plain)).items():
         block, _, name = path.partition(".")
         if plain[block][name] == value:
             del plain[block][name]
     return plain
 
 
+def _cage_wears(plain: Mapping[str, Any]) -> bool:
+    """Whether motion and wear of the cage are asked for."""
+    end = (plain.get("wear") or {}).get("end_of_life") or {}
+    limits = ("pocket_clearance_mm", "guide_clearance_mm")
+    asked = (plain.get("model") or {}).get("cage_results", Model.cage_results)
+    return bool(asked) or any(end.get(name) is not None for name in limits)
+
+
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:
     """Fill in what the accuracy asked for decides, where the scene does not."""
     model = plain.get("model") or {}
     over = slip_is_over(model.get("contact", Model.contact), model.get("slip_over"))
-    keys = accuracy_preset(model.get("accuracy", Model.accuracy)).keys(over)
+    preset = accuracy_preset(model.get("accuracy", Model.accuracy))
+    keys = preset.keys(over, _cage_wears(plain))
     for path, value in keys.items():
         block, _, name = path.partition(".")
         plain[block] = {name: value} | (plain.get(block) or {})

@@ -373,6 +373,10 @@ def _check_cage(scene: Scene, cage: Cage) -> None:
             f"misses the balls, expected diameters that overlap {inside:g} to {outside:g} mm",
             rim + circle,
         )
+    guided = cage.guiding_race != "ball"
+    for name in ("pocket_clearance_mm", *(("guide_clearance_mm",) if guided else ())):
+        if not getattr(cage, name) > 0.0:
+            raise SceneError(f"cage.{name}", "got 0, expected a number > 0: a cage needs room")
     pocket = b.ball_diameter_mm + cage.pocket_clearance_mm
     if b.ball_count > most_balls(pocket, b.pitch_diameter_mm):
         widest = b.pitch_diameter_mm * math.sin(math.pi / b.ball_count) - b.ball_diameter_mm

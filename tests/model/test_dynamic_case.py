@@ -520,3 +520,13 @@ def test_scene_is_kept_whole(case):
     plain = json.loads(load(case).attrs["scene"])
     assert load_scene(S1).to_dict() == plain
     assert Path(case).stat().st_size < 1_000_000
+
+
+def test_stiffness_is_that_of_the_bearing_without_its_cage():
+    """A ball that its pocket holds tightly is no stiffer against the race."""
+    run = ["model.simulated_turns=3", "model.history_points_per_turn=0", "friction.cage=0.0"]
+    found = {}
+    for clearance in (0.15, 1e-4):
+        changes = [f"cage.pocket_clearance_mm={clearance}", *run]
+        found[clearance] = dynamic_run.solve_dynamic(load_scene(S1, changes))[0]["axial_stiffness"]
+    assert found[1e-4] == pytest.approx(found[0.15], rel=1e-2)

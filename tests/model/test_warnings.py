@@ -99,10 +99,12 @@ ABSURD = {
     "thrust through a low outer shoulder": (
         {"bearing.outer_shoulder_mm": 61.9, "operation.preload_N": 2000}, {"ellipse_over_shoulder"},
     ),
-    "radial load that unloads balls": (RADIAL, {"inner_load_lost", "pressure_above_practice"}),
+    "radial load that unloads balls": (
+        RADIAL, {"radial_load_large", "inner_load_lost", "pressure_above_practice"},
+    ),
     "a fixed position, cold and rigid": (
         {"operation.preload_method": "fixed_position", "bearing.bore_mm": 40},
-        {"temperature_left_out"},
+        {"temperature_left_out", "preload_grown"},
     ),
     "a fixed position at speed": (
         {"operation.preload_method": "fixed_position"},
@@ -111,6 +113,30 @@ ABSURD = {
     "a ring that comes loose": (
         {"bearing.bore_mm": 40, "fits.shaft_interference_um": 0.5, "fits.shaft_bore_mm": 30.0},
         {"fit_lost"},
+    ),
+    "60 000 r/min under a light spring": (
+        {"operation.shaft_speed_rpm": 60_000}, {"inner_load_lost"},
+    ),
+    "friction of nothing": ({"friction.ball_race": 1e-4}, {"friction_beyond_practice"}),
+    "friction of a seizure": (
+        {"friction.ball_race": 1.2, "operation.shaft_speed_rpm": 3000},
+        {"friction_beyond_practice"},
+    ),
+    "in liquid nitrogen": (
+        {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), -200)},
+        {"temperature_beyond_practice"},
+    ),
+    "red hot": (
+        {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), 300)},
+        {"temperature_beyond_practice"},
+    ),
+    "a radial load of twice the preload": (
+        {"operation.radial_load_N": [0.0, -300.0], "model.simulated_turns": 8},
+        {"radial_load_large"},
+    ),
+    "tilted by a degree": (
+        {"operation.tilt_mrad": 10.0, "model.simulated_turns": 8},
+        {"tilt_beyond_practice", "pressure_above_practice", "inner_load_lost"},
     ),
     "a turn in an hour": (
         {"operation.shaft_speed_rpm": 1.0 / 60.0}, {"slip_rounded"},
@@ -207,6 +233,23 @@ def test_what_nobody_would_build(spindle):
     ):
         found = solve(variant(spindle, changes))
         assert [one["id"] for one in impractical_warnings(found.attrs)] == expected
+
+
+def test_a_cage_of_phenolic_bears_no_heat(scene):
+    """The rings bear 150 degrees, the cage does not; of steel it does."""
+    hot = {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), 150)}
+    for material, expected in (("phenolic", True), ("bearing_steel", False)):
+        found = scene("gyro_s1", hot | {"cage.material": material})
+        told = {one["id"]: one["sentence"] for one in warnings_of(found, choice(found))}
+        assert ("temperature_beyond_practice" in told) == expected
+        assert not expected or "cage of phenolic" in told["temperature_beyond_practice"]
+
+
+def test_pressure_of_tilted_rings_is_no_matter_of_speed(spindle):
+    tilted = solve(variant(spindle, ABSURD["tilted by a degree"][0]))
+    told = {one["id"]: one for one in warnings_in(tilted.attrs)}
+    assert told["pressure_above_practice"]["advice"].endswith("take less tilt")
+    assert next(iter(told)) == "tilt_beyond_practice"
 
 
 def test_nothing_skids_at_rest(spindle):

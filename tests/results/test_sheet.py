@@ -114,6 +114,24 @@ def test_diagnostics_on_request(tmp_path, capsys):
     assert "lubricant drag: none in the scene" in text
 
 
+def test_a_run_that_has_not_settled_says_so_at_the_head(capsys):
+    """Beside the status, where it is read, and not thirty lines below alone."""
+    few = ["--set", "model.simulated_turns=6", "model.history_points_per_turn=0"]
+    head = printed(capsys, "solve", SCENE, "--fidelity", "dynamic", *few).splitlines()[:4]
+    (line,) = (line for line in head if line.startswith("model dynamic"))
+    assert line.endswith("ok: solved and verified; not settled; the turns were used up")
+
+
+def test_the_preload_of_a_warm_fixed_position_is_told_with_its_spread(capsys):
+    """Less heat conducted between the rings: a warmer inner ring, and more preload."""
+    warm = "thermal={conductance_W_K: {inner_ring_shaft: 0.1, outer_ring_housing: 0.1,"
+    text = printed(capsys, "solve", SCENE, *FIXED, f"{warm} ball_race: 0.05}}}}")
+    told = re.search(r"running preload (\S+) N with 0.015 W/K and (\S+) N with 0.09 W/K", text)
+    preload = re.search(r"residual preload +N +(\S+)", text)
+    assert float(told[1]) > float(preload[1]) > float(told[2])
+    assert "running preload" not in printed(capsys, "solve", SCENE, *FIXED)
+
+
 def test_warnings_stand_at_the_head(tmp_path, capsys):
     file = tmp_path / "x.nc"
     printed(capsys, "solve", SCENE, "-o", file)

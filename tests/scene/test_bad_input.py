@@ -180,6 +180,12 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
         edited(("  inner_diameter_mm: 6.6", "  inner_diameter_mm: 9.6"),
                ("  outer_diameter_mm: 8.6", "  outer_diameter_mm: 11.6")),
         "cage.inner_diameter_mm", ("misses the balls",)),
+    "pockets without room": (
+        edited(("pocket_clearance_mm: 0.15", "pocket_clearance_mm: 0")),
+        "cage.pocket_clearance_mm", ("got 0", "> 0")),
+    "a land without room": (
+        edited(("guide_clearance_mm: 0.20", "guide_clearance_mm: 0")),
+        "cage.guide_clearance_mm", ("got 0", "> 0")),
     "pockets that overlap": (
         edited(("pocket_clearance_mm: 0.15", "pocket_clearance_mm: 0.6")),
         "cage.pocket_clearance_mm", ("overlap",)),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import yaml
 
+from bearingwear.model.fidelity import choice
 from bearingwear.scene import read as config
 from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
@@ -20,6 +21,7 @@ from bearingwear.scene.keys import key_list, keys, renewed
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.scene.schema import schema
 from bearingwear.scene.strict_yaml import data_of
+from bearingwear.scene.variant import variant
 
 CONFIG = Path(__file__).parents[2] / "config"
 SCENES = sorted((CONFIG / "scenes").glob("*.yaml"))
@@ -331,6 +333,29 @@ def test_defaults_decided_by_the_accuracy_are_those_of_the_standard():
     assert decided == set(standard)
     for path, value in standard.items():
         assert module.key_of_scene(path).default == value
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, 1e-2),
+        ({"model.cage_results": True}, 1e-3),
+        ({"model.cage_results": True, "model.accuracy": "draft"}, 1e-3),
+        ({"model.cage_results": True, "model.accuracy": "reference"}, 1e-5),
+        ({"model.cage_results": True, "model.dynamic_tolerance": 3e-2}, 3e-2),
+        ({"wear.end_of_life.guide_clearance_mm": 0.5}, 1e-3),
+    ],
+)
+def test_wear_of_a_cage_takes_finer_steps(changes, expected):
+    """The presets' own tolerance is meant for balls; what the scene says stays."""
+    found = variant(S1, changes)
+    assert found.model.dynamic_tolerance == expected
+    assert config.as_scene(found) == found
+    told = " ".join(choice(found, "dynamic").reasons)
+    assert ("for wear of the cage" in told) == (expected > 1e-4)
+    assert ("it needs 0.001" in told) == (expected > 1e-3)
+    if not found.model.cage_results:
+        assert "wear of the cage" not in " ".join(choice(found, "steady").reasons)
 
 
 def test_descriptions_state_meaning_unit_and_range():
