@@ -194,12 +194,11 @@ def tiny_preload(e: Evidence) -> Finding | None:
 
 def friction_beyond(e: Evidence) -> Finding | None:
     value, (least, most) = e.scene.friction.ball_race, FRICTION
-    if value is None:
+    if not value:  # a film has none, and 0 has a status of its own
         return None
     if value > most:
         return value / most, {"value": value, "said": f"above {most:g}, at which metals seize"}
-    excess = least / value if value > 0.0 else math.inf
-    return excess, {"value": value, "said": f"below {least:g}, the least that was measured"}
+    return least / value, {"value": value, "said": f"below {least:g}, the least that was measured"}
 
 
 def temperature_beyond(e: Evidence) -> Finding | None:
