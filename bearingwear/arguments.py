@@ -14,6 +14,7 @@ from bearingwear import __version__
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
 from bearingwear.scene.assumed import CLASSES
+from bearingwear.scene.calibrated import SEEN
 from bearingwear.scene.catalogue import MAKERS
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
@@ -67,6 +68,25 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
+    calibrate = command(
+        "calibrate", "fit friction and wear coefficients to tests; write the calibrated scene"
+    )
+    _add_scene_with_changes(calibrate)
+    calibrate.add_argument(
+        "tests",
+        metavar="TESTS.csv",
+        help="a line of column names, then a test each: keys of the scene, and one of "
+        f"{', '.join(SEEN)}",
+    )
+    calibrate.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="CALIBRATED.yaml",
+        type=Path,
+        help="the scene to write; a file .nc beside it holds before and after",
+    )
+    _add_formats(calibrate)
     recommend = command("recommend", "recommend a preload by each method, within limits")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)

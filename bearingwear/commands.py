@@ -152,6 +152,35 @@ def uncertainty(args: argparse.Namespace) -> int:
     return OK
 
 
+def calibrate(args: argparse.Namespace) -> int:
+    from bearingwear.atomic import OutputError, write_text
+    from bearingwear.scene.strict_yaml import yaml_of
+
+    if args.output.suffix not in SCENE_SUFFIXES:
+        raise OutputError(f"{args.output}: got this name, expected {' or '.join(SCENE_SUFFIXES)}")
+    if args.output.exists():
+        raise OutputError(f"{args.output}: exists already and is not replaced; choose another name")
+    data = args.output.with_suffix(".nc")
+    _check_output(data, args.scene)
+    scene = _scene_alone(args)
+    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.studies.sampling import usable_cores
+    from bearingwear.studies.uncertainty.calibration import calibrated
+
+    found = calibrated(scene, args.tests, usable_cores(), _tell)
+    _tell_of_new_folder(args.output)
+    write_dataset(found.data, data)
+    write_text(args.output, yaml_of(found.scene.to_dict()))
+    from bearingwear.results.show import sheet
+    from bearingwear.studies import registry
+
+    _print_sheet(sheet(data, registry("SHEETS")), args)
+    if not (args.json or args.csv):
+        print(f"{args.output}: written, the calibrated scene; {data}: before and after")
+        print(f"next:\n  {shlex.join(['bearingwear', 'plot', str(data)])}")
+    return OK
+
+
 def recommend(args: argparse.Namespace) -> int:
     from bearingwear.studies.life_scene import life_scene
 
@@ -319,10 +348,14 @@ def _tell(text: str) -> None:
         sys.stderr.flush()
 
 
-def _scene(args: argparse.Namespace) -> Scene:
+def _scene_alone(args: argparse.Namespace) -> Scene:
     from bearingwear.scene.read import load_scene
 
-    scene = load_scene(args.scene, args.set)
+    return load_scene(args.scene, args.set)
+
+
+def _scene(args: argparse.Namespace) -> Scene:
+    scene = _scene_alone(args)
     if getattr(args, "output", None) is not None:
         _check_output(args.output, args.scene)
     return scene

@@ -16,7 +16,7 @@ from bearingwear.scene.accuracy import REGULARISATION
 from bearingwear.scene.keys import leaves
 from bearingwear.scene.scene import Scene
 
-MAY_DIFFER = ("description", "wear", "uncertainty", "model", REGULARISATION)
+MAY_DIFFER = ("description", "wear", "uncertainty", "calibrated", "model", REGULARISATION)
 """What a continued run may change in its scene; the rest decides the state."""
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from types import MappingProxyType
@@ -27,6 +28,7 @@ from bearingwear.scene.blocks import (
     Operation,
     Wear,
 )
+from bearingwear.scene.calibrated import Calibrated
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.records import NAME, Key, Part, part_at, whole
@@ -133,6 +135,10 @@ class Scene:
             each="Distribution of one value of the scene",
         ),
     ] = None
+    calibrated: Annotated[
+        Calibrated | None,
+        Key("By which tests `bearingwear calibrate` found friction and wear coefficients"),
+    ] = None
     model: Annotated[
         Model, Key("Choice of model and accuracy, overrides what the program would choose")
     ] = field(default_factory=Model)
@@ -167,8 +173,11 @@ class Scene:
 
     def nominal(self, name: str) -> float:
         """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
-        block: Any = getattr(self, UNCERTAIN[name])
-        return getattr(block[self.bearing.race_material] if name in WORN else block, name)
+        if name == "wear_scatter":
+            return 1.0
+        block: Any = operator.attrgetter(UNCERTAIN[name])(self)
+        of_material = UNCERTAIN[name] == "materials"
+        return getattr(block[self.bearing.race_material] if of_material else block, name)
 
     @property
     def pair(self) -> Arrangement | None:

@@ -20,16 +20,26 @@ UNCERTAIN = {
     "wear_coefficient": "materials",
     "preload_N": "operation",
     "ball_race": "friction",
+    "shear_strength_MPa": "friction.film",
     "drag_density_kg_m3": "lubricant",
+    "wear_scatter": "",
 }
-"""Keys of a scene that may be uncertain, and the block each stands in."""
+"""Keys of a scene that may be uncertain, and the block each stands in. `wear_scatter` is no key:
+the wear of a bearing over that of its batch, 1 for the bearing that the scene describes."""
 
-SAME_FOR_BATCH = ("brinell_hardness_GPa", "wear_coefficient", "ball_race", "drag_density_kg_m3")
+SAME_FOR_BATCH = (
+    "brinell_hardness_GPa",
+    "wear_coefficient",
+    "ball_race",
+    "shear_strength_MPa",
+    "drag_density_kg_m3",
+)
 """Those of them that are one unknown number for all bearings of a batch, if nothing else is said;
 the others scatter from bearing to bearing."""
 
-WORN = ("brinell_hardness_GPa", "wear_coefficient")
-"""Those of them that are a material's: the races', and the balls' in proportion."""
+WORN = ("brinell_hardness_GPa", "wear_coefficient", "wear_scatter")
+"""Those of them that scale all wear. Hardness and wear coefficient are those of the races; those
+of balls and films change in proportion."""
 
 PARAMETERS = {
     "normal": (("standard_deviation",), ("mean",)),
@@ -102,8 +112,8 @@ def is_same_for_batch(name: str, given: Distribution) -> bool:
 
 
 def uncertain_key(name: str, material: str) -> str:
-    """The key whose value an uncertainty is about."""
-    block = f"{UNCERTAIN[name]}.{material}" if name in WORN else UNCERTAIN[name]
+    """The key whose value an uncertainty is about; `wear_scatter` has none."""
+    block = f"materials.{material}" if UNCERTAIN[name] == "materials" else UNCERTAIN[name]
     return f"{block}.{name}"
 
 
@@ -116,9 +126,15 @@ def check_uncertainty(scene: Scene) -> None:
     """
     for name, given in (scene.uncertainty or {}).items():
         key = f"uncertainty.{name}"
-        if name == "ball_race" and scene.friction.ball_race is None:
+        for own, other in (("ball_race", "film"), ("film", "ball_race")):
+            of_own = f"friction.{own}" in f"{UNCERTAIN[name]}.{name}"
+            if of_own and getattr(scene.friction, own) is None:
+                raise SceneError(
+                    key, f"got it with friction.{other}; only allowed with friction.{own}", (key,)
+                )
+        if name == "wear_scatter" and given.distribution != "lognormal":
             raise SceneError(
-                key, "got it with friction.film; only allowed with friction.ball_race", (key,)
+                f"{key}.distribution", f"got {given.distribution}, expected lognormal", (key,)
             )
         needs, takes = PARAMETERS[given.distribution]
         for part in _PARAMETER_NAMES:

@@ -39,7 +39,9 @@ QUANTITY_WORDS = {
     "wear_coefficient": "wear coefficient",
     "preload_N": "preload",
     "ball_race": "friction",
+    "shear_strength_MPa": "shear strength",
     "drag_density_kg_m3": "drag",
+    "wear_scatter": "wear scatter",
 }
 
 

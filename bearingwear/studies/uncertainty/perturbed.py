@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from bearingwear.scene.scene import UNCERTAIN, WORN, Bearing, Scene
 
@@ -19,34 +20,58 @@ def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
     Parameters
     ----------
     values : mapping
-        In the units of the keys. A wear coefficient or a hardness is that of the races; where the
-        balls are of another material, theirs changes in proportion.
+        In the units of the keys. A wear coefficient or a hardness is that of the races; those of
+        the balls and of films change in proportion.
 
     Returns
     -------
     Scene or None
         None where the balls have become too large to touch both grooves without load.
     """
-    blocks: dict[str, dict[str, float]] = {}
+    blocks: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         if name not in WORN and name != DIAMETER:
-            blocks.setdefault(UNCERTAIN[name], {})[name] = value
+            block, _, inner = UNCERTAIN[name].partition(".")
+            if inner:
+                part = replace(getattr(getattr(scene, block), inner), **{name: value})
+                blocks.setdefault(block, {})[inner] = part
+            else:
+                blocks.setdefault(block, {})[name] = value
     changed = {key: replace(getattr(scene, key), **part) for key, part in blocks.items()}
-    factors = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
-    if factors:
-        pair = {scene.bearing.ball_material, scene.bearing.race_material}
-        changed["materials"] = {
-            name: replace(m, **{key: getattr(m, key) * factors[key] for key in factors})
-            if name in pair
-            else m
-            for name, m in scene.materials.items()
-        }
+    ratio = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
+    if ratio:
+        K_s = ratio.get("wear_coefficient", 1.0) * ratio.get("wear_scatter", 1.0)
+        worn = with_wear(
+            replace(scene, **changed),
+            {"wear_coefficient": K_s, "brinell_hardness_GPa": ratio.get(WORN[0], 1.0)},
+        )
+        changed |= {"materials": worn.materials, "friction": worn.friction}
     if DIAMETER in values:
         bearing = with_balls(changed.get("bearing", scene.bearing), values[DIAMETER])
         if bearing is None:
             return None
         changed["bearing"] = bearing
     return replace(scene, **changed)
+
+
+def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
+    """The scene with wear coefficients or hardness, of balls, races and films, times factors."""
+
+    def scaled(part: Any) -> Any:
+        """A material or a film, and what is on it."""
+        given = {name: getattr(part, name, None) for name in (*factors, "film", "running_in")}
+        new = {
+            name: scaled(value) if name not in factors else value * factors[name]
+            for name, value in given.items()
+            if value is not None
+        }
+        return replace(part, **new)
+
+    pair = {scene.bearing.ball_material, scene.bearing.race_material}
+    materials = {n: scaled(m) if n in pair else m for n, m in scene.materials.items()}
+    film = scene.friction.film
+    friction = scene.friction if film is None else replace(scene.friction, film=scaled(film))
+    return replace(scene, materials=materials, friction=friction)
 
 
 def with_balls(b: Bearing, ball_diameter_mm: float) -> Bearing | None:

@@ -63,8 +63,7 @@ def distribution(scene: Scene, name: str) -> Any:
 def possible(scene: Scene, name: str) -> tuple[float, float]:
     """Least and largest value that a scene may have there."""
     part = key_of_scene(uncertain_key(name, scene.bearing.race_material))
-    assert part is not None
-    return part.key.ends
+    return (0.0, np.inf) if part is None else part.key.ends
 
 
 def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:

@@ -19,6 +19,10 @@ _RUN = "studies.uncertainty"
 _SCENE = "config/scenes/{scene}.yaml"
 _FOLDER = "results/{scene}/design"  # beside the recommendation
 
+SHEETS = {"calibration": "bearingwear.studies.uncertainty.calibration_shown:calibration_sheet"}
+PLOTS = {"calibration": "bearingwear.studies.uncertainty.calibration_shown:calibration_figure"}
+"""What `bearingwear show` and `plot` make of a calibration."""
+
 
 def study(config: Mapping[str, Any]) -> UncertaintyStudy:
     """The study of config/uncertainty.yaml."""

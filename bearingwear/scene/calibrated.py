@@ -1,0 +1,27 @@
+"""That a scene was calibrated by tests, as keys of a scene; and what a test sees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from bearingwear.scene.records import Key
+
+LIFE, RUN_OUT, LOSS, PRELOAD, TORQUE = SEEN = (
+    "life_h",
+    "run_out_h",
+    "loss_um",
+    "preload_left_N",
+    "torque_Nmm",
+)
+"""Columns of what was seen: a life, a run that had not ended, a loss of ball diameter or a residual
+preload after a time, a shaft torque."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibrated:
+    """By which tests `bearingwear calibrate` found friction and wear coefficients of a scene."""
+
+    tests: Annotated[str, Key("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")]
+    sha256: Annotated[str, Key("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)]
+    rows: Annotated[int, Key("Tests in it", "1", minimum=1)]

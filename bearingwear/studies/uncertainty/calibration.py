@@ -1,0 +1,350 @@
+"""A scene calibrated by tests of bearings: friction and K_s/H as they have them, and the life.
+
+Theory: docs/theory.md, section 24.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import PchipInterpolator
+from scipy.stats import qmc
+
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.model.fidelity import NotAvailable
+from bearingwear.model.films import Films
+from bearingwear.model.solve import solve
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.variable import HOURS_PER_SECOND
+from bearingwear.scene.calibrated import RUN_OUT, TORQUE, Calibrated
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import for_life
+from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
+from bearingwear.scene.uncertain import is_same_for_batch
+from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
+from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
+from bearingwear.studies.uncertainty.perturbed import perturbed, with_wear
+from bearingwear.studies.uncertainty.posterior import (
+    Model,
+    Normal,
+    Observation,
+    Posterior,
+    posterior,
+    probabilities,
+)
+from bearingwear.studies.uncertainty.sample import lives, value_at
+
+FRICTION = ("ball_race", "shear_strength_MPa")
+"""What torque tells of: the coefficient, or the shear strength of a film."""
+
+NODES, CHECKED = 9, 4
+"""Points over ln mu at which lives are solved: for the interpolation, and to see its error."""
+
+SPAN = 3.0
+"""Half the width that these points span, in standard deviations of ln mu before the tests."""
+
+SAMPLES = 32
+"""Lives of the sample that shows how they scatter within a batch."""
+
+_NONE = -60.0  # logarithm of a life that is over when new
+
+
+class Calibration:
+    """What tests say of a scene.
+
+    Attributes
+    ----------
+    scene : Scene
+        With the friction, the wear coefficients and their distributions that the tests leave.
+    data : Dataset
+        Densities, lives and tests, before and after: what `bearingwear show` and `plot` take.
+    """
+
+    def __init__(self, scene: Scene, data: xr.Dataset):
+        self.scene, self.data = scene, data
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The logarithm of a life [h] or a torque [N m] of the median bearing, by ln mu.
+
+    Attributes
+    ----------
+    model : callable
+    error : float
+        Largest of the interpolation, where it was checked.
+    scatter : float
+        Standard deviation between the bearings of a batch.
+    """
+
+    model: Model
+    error: float
+    scatter: float
+
+
+def calibrated(
+    scene: Scene,
+    tests: str | Path,
+    workers: int = 1,
+    tell: Callable[[str], None] | None = None,
+) -> Calibration:
+    """A scene calibrated by the tests of a CSV file.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a lognormal `uncertainty.wear_coefficient`, and something that scatters.
+    tests : path
+    workers : int
+        Processes that share the lives.
+    tell : callable, optional
+        Given a line of progress before each condition.
+
+    Raises
+    ------
+    SceneError, CaseFileError
+        One line: the scene lacks a distribution, or a row is wrong.
+    """
+    scene = for_life(scene)
+    friction = _checked(scene)
+    found = bearing_tests(tests, scene)
+    digest = hashlib.sha256(Path(tests).read_bytes()).hexdigest()
+    if scene.calibrated and scene.calibrated.sha256 == digest:
+        raise CaseFileError(f"{tests}: got the tests that the scene was calibrated by, not others")
+    x, y = _prior(scene, friction)
+    if any(test.seen == TORQUE for test in found) and not friction:
+        row = next(test.row for test in found if test.seen == TORQUE)
+        key = FRICTION[scene.friction.film is not None]
+        problem = f"got it without uncertainty.{key} in the scene, which it tells of"
+        raise CaseFileError(f"{tests}: row {row}: {TORQUE}: {problem}")
+    curve = cache(partial(_curve, x=x, friction=friction, workers=workers, tell=tell))
+    own = _found(curve, scene, False, scene.name)
+    seen = [_observation(test, curve, f"{tests}: row {test.row}") for test in found]
+    before, after = posterior(x, y, []), posterior(x, y, seen)
+    by = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
+    new = _carried(scene, friction, after, by)
+    data = calibration_dataset(
+        scene=new,
+        unit=_wear_of(scene),
+        priors=(x, y),
+        stages=(before, after),
+        life=own.model,
+        scatter=own.scatter,
+        error=max([own.error, *(curve(test.scene, test.seen == TORQUE).error for test in found)]),
+        tests=found,
+        seen=seen,
+        probabilities=probabilities(x, y, seen),
+    )
+    return Calibration(new, data)
+
+
+def _checked(scene: Scene) -> str:
+    """The uncertain friction of a scene, empty without one; refuses a scene without the others."""
+    given = scene.uncertainty or {}
+    known = given.get("wear_coefficient")
+    if known is None or not is_same_for_batch("wear_coefficient", known):
+        raise SceneError(
+            "uncertainty.wear_coefficient",
+            "got nothing that tests could tell of, expected {distribution: lognormal, factor: 3}",
+            source=scene.name,
+        )
+    if all(is_same_for_batch(name, one) for name, one in given.items()):
+        raise SceneError(
+            "uncertainty",
+            "got nothing that scatters from bearing to bearing, expected wear_scatter: "
+            "{distribution: lognormal, factor: 1.3}, or another one",
+            source=scene.name,
+        )
+    names = (n for n in FRICTION if n in given and is_same_for_batch(n, given[n]))
+    return next(names, "")
+
+
+def _prior(scene: Scene, friction: str) -> tuple[Normal, Normal]:
+    """Of ln mu, and of ln K_s/H over that of the scene, of a batch."""
+    x = Normal(0.0, 0.0)
+    if friction:
+        x = _log_normal(scene, friction)
+    elif scene.friction.ball_race:
+        x = Normal(math.log(scene.friction.ball_race), 0.0)
+    y = _worn(scene, of_batch=True)
+    return x, y
+
+
+def _log_normal(scene: Scene, name: str) -> Normal:
+    """Mean and standard deviation of the logarithm of an uncertain value."""
+    given = (scene.uncertainty or {})[name]
+    if given.distribution == "lognormal":
+        median = scene.nominal(name) if given.median is None else given.median
+        return Normal(math.log(median), math.log(given.factor or 1.0))
+    logs = np.log(value_at(scene, name, (np.arange(1024) + 0.5) / 1024))
+    return Normal(float(logs.mean()), float(logs.std()))
+
+
+def _worn(scene: Scene, of_batch: bool) -> Normal:
+    """Of ln K_s/H over that of the scene: of a batch, or within it."""
+    given, mean, variance = scene.uncertainty or {}, 0.0, 0.0
+    for name in (n for n in WORN if n in given and is_same_for_batch(n, given[n]) == of_batch):
+        one = _log_normal(scene, name)
+        sign = -1.0 if name == "brinell_hardness_GPa" else 1.0
+        mean += sign * (one.mean - math.log(scene.nominal(name)))
+        variance += one.deviation**2
+    return Normal(mean, math.sqrt(variance))
+
+
+def _found(curve: Callable[[Scene, bool], Curve], scene: Scene, torque: bool, where: str) -> Curve:
+    """A curve, or a refusal that says where it is asked for."""
+    try:
+        return curve(scene, torque)
+    except CaseFileError as error:
+        raise CaseFileError(f"{where}: {error}") from None
+
+
+def _observation(
+    test: BearingTest, curve: Callable[[Scene, bool], Curve], where: str
+) -> Observation:
+    of = _found(curve, test.scene, test.seen == TORQUE, where)
+    scatter = math.hypot(of.scatter, test.error)
+    if scatter == 0.0:
+        problem = "got a measurement without error of bearings without scatter, expected one > 0"
+        raise CaseFileError(f"{where}: error_percent: {problem}")
+    torque = test.seen == TORQUE
+    return Observation(
+        seen=math.log(1e-3 * test.value if torque else test.after),
+        model=of.model,
+        scatter=scatter,
+        of_wear=not torque,
+        censored=test.seen == RUN_OUT,
+        count=test.count,
+    )
+
+
+def _curve(
+    scene: Scene,
+    torque: bool,
+    *,
+    x: Normal,
+    friction: str,
+    workers: int,
+    tell: Callable[[str], None] | None,
+) -> Curve:
+    """Lives or torques of a scene over the friction that is possible, and how they scatter.
+
+    Raises
+    ------
+    CaseFileError
+        Where the model has none at the middle of the friction.
+    """
+    if tell:
+        tell(f"{'torque' if torque else 'life'} over friction, under one condition ...")
+    nodes = np.array([x.mean])
+    if friction:
+        cosines = np.cos(np.pi * np.arange(NODES) / (NODES - 1))[::-1]
+        checked = np.linspace(-0.4, 0.4, CHECKED)
+        nodes = x.mean + SPAN * x.deviation * np.concatenate([cosines, checked])
+    rows = np.exp(nodes)[:, None] if friction else np.empty((1, 0))
+    names = [friction] if friction else []
+    values = _logs(scene, names, rows, torque, workers)
+    middle = float(values[NODES // 2]) if friction else float(values[0])
+    if not middle > _NONE:
+        problem = "got no life from the model: beyond a limit when new, or not solved"
+        raise CaseFileError(f"{problem}; `bearingwear life` says why")
+    scatter, shift = _scatter(scene, torque, middle, workers)
+    if not friction:
+        constant = values[0] + shift
+        return Curve(lambda x: np.full(len(x), constant), 0.0, scatter)
+    at, known = nodes[:NODES], values[:NODES]
+    used = np.isfinite(known)
+    line = PchipInterpolator(at[used], known[used])
+    missed = np.abs(line(nodes[NODES:]) - values[NODES:])
+    error = float(np.nanmax(missed)) if np.isfinite(missed).any() else math.nan
+    first, last = at[used][[0, -1]]
+
+    def model(x: np.ndarray) -> np.ndarray:
+        near = np.clip(x, first, last)
+        return line(near) + line.derivative()(near) * (x - near) + shift
+
+    return Curve(model, error, scatter)
+
+
+def _logs(
+    scene: Scene, names: Sequence[str], rows: np.ndarray, torque: bool, workers: int
+) -> np.ndarray:
+    """Logarithms of lives [h] or torques [N m] (n,) at values (n, names); NaN where not solved."""
+    given = scene.uncertainty or {}
+    scene = replace(scene, uncertainty={name: given[name] for name in names})
+    if torque:
+        return np.array([_log_torque(scene, names, row) for row in rows])
+    found = lives(scene, rows, workers)
+    hours = found.life[:, COUNTS.index(scene.wear.counts)] * HOURS_PER_SECOND
+    hours = np.where(found.status == OK, hours, np.nan)
+    return np.log(np.maximum(hours, math.exp(_NONE)))
+
+
+def _log_torque(scene: Scene, names: Sequence[str], row: np.ndarray) -> float:
+    shape = {n: float(v) for n, v in zip(names, row, strict=True) if n not in WORN}
+    other = perturbed(scene, shape)
+    if other is None:
+        return math.nan
+    try:
+        result = solve(other, "steady")
+    except NotAvailable as error:
+        raise CaseFileError(str(error)) from None
+    if result.status != STATUS_NAMES[OK]:
+        return math.nan
+    return math.log(abs(float(np.sum(result.values["shaft_torque"]))))
+
+
+def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[float, float]:
+    """Standard deviation of the logarithm within a batch, and its mean less that of the middle."""
+    given = scene.uncertainty or {}
+    names = [n for n, one in given.items() if not is_same_for_batch(n, one) and n not in WORN]
+    wear = _worn(scene, of_batch=False) if not torque else Normal(0.0, 0.0)
+    if not names:
+        return wear.deviation, -wear.mean
+    unit = qmc.Sobol(len(names), seed=1).random(SAMPLES)
+    rows = np.stack([value_at(scene, n, unit[:, k]) for k, n in enumerate(names)], axis=-1)
+    logs = _logs(scene, names, rows, torque, workers)
+    logs = logs[np.isfinite(logs) & (logs > _NONE)]
+    if not logs.size:
+        return wear.deviation, -wear.mean
+    shift = float(logs.mean()) - middle - wear.mean
+    return math.hypot(float(logs.std()), wear.deviation), shift
+
+
+def _carried(scene: Scene, friction: str, after: Posterior, by: Calibrated) -> Scene:
+    """The scene with the middles that the tests leave, and what they leave unknown."""
+    x, y = after.normal("x"), after.normal("y")
+    spread = dict(scene.uncertainty or {})
+    for name in (n for n in WORN if n in spread and is_same_for_batch(n, spread[n])):
+        del spread[name]
+
+    def remaining(deviation: float) -> Distribution:
+        return Distribution(distribution="lognormal", factor=_rounded(math.exp(deviation)))
+
+    spread["wear_coefficient"] = remaining(y.deviation)
+    found = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
+    if friction:
+        spread[friction] = remaining(x.deviation)
+        middle = perturbed(found, {friction: _rounded(math.exp(x.mean))})
+        assert middle is not None
+        found = middle
+    return replace(found, uncertainty=spread, calibrated=by)
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.5g}")
+
+
+def _wear_of(scene: Scene) -> float:
+    """K_s/H of what rubs while the races are new [m2/N]."""
+    race = Films.of(scene).race
+    part = race.below if race.film is None else race.film
+    return float(part.K_s / part.H)

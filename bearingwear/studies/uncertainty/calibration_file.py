@@ -1,0 +1,196 @@
+"""What a file of a calibration holds: friction, K_s/H and life before and after, and the tests."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from scipy.stats import norm
+
+from bearingwear.results.entries import common_attributes
+from bearingwear.results.netcdf import data_array
+from bearingwear.results.quantiles import CONFIDENCE
+from bearingwear.results.variable import Variable, table
+from bearingwear.scene.calibrated import SEEN, TORQUE
+from bearingwear.scene.scene import Scene
+from bearingwear.studies.dataset import coordinate, dataset_with
+from bearingwear.studies.uncertainty.calibration_tests import BearingTest
+from bearingwear.studies.uncertainty.posterior import Model, Normal, Observation, Posterior
+
+CALIBRATION_KIND = "calibration"
+STAGES = ("before", "after")
+ENDS = (0.05, 0.95)
+"""Probabilities at the ends of the intervals that are quoted."""
+
+LIFE_PROBABILITIES = (ENDS[0], 0.1, 0.5, ENDS[1])
+POINTS = 161
+"""Along the axes of what is drawn."""
+
+_STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
+_LIFE_PROBABILITY = Variable(
+    "probability", ("probability",), "1", "share of bearings, over all that is unknown, that failed"
+)
+_BATCH = Variable(
+    "batch_probability", ("batch_probability",), "1", "share of batches with a lower value"
+)
+_WEAR = "wear_over_hardness"
+SHOWN = table(
+    Variable("friction_interval", ("stage", "end"), "1", "friction of a batch, between 5 and 95 %"),
+    Variable(
+        "wear_over_hardness_interval", ("stage", "end"), "m2 N-1",
+        "K_s/H of a batch, between 5 and 95 %",
+    ),
+    Variable("life_quantile", ("stage", "probability"), "h", "quantile of the life of a bearing"),
+    Variable(
+        "batch_life_quantile", ("stage", "batch_probability"), "h",
+        "life that 10 % of the bearings of a batch do not reach",
+    ),
+    Variable("scatter", (), "1", "standard deviation of log life between bearings of a batch"),
+    Variable("interpolation_error", (), "1", "largest error of log lives between solved friction"),
+    Variable("friction", ("friction",), "1", "friction coefficient, or shear strength in MPa"),
+    Variable("friction_density", ("stage", "friction"), "1", "density of its logarithm"),
+    Variable(_WEAR, (_WEAR,), "m2 N-1", "K_s/H of what rubs while the races are new"),
+    Variable("wear_density", ("stage", _WEAR), "1", "density of its logarithm"),
+    Variable("hours", ("hours",), "h", "life"),
+    Variable("failed_share", ("stage", "hours"), "1", "share of bearings that have failed"),
+    Variable("seen", ("test",), "", "what was seen", "i1", flags=SEEN),
+    Variable("row", ("test",), "1", "line of the file of tests", "i8"),
+    Variable("value", ("test",), "1", "what was seen, in the unit that its name says"),
+    Variable("after", ("test",), "h", "when that was seen; not of a torque"),
+    Variable(
+        "expected", ("test", "end"), "1",
+        "between 5 and 95 %, before the tests: time [h] after which that is seen, or torque [N mm]",
+    ),
+    Variable(
+        "probability_of_test", ("test",), "1",
+        "probability of a result as far from the model or farther, the other tests known",
+    ),
+)  # fmt: skip
+"""Axes and results; `end` is the lower and the upper one of an interval."""
+
+
+def calibration_dataset(
+    *,
+    scene: Scene,
+    unit: float,
+    priors: tuple[Normal, Normal],
+    stages: tuple[Posterior, Posterior],
+    life: Model,
+    scatter: float,
+    error: float,
+    tests: Sequence[BearingTest],
+    seen: Sequence[Observation],
+    probabilities: Sequence[float],
+) -> xr.Dataset:
+    """A calibration as a file.
+
+    Parameters
+    ----------
+    scene : Scene
+        As calibrated.
+    unit : float
+        K_s/H of the scene before [m2/N].
+    priors : pair of Normal
+        Of x and y, before.
+    stages : pair of Posterior
+        Before and after.
+    life : callable
+        `Model` of the scene.
+    scatter, error : float
+        Of the log life of the scene.
+    tests, seen, probabilities : sequence
+        Of each test.
+    """
+    x, y = priors
+    before = stages[0]
+    ends = [norm.ppf(p) for p in ENDS]
+    normal = [(one.normal("x"), one.normal("y")) for one in stages]
+    lives = [[one.quantile(life, p, scatter) for p in LIFE_PROBABILITIES] for one in stages]
+    L10 = float(norm.ppf(0.1)) * scatter
+    x_axis, y_axis = (_spanned(k, [n[k] for n in normal]) for k in (0, 1))
+    span = np.geomspace(lives[0][0] / 3.0, lives[0][-1] * 3.0, POINTS)
+    found: dict[str, object] = {
+        "friction_interval": [
+            [math.exp(a.mean + z * a.deviation) for z in ends] for a, _ in normal
+        ],
+        "wear_over_hardness_interval": [
+            [unit * math.exp(b.mean + z * b.deviation) for z in ends] for _, b in normal
+        ],
+        "life_quantile": lives,
+        "batch_life_quantile": [
+            [one.median_quantile(life, p, L10) for p in (*ENDS[:1], 0.5, *ENDS[1:])]
+            for one in stages
+        ],
+        "scatter": scatter,
+        "interpolation_error": error,
+        "wear_density": [_marginal(one.y, one.shares.sum(axis=0), y_axis) for one in stages],
+        "failed_share": [
+            [float((one.shares * norm.cdf((math.log(t) - _mean(one, life)) / scatter)).sum())
+             for t in span]
+            for one in stages
+        ],
+        "seen": [SEEN.index(test.seen) for test in tests],
+        "row": [test.row for test in tests],
+        "value": [test.value for test in tests],
+        "after": [math.nan if test.seen == TORQUE else test.after for test in tests],
+        "expected": [
+            [
+                (1e3 if test.seen == TORQUE else 1.0)
+                * before.quantile(one.model, p, one.scatter, one.of_wear)
+                for p in ENDS
+            ]
+            for test, one in zip(tests, seen, strict=True)
+        ],
+        "probability_of_test": list(probabilities),
+    }  # fmt: skip
+    axes = {_WEAR: unit * np.exp(y_axis), "hours": span}
+    if x.deviation:
+        axes["friction"] = np.exp(x_axis)
+        found["friction_density"] = [
+            _marginal(one.x, one.shares.sum(axis=1), x_axis) for one in stages
+        ]
+    moved = [
+        (after.mean - prior.mean) / prior.deviation if prior.deviation else 0.0
+        for prior, after in zip((x, y), normal[1], strict=True)
+    ]
+    coords = {
+        **coordinate(_STAGE),
+        **coordinate(_LIFE_PROBABILITY, LIFE_PROBABILITIES),
+        **coordinate(_BATCH, (ENDS[0], 0.5, ENDS[1])),
+        **{k: v for name, at in axes.items() for k, v in coordinate(SHOWN[name], at).items()},
+    }
+    variables = {name: data_array(SHOWN[name], np.asarray(value)) for name, value in found.items()}
+    return dataset_with(
+        variables,
+        coords,
+        common_attributes()
+        | {
+            "title": f"Calibration of {scene.name}",
+            "kind": CALIBRATION_KIND,
+            "scene": json.dumps(scene.to_dict()),
+            "confidence": CONFIDENCE,
+            "friction_moved": moved[0],
+            "wear_moved": moved[1],
+        },
+    )
+
+
+def _mean(one: Posterior, life: Model) -> np.ndarray:
+    return life(one.x)[:, None] - one.y[None, :]
+
+
+def _spanned(axis: int, normals: Sequence[Normal]) -> np.ndarray:
+    """Points that span several distributions."""
+    low = min(n.mean - 3.5 * n.deviation for n in normals)
+    high = max(n.mean + 3.5 * n.deviation for n in normals)
+    return np.linspace(low, high, POINTS)
+
+
+def _marginal(grid: np.ndarray, shares: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Density along one axis at some of its points."""
+    if len(grid) == 1:
+        return np.zeros(len(at))
+    return np.interp(at, grid, shares / (grid[1] - grid[0]), left=0.0, right=0.0)

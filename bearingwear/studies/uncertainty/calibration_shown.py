@@ -1,0 +1,139 @@
+"""The sheet of a calibration, and its figure: before and after the tests."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.plotting.drawing import Figure, frame, key, new_figure
+from bearingwear.results.rows import values
+from bearingwear.results.sheet import Block, Row, Sheet
+from bearingwear.results.units import Interval, digits
+from bearingwear.scene.calibrated import LIFE, LOSS, PRELOAD, RUN_OUT, SEEN, TORQUE
+from bearingwear.studies.uncertainty.calibration_file import STAGES
+
+UNLIKELY = 0.01
+"""Probability below which a test and the model are said to disagree."""
+
+FAR = 2.58
+"""Shift of a mean, in standard deviations before the tests, with a probability of 0.01."""
+
+UNITS = {TORQUE: "N mm", LOSS: "um", PRELOAD: "N"}
+WORDS = {
+    LIFE: "life",
+    RUN_OUT: "run-out",
+    LOSS: "loss",
+    PRELOAD: "preload left",
+    TORQUE: "torque",
+}
+COLOURS_OF_STAGES = dict(zip(STAGES, ("0.6", "C0"), strict=True))
+
+
+def calibration_sheet(file: Any) -> Sheet:
+    """Friction, K_s/H and life before and after, the tests, and what disagrees."""
+    scene = json.loads(file.scene)
+    by = scene["calibrated"]
+    film = "ball_race" not in scene["friction"]
+    friction = ("film's shear strength", "MPa") if film else ("friction", "")
+    rows = [
+        Row(f"{friction[0]}, 90 % of batches", friction[1], _pair(file, "friction_interval")),
+        Row("K_s/H, 90 % of batches", "m2/N", _pair(file, "wear_over_hardness_interval")),
+        Row("life, 90 % of bearings", "h", _pair(file, "life_quantile", (0, -1)), "life"),
+        Row("L10, 90 % of batches", "h", _pair(file, "batch_life_quantile", (0, -1)), "L10"),
+    ]
+    if "friction_density" not in file.variables:  # its friction is known
+        del rows[0]
+    heading = (
+        f"{scene['name']}: calibrated by {by['rows']} test{'s' * (by['rows'] > 1)} of "
+        f"{by['tests']} (SHA-256 {by['sha256'][:12]})",
+        *(f"conflict: {text}" for text in conflicts(file)),
+    )
+    facts = {"kind": "calibration", "conflicts": conflicts(file), **by}
+    tests = Block("test", ("seen", "expected", "probability"), tuple(_tests(file)))
+    scatter, error = float(values(file, "scatter")), float(values(file, "interpolation_error"))
+    told = (
+        f"Lives scatter by a factor of {digits(float(np.exp(scatter)))} within a batch (two "
+        "thirds of them).",
+        f"Lives are interpolated over friction to {100 * error:.1g} %.",
+        "Probability: of a test as far from the model or farther, the others known.",
+    )
+    return Sheet(heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=told)))
+
+
+def conflicts(file: Any) -> list[str]:
+    """What tests and model disagree on by more than both can be, in words."""
+    found = []
+    for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
+        if p < UNLIKELY:
+            found.append(f"{label} has a probability of {100 * p:.2g} % by the model and the rest")
+    scene = json.loads(file.scene)
+    for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
+        moved = float(getattr(file, name))
+        if abs(moved) > FAR:
+            by = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
+            found.append(f"{words} of the tests lies {by} what {scene['name']} had")
+    return found
+
+
+def _labels(file: Any) -> list[str]:
+    seen = [SEEN[int(k)] for k in values(file, "seen")]
+    return [
+        f"row {int(row)}, {WORDS[name]}"
+        for row, name in zip(values(file, "row"), seen, strict=True)
+    ]
+
+
+def _tests(file: Any) -> Iterator[Row]:
+    columns = (values(file, name) for name in ("seen", "value", "after", "expected"))
+    of_each = zip(_labels(file), *columns, values(file, "probability_of_test"), strict=True)
+    for label, flag, value, after, expected, p in of_each:
+        name = SEEN[int(flag)]
+        share = f"{100 * p:.2g} %"
+        between = Interval(*map(float, expected))
+        if name in (LOSS, PRELOAD):
+            label, value = f"{label} {digits(float(value))} {UNITS[name]} after", after
+        unit = "N mm" if name == TORQUE else "h"
+        text = f"> {digits(float(value))}" if name == RUN_OUT else digits(float(value))
+        yield Row(label, unit, (text, between, share))
+
+
+def _pair(file: Any, name: str, ends: tuple[int, int] = (0, 1)) -> tuple[Interval, ...]:
+    """An interval before and after."""
+    return tuple(Interval(*(float(one[k]) for k in ends)) for one in values(file, name))
+
+
+def calibration_figure(found: xr.Dataset) -> Figure:
+    """Friction, K_s/H and life, before and after the tests."""
+    scene = json.loads(found.attrs["scene"])
+    panels = [("wear_over_hardness", "wear_density", "K_s/H (m²/N)", "density of its logarithm")]
+    if "friction_density" in found:
+        label = "friction" if "ball_race" in scene["friction"] else "shear strength of film (MPa)"
+        panels.insert(0, ("friction", "friction_density", label, "density of its logarithm"))
+    panels.append(("hours", "failed_share", "life (h)", "share of bearings failed"))
+    figure, axes = new_figure(1, len(panels), 3.2 * len(panels), 3.2)
+    for panel, (axis, name, along, up) in zip(axes[0], panels, strict=True):
+        for k, colour in enumerate(COLOURS_OF_STAGES.values()):
+            panel.plot(found[axis], found[name].isel(stage=k), color=colour)
+        panel.set_xscale("log" if axis != "friction" else "linear")
+        panel.set_xlabel(along)
+        panel.set_ylabel(up)
+        panel.set_ylim(0.0)
+    for k, time in enumerate(found["after"].values):
+        if np.isfinite(time) and SEEN[int(found["seen"][k])] in (LIFE, RUN_OUT):
+            mark = ">" if SEEN[int(found["seen"][k])] == RUN_OUT else "o"
+            axes[0][-1].plot(time, 0.03, mark, color="C1", markersize=5)
+    before, after = (
+        Interval(*row).text for row in found["life_quantile"].values[:, [0, -1]].tolist()
+    )
+    handles = [
+        *(key(stage, color=colour) for stage, colour in COLOURS_OF_STAGES.items()),
+        key("life of a test", color="C1", linestyle="none", marker="o"),
+        key("run-out", color="C1", linestyle="none", marker=">"),
+    ]
+    text = f"{scene['name']}: 90 % of bearings last {before} h before the tests, {after} h after"
+    frame(figure, text, handles, columns=4)
+    return figure

@@ -1,0 +1,160 @@
+"""Tests of bearings from a CSV file: the conditions of each, and what was seen."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.scene.calibrated import LIFE, LOSS, PRELOAD, RUN_OUT, SEEN, TORQUE
+from bearingwear.scene.errors import SceneError, short
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.strict_yaml import data_of, text_of
+
+AFTER, COUNT, ERROR = "after_h", "bearings", "error_percent"
+COLUMNS = (*SEEN, AFTER, COUNT, ERROR)
+"""Every column that is no key of the scene."""
+
+ERRORS = {LIFE: 0.0, RUN_OUT: 0.0, LOSS: 10.0, PRELOAD: 10.0, TORQUE: 10.0}
+"""Standard error of a measurement where none is given [%], assumed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingTest:
+    """One row of the file.
+
+    Attributes
+    ----------
+    row : int
+        Its line in the file.
+    scene : Scene
+        Under the conditions of the test.
+    seen : str
+        One of `SEEN`.
+    value : float
+        In the unit of its column.
+    after : float
+        When that was seen; of a life or a run-out, the value itself [h].
+    count : int
+        Bearings of this outcome.
+    error : float
+        Standard error of the measurement, relative.
+    """
+
+    row: int
+    scene: Scene
+    seen: str
+    value: float
+    after: float
+    count: int
+    error: float
+
+
+def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
+    """The tests in a CSV file.
+
+    Its first line names the columns: keys of the scene (an empty cell leaves the scene's own value)
+    and those of `COLUMNS`. A row fills one of `SEEN`.
+
+    Raises
+    ------
+    CaseFileError
+        One line: file, row, column, what was given, what is allowed.
+    """
+    table = csv.reader(io.StringIO(text_of(path).lstrip("\ufeff")), skipinitialspace=True)
+    lines = ((table.line_num, cells) for cells in table)
+    rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
+    if len(rows) < 2:
+        raise CaseFileError(f"{path}: got no test, expected a line of column names and a row each")
+    (_, names), *rows = rows
+    for name in names:
+        if names.count(name) > 1:
+            raise CaseFileError(f"{path}: got the column {name!r} twice, expected it once")
+        if name not in COLUMNS and "." not in name:
+            allowed = f"a key of the scene (operation.preload_N), or {', '.join(COLUMNS)}"
+            raise CaseFileError(f"{path}: got the column {short(name)!r}, expected {allowed}")
+    found = []
+    for number, cells in rows:
+        if len(cells) > len(names):
+            raise CaseFileError(
+                f"{path}: row {number}: got {len(cells)} cells, expected {len(names)}"
+            )
+        filled = {name: cell for name, cell in zip(names, cells, strict=False) if cell}
+        found.append(_Row(str(path), number, filled).test(scene))
+    return found
+
+
+@dataclass(frozen=True)
+class _Row:
+    path: str
+    number: int
+    cells: Mapping[str, str]
+
+    def refused(self, column: str, problem: str) -> CaseFileError:
+        return CaseFileError(f"{self.path}: row {self.number}: {column}: {problem}")
+
+    def number_in(self, column: str, default: float | None = None) -> float:
+        text = self.cells.get(column)
+        if text is None and default is not None:
+            return default
+        try:
+            value = float(text or "")
+        except ValueError:
+            value = math.nan
+        if not 0.0 < value < math.inf and not (column == ERROR and value == 0.0):
+            got = "nothing" if text is None else repr(short(text))
+            raise self.refused(column, f"got {got}, expected a number > 0")
+        return value
+
+    def test(self, scene: Scene) -> BearingTest:
+        seen = [name for name in SEEN if name in self.cells]
+        if len(seen) != 1:
+            got = " and ".join(seen) or "nothing"
+            problem = f"got {got}, expected one of {', '.join(SEEN)}"
+            raise CaseFileError(f"{self.path}: row {self.number}: {problem}")
+        (name,) = seen
+        value = self.number_in(name)
+        timed = name in (LOSS, PRELOAD)
+        if AFTER in self.cells and not timed:
+            problem = f"got {self.cells[AFTER]!r}, only allowed with {LOSS} or {PRELOAD}"
+            raise self.refused(AFTER, problem)
+        count = self.number_in(COUNT, 1.0)
+        if count != int(count):
+            raise self.refused(COUNT, f"got {count:g}, expected a whole number > 0")
+        error = self.number_in(ERROR, ERRORS[name])
+        if error > 100.0:
+            raise self.refused(ERROR, f"got {error:g}, expected a number from 0 to 100")
+        return BearingTest(
+            row=self.number,
+            scene=self.under_conditions(scene, name, value),
+            seen=name,
+            value=value,
+            after=self.number_in(AFTER) if timed else value,
+            count=int(count),
+            error=0.01 * error,
+        )
+
+    def under_conditions(self, scene: Scene, seen: str, value: float) -> Scene:
+        """The scene of the test; a loss or a preload left is what ends its life."""
+        changes = {
+            key: data_of(text, self.path) for key, text in self.cells.items() if key not in COLUMNS
+        }
+        try:
+            found = scene.with_(changes)
+            preload = found.operation.preload_N
+            if seen == LOSS:
+                found = found.with_({"wear.end_of_life": {"ball_diameter_loss_um": value}})
+            elif seen == PRELOAD:
+                if found.operation.preload_method != "fixed_position":
+                    problem = "got it under a constant force, expected it at a fixed position"
+                    raise self.refused(seen, problem)
+                if value >= preload:
+                    raise self.refused(seen, f"got {value:g}, expected a number < {preload:g}")
+                found = found.with_({"wear.end_of_life": {"preload_fraction": value / preload}})
+        except SceneError as error:
+            raise self.refused(error.key or error.source, error.problem) from None
+        return found

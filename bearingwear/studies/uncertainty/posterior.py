@@ -1,0 +1,229 @@
+"""What tests say of the friction coefficient mu and of K_s/H: a posterior by quadrature.
+
+The unknowns are x = ln mu and y = ln k, k the K_s/H of the batch over that of the scene. Both are
+normal before the tests. A test saw s, the logarithm of a life or of a torque, for which the model
+has m(x) - y (wear) or m(x) (torque); its bearing differs from the median one by a normal deviate.
+
+Theory: docs/theory.md, section 24.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+Model = Callable[[np.ndarray], np.ndarray]
+"""Logarithm of what the model has of the median bearing, by x; wear is that of the scene."""
+
+FRICTIONS, WEARS = 161, 801
+"""Points of the grid along x and y."""
+
+WIDE = 7.0
+"""Half the width of the grid before the tests are seen, in standard deviations."""
+
+_SPACING = 0.3  # of the first grid along y, over the least scatter
+_NEGLIGIBLE = 1e-16  # share of the largest density below which the grid ends
+
+
+class Normal(NamedTuple):
+    """A normal distribution; of a known value where the deviation is zero."""
+
+    mean: float
+    deviation: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observation:
+    """The logarithm of what was seen of one or several bearings.
+
+    Attributes
+    ----------
+    seen : float
+    model : callable
+        See `Model`.
+    scatter : float
+        Standard deviation between bearings, with that of the measurement.
+    of_wear : bool
+        A life, or a loss as the time it took; else a torque.
+    censored : bool
+        It had not ended by then.
+    count : int
+        How many bearings of the same outcome.
+    """
+
+    seen: float
+    model: Model
+    scatter: float
+    of_wear: bool = True
+    censored: bool = False
+    count: int = 1
+
+    def deviate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """What was seen less what the model has (x, y), in standard deviations."""
+        shift = y[None, :] if self.of_wear else 0.0 * y[None, :]
+        return (self.seen - self.model(x)[:, None] + shift) / self.scatter
+
+    def log_likelihood(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Of one such bearing (x, y)."""
+        z = self.deviate(x, y)
+        return norm.logsf(z) if self.censored else -0.5 * z * z
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Shares of probability on a grid of x and y.
+
+    Attributes
+    ----------
+    x : (n,) ndarray
+    y : (m,) ndarray
+    density : (n, m) ndarray
+        Of y, times the share of each x: its integral over y and sum over x is 1.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    density: np.ndarray
+    _integral: CubicSpline = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        spline = CubicSpline(self.y, self.density, axis=1).antiderivative()
+        object.__setattr__(self, "_integral", spline)
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Weight of each point of the grid (n, m); their sum is 1."""
+        step = self.y[1] - self.y[0]
+        return self.density * step
+
+    def mean(self, of: np.ndarray) -> float:
+        """Mean of a function given on the grid, (n, 1), (1, m) or (n, m)."""
+        return float((self.shares * of).sum())
+
+    def normal(self, axis: str) -> Normal:
+        """Mean and standard deviation of x or y."""
+        of = self.x[:, None] if axis == "x" else self.y[None, :]
+        mean = self.mean(of)
+        return Normal(mean, float(np.sqrt(max(self.mean((of - mean) ** 2), 0.0))))
+
+    def slope(self) -> float:
+        """How y goes with x in it: covariance over the variance of x."""
+        x, y = self.normal("x"), self.normal("y")
+        if x.deviation == 0.0:
+            return 0.0
+        product = (self.x[:, None] - x.mean) * (self.y[None, :] - y.mean)
+        return self.mean(product) / x.deviation**2
+
+    def below(self, model: Model, value: float) -> float:
+        """Probability that the life of the median bearing, m(x) - y, is below exp(value)."""
+        least = np.clip(model(self.x) - value, self.y[0], self.y[-1])
+        pieces = self._integral
+        k = np.clip(np.searchsorted(pieces.x, least) - 1, 0, len(pieces.x) - 2)
+        into, rows = least - pieces.x[k], np.arange(len(self.x))
+        up_to = np.zeros(len(rows))
+        for coefficient in pieces.c[:, k, rows]:
+            up_to = up_to * into + coefficient
+        return float(1.0 - up_to.sum())
+
+    def median_quantile(self, model: Model, probability: float, deviates: float = 0.0) -> float:
+        """Quantile, over what is not known of the batch, of a quantile over its bearings.
+
+        Parameters
+        ----------
+        model : callable
+        probability : float
+        deviates : float
+            Logarithm of that quantile over the bearings, less that of their median.
+        """
+        m = model(self.x)
+        ends = float(m.min() - self.y[-1]) - 1.0, float(m.max() - self.y[0]) + 1.0
+        found = brentq(lambda v: self.below(model, v) - probability, *ends, xtol=1e-13)
+        return float(np.exp(found + deviates))
+
+    def quantile(
+        self, model: Model, probability: float, scatter: float, of_wear: bool = True
+    ) -> float:
+        """Quantile of the life, or torque, of a bearing, over the batch and its scatter alike."""
+        mean = model(self.x)[:, None] - (self.y[None, :] if of_wear else 0.0 * self.y[None, :])
+        wide = 9.0 * scatter + 1.0
+
+        def excess(value: float) -> float:
+            return float((self.shares * norm.cdf((value - mean) / scatter)).sum()) - probability
+
+        ends = float(mean.min()) - wide, float(mean.max()) + wide
+        return float(np.exp(brentq(excess, *ends, xtol=1e-13)))
+
+    def probability(self, test: Observation) -> float:
+        """Of a result as far from the model or farther, on the worse side; of a run-out, of it."""
+        z = test.deviate(self.x, self.y)
+        above = float((self.shares * norm.sf(z)).sum())
+        return above if test.censored else 2.0 * min(above, 1.0 - above)
+
+
+def posterior(x: Normal, y: Normal, tests: Sequence[Observation]) -> Posterior:
+    """The posterior of x and y, normal before the tests.
+
+    The first grid spans what is possible before the tests; a second one what is possible after.
+    """
+    least = min((t.scatter for t in tests), default=y.deviation) if y.deviation else 1.0
+    fine = int(2.0 * WIDE * y.deviation / (_SPACING * least)) + 1
+    grids = _axis(x, WIDE, FRICTIONS), _axis(y, WIDE, max(WEARS, fine))
+    for _ in range(2):
+        log = _log_density(x, y, tests, *grids)
+        density = np.exp(log - log.max())
+        found = Posterior(*grids, _normalised(density, grids[1]))
+        grids = (
+            _narrowed(grids[0], density.max(axis=1), FRICTIONS),
+            _narrowed(grids[1], density.max(axis=0), WEARS),
+        )
+    return found
+
+
+def probabilities(x: Normal, y: Normal, tests: Sequence[Observation]) -> list[float]:
+    """Of each test, `Posterior.probability` of its bearing where the others alone are known."""
+    found = []
+    for k, test in enumerate(tests):
+        rest = [*tests[:k], *tests[k + 1 :]]
+        if test.count > 1:
+            rest.append(replace(test, count=test.count - 1))
+        found.append(posterior(x, y, rest).probability(test))
+    return found
+
+
+def _axis(of: Normal, wide: float, points: int) -> np.ndarray:
+    half = wide * of.deviation
+    if half == 0.0:
+        return np.array([of.mean])
+    return np.linspace(of.mean - half, of.mean + half, points)
+
+
+def _log_density(
+    x: Normal, y: Normal, tests: Sequence[Observation], at_x: np.ndarray, at_y: np.ndarray
+) -> np.ndarray:
+    log = np.zeros((len(at_x), len(at_y)))
+    for one, values in ((x, at_x[:, None]), (y, at_y[None, :])):
+        if one.deviation > 0.0:
+            log = log - 0.5 * ((values - one.mean) / one.deviation) ** 2
+    for test in tests:
+        log = log + test.count * test.log_likelihood(at_x, at_y)
+    return log
+
+
+def _normalised(density: np.ndarray, y: np.ndarray) -> np.ndarray:
+    step = y[1] - y[0]
+    return density / (density.sum() * step)
+
+
+def _narrowed(grid: np.ndarray, density: np.ndarray, points: int) -> np.ndarray:
+    """The part of a grid with some density, with other points."""
+    if len(grid) == 1:
+        return grid
+    some = np.flatnonzero(density > _NEGLIGIBLE * density.max())
+    first, last = max(some[0] - 1, 0), min(some[-1] + 1, len(grid) - 1)
+    return np.linspace(grid[first], grid[last], points)
