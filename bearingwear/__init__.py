@@ -15,6 +15,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "__version__",
+    "calibrate",
     "example",
     "life",
     "load",
@@ -26,7 +27,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from bearingwear.api import example, life, load, new, plot, save, solve, sweep
+    from bearingwear.api import calibrate, example, life, load, new, plot, save, solve, sweep
     from bearingwear.scene.scene import Scene, SceneError
 
 

@@ -28,13 +28,14 @@ from bearingwear.scene.strict_yaml import data_of, yaml_of
 from bearingwear.studies import registry
 from bearingwear.studies.sweep import sweep
 
-__all__ = ["example", "life", "load", "new", "plot", "save", "solve", "sweep"]
+__all__ = ["calibrate", "example", "life", "load", "new", "plot", "save", "solve", "sweep"]
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
     from bearingwear.model.result import Result
+    from bearingwear.studies.uncertainty.calibration import Calibration
 
 
 CHOICES: Mapping[str, Collection[str]] = {
@@ -130,6 +131,36 @@ def life(
     from bearingwear.model.life import life as lived
 
     return _made(lived(checked, fidelity, progress), checked)
+
+
+def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration:
+    """A scene calibrated by tests of bearings: `bearingwear calibrate`.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+        With a lognormal `uncertainty.wear_coefficient`, and something that scatters.
+    tests : path
+        CSV: a line of column names, then a test each (docs/calibrate.md).
+    workers : int
+        Processes that share the lives.
+
+    Returns
+    -------
+    Calibration
+        `scene`, with what the tests leave unknown, and `data`: friction, K_s/H and life before and
+        after, and the tests.
+
+    Raises
+    ------
+    SceneError, CaseFileError
+        Both are ValueErrors of one line; one that names the row and column at fault.
+    """
+    from bearingwear.studies.uncertainty.calibration import calibrated
+
+    found = calibrated(for_life(as_scene(scene)), tests, workers)
+    found.data = labelled(found.data)
+    return found
 
 
 def _made(result: Result, scene: Scene) -> xr.Dataset:

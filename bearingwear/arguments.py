@@ -68,9 +68,24 @@ def command_parser() -> argparse.ArgumentParser:
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
-    calibrate = command(
-        "calibrate", "fit friction and wear coefficients to tests; write the calibrated scene"
+    _add_calibrate(
+        command("calibrate", "fit friction and wear coefficients to tests; write a scene of them")
     )
+    recommend = command("recommend", "recommend a preload by each method, within limits")
+    _add_scene_with_changes(recommend)
+    _add_limits(recommend)
+    _add_formats(recommend)
+    _add_show(command("show", "print the main numbers of a result file or a scene"))
+    _add_compare(
+        command("compare", "list what differs between two result files; exit 1 if anything does")
+    )
+    _add_plot(command("plot", "draw a result file"))
+    _add_study(command("study", "run the study of a scene, or one of the current folder"))
+    _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
+    return parser
+
+
+def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(calibrate)
     calibrate.add_argument(
         "tests",
@@ -87,18 +102,6 @@ def command_parser() -> argparse.ArgumentParser:
         help="the scene to write; a file .nc beside it holds before and after",
     )
     _add_formats(calibrate)
-    recommend = command("recommend", "recommend a preload by each method, within limits")
-    _add_scene_with_changes(recommend)
-    _add_limits(recommend)
-    _add_formats(recommend)
-    _add_show(command("show", "print the main numbers of a result file or a scene"))
-    _add_compare(
-        command("compare", "list what differs between two result files; exit 1 if anything does")
-    )
-    _add_plot(command("plot", "draw a result file"))
-    _add_study(command("study", "run the study of a scene, or one of the current folder"))
-    _add_step(commands.add_parser("step"))  # no help: rules call it, no person does
-    return parser
 
 
 def _add_step(step: argparse.ArgumentParser) -> None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
+from bearingwear.results.replaced import check_output
 from bearingwear.scene.new import OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
 
@@ -127,7 +128,7 @@ def life(args: argparse.Namespace) -> int:
 
 
 def uncertainty(args: argparse.Namespace) -> int:
-    _check_output(args.output, args.scene)
+    check_output(args.output, args.scene)
     from bearingwear.studies.dataset import write_dataset
     from bearingwear.studies.sampling import SAMPLES, usable_cores
     from bearingwear.studies.uncertainty.quantiles import life_quantiles
@@ -153,31 +154,20 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 
 def calibrate(args: argparse.Namespace) -> int:
-    from bearingwear.atomic import OutputError, write_text
-    from bearingwear.scene.strict_yaml import yaml_of
-
-    if args.output.suffix not in SCENE_SUFFIXES:
-        raise OutputError(f"{args.output}: got this name, expected {' or '.join(SCENE_SUFFIXES)}")
-    if args.output.exists():
-        raise OutputError(f"{args.output}: exists already and is not replaced; choose another name")
-    data = args.output.with_suffix(".nc")
-    _check_output(data, args.scene)
-    scene = _scene_alone(args)
-    from bearingwear.studies.dataset import write_dataset
+    from bearingwear.scene.read import load_scene
     from bearingwear.studies.sampling import usable_cores
-    from bearingwear.studies.uncertainty.calibration import calibrated
+    from bearingwear.studies.uncertainty.calibration import calibrated, files_of
 
-    found = calibrated(scene, args.tests, usable_cores(), _tell)
+    data = files_of(args.output)
+    check_output(data, args.scene)
+    found = calibrated(load_scene(args.scene, args.set), args.tests, usable_cores(), _tell)
     _tell_of_new_folder(args.output)
-    write_dataset(found.data, data)
-    write_text(args.output, yaml_of(found.scene.to_dict()))
+    found.write(args.output)
     from bearingwear.results.show import sheet
     from bearingwear.studies import registry
 
     _print_sheet(sheet(data, registry("SHEETS")), args)
-    if not (args.json or args.csv):
-        print(f"{args.output}: written, the calibrated scene; {data}: before and after")
-        print(f"next:\n  {shlex.join(['bearingwear', 'plot', str(data)])}")
+    _tell(f"{args.output}: written, the calibrated scene; {data}: to show and to plot")
     return OK
 
 
@@ -348,51 +338,19 @@ def _tell(text: str) -> None:
         sys.stderr.flush()
 
 
-def _scene_alone(args: argparse.Namespace) -> Scene:
+def _scene(args: argparse.Namespace) -> Scene:
     from bearingwear.scene.read import load_scene
 
-    return load_scene(args.scene, args.set)
-
-
-def _scene(args: argparse.Namespace) -> Scene:
-    scene = _scene_alone(args)
+    scene = load_scene(args.scene, args.set)
     if getattr(args, "output", None) is not None:
-        _check_output(args.output, args.scene)
+        check_output(args.output, args.scene)
     return scene
-
-
-def _check_output(path: Path, scene: str) -> None:
-    """Refuse, before anything is solved, an output that must not be replaced."""
-    from bearingwear.atomic import OutputError
-
-    try:
-        if path.exists():
-            if not path.is_file():
-                raise OutputError(f"{path}: got something that is no file, expected a file name")
-            if path.samefile(scene):
-                raise OutputError(f"{path}: got the scene itself, expected another file name")
-            _check_replaced(path)
-    except OutputError:
-        raise
-    except OSError as error:  # a name that is too long
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
 
 
 def _tell_of_new_folder(path: Path) -> None:
     """Tell of folders that are made, since a name may be mistyped."""
     if not path.parent.exists():
         _tell(f"{path.parent}: new folder")
-
-
-def _check_replaced(path: Path) -> None:
-    """Refuse to write a result over anything else, above all over a scene."""
-    from bearingwear.atomic import OutputError
-    from bearingwear.results.netcdf import SIGNATURE
-
-    with path.open("rb") as file:
-        start = file.read(len(SIGNATURE))
-    if start and start != SIGNATURE:
-        raise OutputError(f"{path}: got a file that is no result, expected another file name")
 
 
 def _finish(result: Result, args: argparse.Namespace) -> int:

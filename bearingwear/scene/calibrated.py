@@ -7,7 +7,7 @@ from typing import Annotated
 
 from bearingwear.scene.records import Key
 
-LIFE, RUN_OUT, LOSS, PRELOAD, TORQUE = SEEN = (
+SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
     "life_h",
     "run_out_h",
     "loss_um",

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import math
-import operator
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from types import MappingProxyType
@@ -38,6 +37,7 @@ from bearingwear.scene.uncertain import (
     WORN,
     Distribution,
     check_uncertainty,
+    nominal_value,
 )
 from bearingwear.scene.warmth import Fits, Temperature, Thermal, check_warmth
 
@@ -173,11 +173,7 @@ class Scene:
 
     def nominal(self, name: str) -> float:
         """The scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
-        if name == "wear_scatter":
-            return 1.0
-        block: Any = operator.attrgetter(UNCERTAIN[name])(self)
-        of_material = UNCERTAIN[name] == "materials"
-        return getattr(block[self.bearing.race_material] if of_material else block, name)
+        return nominal_value(self, name)
 
     @property
     def pair(self) -> Arrangement | None:

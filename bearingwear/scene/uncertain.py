@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import Key
@@ -109,6 +110,15 @@ class Distribution:
 def is_same_for_batch(name: str, given: Distribution) -> bool:
     """Whether an uncertain value is one unknown number for all bearings of a batch."""
     return name in SAME_FOR_BATCH if given.same_for_batch is None else given.same_for_batch
+
+
+def nominal_value(scene: Scene, name: str) -> float:
+    """A scene's own value of a key of `UNCERTAIN`; of a material, the races' one."""
+    if name == "wear_scatter":
+        return 1.0
+    block: Any = operator.attrgetter(UNCERTAIN[name])(scene)
+    of_material = UNCERTAIN[name] == "materials"
+    return getattr(block[scene.bearing.race_material] if of_material else block, name)
 
 
 def uncertain_key(name: str, material: str) -> str:

@@ -18,22 +18,27 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 from scipy.stats import qmc
 
+from bearingwear.atomic import OutputError, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.films import Films
 from bearingwear.model.solve import solve
+from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.calibrated import RUN_OUT, TORQUE, Calibrated
+from bearingwear.scene.calibrated import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import for_life
+from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
+from bearingwear.scene.strict_yaml import yaml_of
 from bearingwear.scene.uncertain import is_same_for_batch
+from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
 from bearingwear.studies.uncertainty.perturbed import perturbed, with_wear
 from bearingwear.studies.uncertainty.posterior import (
-    Model,
+    LogModel,
     Normal,
     Observation,
     Posterior,
@@ -42,16 +47,16 @@ from bearingwear.studies.uncertainty.posterior import (
 )
 from bearingwear.studies.uncertainty.sample import lives, value_at
 
-FRICTION = ("ball_race", "shear_strength_MPa")
+FRICTION_KEYS = ("ball_race", "shear_strength_MPa")
 """What torque tells of: the coefficient, or the shear strength of a film."""
 
-NODES, CHECKED = 9, 4
+_NODES, _CHECKED = 9, 4
 """Points over ln mu at which lives are solved: for the interpolation, and to see its error."""
 
-SPAN = 3.0
+_SPAN = 3.0
 """Half the width that these points span, in standard deviations of ln mu before the tests."""
 
-SAMPLES = 32
+_SAMPLES = 32
 """Lives of the sample that shows how they scatter within a batch."""
 
 _NONE = -60.0  # logarithm of a life that is over when new
@@ -71,6 +76,25 @@ class Calibration:
     def __init__(self, scene: Scene, data: xr.Dataset):
         self.scene, self.data = scene, data
 
+    def write(self, path: Path) -> None:
+        """Write the scene, and the data beside it."""
+        write_dataset(coded(self.data), files_of(path))
+        write_text(path, yaml_of(self.scene.to_dict()))
+
+
+def files_of(path: Path) -> Path:
+    """The file of the data beside that of a scene, which is new.
+
+    Raises
+    ------
+    OutputError
+    """
+    if path.suffix not in SCENE_SUFFIXES:
+        raise OutputError(f"{path}: got this name, expected one that ends with .yaml or .yml")
+    if path.exists():
+        raise OutputError(f"{path}: exists already and is not replaced; choose another name")
+    return path.with_suffix(".nc")
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -85,7 +109,7 @@ class Curve:
         Standard deviation between the bearings of a batch.
     """
 
-    model: Model
+    model: LogModel
     error: float
     scatter: float
 
@@ -120,14 +144,19 @@ def calibrated(
     if scene.calibrated and scene.calibrated.sha256 == digest:
         raise CaseFileError(f"{tests}: got the tests that the scene was calibrated by, not others")
     x, y = _prior(scene, friction)
-    if any(test.seen == TORQUE for test in found) and not friction:
-        row = next(test.row for test in found if test.seen == TORQUE)
-        key = FRICTION[scene.friction.film is not None]
+    if any(test.seen == SEEN_TORQUE for test in found) and not friction:
+        row = next(test.row for test in found if test.seen == SEEN_TORQUE)
+        key = FRICTION_KEYS[scene.friction.film is not None]
         problem = f"got it without uncertainty.{key} in the scene, which it tells of"
-        raise CaseFileError(f"{tests}: row {row}: {TORQUE}: {problem}")
+        raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
     curve = cache(partial(_curve, x=x, friction=friction, workers=workers, tell=tell))
     own = _found(curve, scene, False, scene.name)
-    seen = [_observation(test, curve, f"{tests}: row {test.row}") for test in found]
+    rows = [f"{tests}: row {test.row}" for test in found]
+    curves = [
+        _found(curve, test.scene, test.seen == SEEN_TORQUE, row)
+        for test, row in zip(found, rows, strict=True)
+    ]
+    seen = [_observation(*one) for one in zip(found, curves, rows, strict=True)]
     before, after = posterior(x, y, []), posterior(x, y, seen)
     by = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
     new = _carried(scene, friction, after, by)
@@ -138,7 +167,7 @@ def calibrated(
         stages=(before, after),
         life=own.model,
         scatter=own.scatter,
-        error=max([own.error, *(curve(test.scene, test.seen == TORQUE).error for test in found)]),
+        error=max([own.error, *(one.error for one in curves)]),
         tests=found,
         seen=seen,
         probabilities=probabilities(x, y, seen),
@@ -163,7 +192,7 @@ def _checked(scene: Scene) -> str:
             "{distribution: lognormal, factor: 1.3}, or another one",
             source=scene.name,
         )
-    names = (n for n in FRICTION if n in given and is_same_for_batch(n, given[n]))
+    names = (n for n in FRICTION_KEYS if n in given and is_same_for_batch(n, given[n]))
     return next(names, "")
 
 
@@ -207,21 +236,18 @@ def _found(curve: Callable[[Scene, bool], Curve], scene: Scene, torque: bool, wh
         raise CaseFileError(f"{where}: {error}") from None
 
 
-def _observation(
-    test: BearingTest, curve: Callable[[Scene, bool], Curve], where: str
-) -> Observation:
-    of = _found(curve, test.scene, test.seen == TORQUE, where)
+def _observation(test: BearingTest, of: Curve, where: str) -> Observation:
     scatter = math.hypot(of.scatter, test.error)
     if scatter == 0.0:
         problem = "got a measurement without error of bearings without scatter, expected one > 0"
         raise CaseFileError(f"{where}: error_percent: {problem}")
-    torque = test.seen == TORQUE
+    torque = test.seen == SEEN_TORQUE
     return Observation(
         seen=math.log(1e-3 * test.value if torque else test.after),
         model=of.model,
         scatter=scatter,
         of_wear=not torque,
-        censored=test.seen == RUN_OUT,
+        censored=test.seen == SEEN_RUN_OUT,
         count=test.count,
     )
 
@@ -246,13 +272,13 @@ def _curve(
         tell(f"{'torque' if torque else 'life'} over friction, under one condition ...")
     nodes = np.array([x.mean])
     if friction:
-        cosines = np.cos(np.pi * np.arange(NODES) / (NODES - 1))[::-1]
-        checked = np.linspace(-0.4, 0.4, CHECKED)
-        nodes = x.mean + SPAN * x.deviation * np.concatenate([cosines, checked])
+        cosines = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))[::-1]
+        checked = np.linspace(-0.4, 0.4, _CHECKED)
+        nodes = x.mean + _SPAN * x.deviation * np.concatenate([cosines, checked])
     rows = np.exp(nodes)[:, None] if friction else np.empty((1, 0))
     names = [friction] if friction else []
     values = _logs(scene, names, rows, torque, workers)
-    middle = float(values[NODES // 2]) if friction else float(values[0])
+    middle = float(values[_NODES // 2]) if friction else float(values[0])
     if not middle > _NONE:
         problem = "got no life from the model: beyond a limit when new, or not solved"
         raise CaseFileError(f"{problem}; `bearingwear life` says why")
@@ -260,10 +286,10 @@ def _curve(
     if not friction:
         constant = values[0] + shift
         return Curve(lambda x: np.full(len(x), constant), 0.0, scatter)
-    at, known = nodes[:NODES], values[:NODES]
+    at, known = nodes[:_NODES], values[:_NODES]
     used = np.isfinite(known)
     line = PchipInterpolator(at[used], known[used])
-    missed = np.abs(line(nodes[NODES:]) - values[NODES:])
+    missed = np.abs(line(nodes[_NODES:]) - values[_NODES:])
     error = float(np.nanmax(missed)) if np.isfinite(missed).any() else math.nan
     first, last = at[used][[0, -1]]
 
@@ -309,7 +335,7 @@ def _scatter(scene: Scene, torque: bool, middle: float, workers: int) -> tuple[f
     wear = _worn(scene, of_batch=False) if not torque else Normal(0.0, 0.0)
     if not names:
         return wear.deviation, -wear.mean
-    unit = qmc.Sobol(len(names), seed=1).random(SAMPLES)
+    unit = qmc.Sobol(len(names), seed=1).random(_SAMPLES)
     rows = np.stack([value_at(scene, n, unit[:, k]) for k, n in enumerate(names)], axis=-1)
     logs = _logs(scene, names, rows, torque, workers)
     logs = logs[np.isfinite(logs) & (logs > _NONE)]

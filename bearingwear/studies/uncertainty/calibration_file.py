@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,21 +13,20 @@ from scipy.stats import norm
 
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array
-from bearingwear.results.quantiles import CONFIDENCE
 from bearingwear.results.variable import Variable, table
-from bearingwear.scene.calibrated import SEEN, TORQUE
+from bearingwear.scene.calibrated import SEEN, SEEN_TORQUE
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import coordinate, dataset_with
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest
-from bearingwear.studies.uncertainty.posterior import Model, Normal, Observation, Posterior
+from bearingwear.studies.uncertainty.posterior import LogModel, Normal, Observation, Posterior
 
 CALIBRATION_KIND = "calibration"
 STAGES = ("before", "after")
-ENDS = (0.05, 0.95)
+_ENDS = (0.05, 0.95)
 """Probabilities at the ends of the intervals that are quoted."""
 
-LIFE_PROBABILITIES = (ENDS[0], 0.1, 0.5, ENDS[1])
-POINTS = 161
+LIFE_PROBABILITIES = (_ENDS[0], 0.1, 0.5, _ENDS[1])
+_POINTS = 161
 """Along the axes of what is drawn."""
 
 _STAGE = Variable("stage", ("stage",), "", "before or after the tests", "i1", flags=STAGES)
@@ -37,7 +37,7 @@ _BATCH = Variable(
     "batch_probability", ("batch_probability",), "1", "share of batches with a lower value"
 )
 _WEAR = "wear_over_hardness"
-SHOWN = table(
+CALIBRATION_VARIABLES = table(
     Variable("friction_interval", ("stage", "end"), "1", "friction of a batch, between 5 and 95 %"),
     Variable(
         "wear_over_hardness_interval", ("stage", "end"), "m2 N-1",
@@ -78,7 +78,7 @@ def calibration_dataset(
     unit: float,
     priors: tuple[Normal, Normal],
     stages: tuple[Posterior, Posterior],
-    life: Model,
+    life: LogModel,
     scatter: float,
     error: float,
     tests: Sequence[BearingTest],
@@ -98,55 +98,22 @@ def calibration_dataset(
     stages : pair of Posterior
         Before and after.
     life : callable
-        `Model` of the scene.
+        `LogModel` of the scene.
     scatter, error : float
         Of the log life of the scene.
     tests, seen, probabilities : sequence
         Of each test.
     """
     x, y = priors
-    before = stages[0]
-    ends = [norm.ppf(p) for p in ENDS]
+    found = _of_stages(unit, stages, life, scatter)
+    found |= {"interpolation_error": error} | _of_tests(tests, seen, probabilities, stages[0])
     normal = [(one.normal("x"), one.normal("y")) for one in stages]
-    lives = [[one.quantile(life, p, scatter) for p in LIFE_PROBABILITIES] for one in stages]
-    L10 = float(norm.ppf(0.1)) * scatter
-    x_axis, y_axis = (_spanned(k, [n[k] for n in normal]) for k in (0, 1))
-    span = np.geomspace(lives[0][0] / 3.0, lives[0][-1] * 3.0, POINTS)
-    found: dict[str, object] = {
-        "friction_interval": [
-            [math.exp(a.mean + z * a.deviation) for z in ends] for a, _ in normal
-        ],
-        "wear_over_hardness_interval": [
-            [unit * math.exp(b.mean + z * b.deviation) for z in ends] for _, b in normal
-        ],
-        "life_quantile": lives,
-        "batch_life_quantile": [
-            [one.median_quantile(life, p, L10) for p in (*ENDS[:1], 0.5, *ENDS[1:])]
-            for one in stages
-        ],
-        "scatter": scatter,
-        "interpolation_error": error,
-        "wear_density": [_marginal(one.y, one.shares.sum(axis=0), y_axis) for one in stages],
-        "failed_share": [
-            [float((one.shares * norm.cdf((math.log(t) - _mean(one, life)) / scatter)).sum())
-             for t in span]
-            for one in stages
-        ],
-        "seen": [SEEN.index(test.seen) for test in tests],
-        "row": [test.row for test in tests],
-        "value": [test.value for test in tests],
-        "after": [math.nan if test.seen == TORQUE else test.after for test in tests],
-        "expected": [
-            [
-                (1e3 if test.seen == TORQUE else 1.0)
-                * before.quantile(one.model, p, one.scatter, one.of_wear)
-                for p in ENDS
-            ]
-            for test, one in zip(tests, seen, strict=True)
-        ],
-        "probability_of_test": list(probabilities),
-    }  # fmt: skip
-    axes = {_WEAR: unit * np.exp(y_axis), "hours": span}
+    x_axis, y_axis = (_spanned([n[k] for n in normal]) for k in (0, 1))
+    axes = {_WEAR: unit * np.exp(y_axis), "hours": _hours(found)}
+    found["wear_density"] = [_marginal(one.y, one.shares.sum(axis=0), y_axis) for one in stages]
+    found["failed_share"] = [
+        [one.failed_share(life, t, scatter) for t in axes["hours"]] for one in stages
+    ]
     if x.deviation:
         axes["friction"] = np.exp(x_axis)
         found["friction_density"] = [
@@ -159,34 +126,79 @@ def calibration_dataset(
     coords = {
         **coordinate(_STAGE),
         **coordinate(_LIFE_PROBABILITY, LIFE_PROBABILITIES),
-        **coordinate(_BATCH, (ENDS[0], 0.5, ENDS[1])),
-        **{k: v for name, at in axes.items() for k, v in coordinate(SHOWN[name], at).items()},
+        **coordinate(_BATCH, (_ENDS[0], 0.5, _ENDS[1])),
     }
-    variables = {name: data_array(SHOWN[name], np.asarray(value)) for name, value in found.items()}
-    return dataset_with(
-        variables,
-        coords,
-        common_attributes()
-        | {
-            "title": f"Calibration of {scene.name}",
-            "kind": CALIBRATION_KIND,
-            "scene": json.dumps(scene.to_dict()),
-            "confidence": CONFIDENCE,
-            "friction_moved": moved[0],
-            "wear_moved": moved[1],
-        },
-    )
+    for name, at in axes.items():
+        coords |= coordinate(CALIBRATION_VARIABLES[name], at)
+    variables = {
+        name: data_array(CALIBRATION_VARIABLES[name], np.asarray(value))
+        for name, value in found.items()
+    }
+    attributes = {
+        "title": f"Calibration of {scene.name}",
+        "kind": CALIBRATION_KIND,
+        "scene": json.dumps(scene.to_dict()),
+        "friction_moved": moved[0],
+        "wear_moved": moved[1],
+    }
+    return dataset_with(variables, coords, common_attributes() | attributes)
 
 
-def _mean(one: Posterior, life: Model) -> np.ndarray:
-    return life(one.x)[:, None] - one.y[None, :]
+def _of_stages(
+    unit: float, stages: Sequence[Posterior], life: LogModel, scatter: float
+) -> dict[str, Any]:
+    """Intervals of friction, K_s/H and life, before and after."""
+    L10 = float(norm.ppf(0.1)) * scatter
+
+    def ends(of: Normal) -> list[float]:
+        return [math.exp(of.mean + float(norm.ppf(p)) * of.deviation) for p in _ENDS]
+
+    return {
+        "friction_interval": [ends(one.normal("x")) for one in stages],
+        "wear_over_hardness_interval": [
+            [unit * end for end in ends(one.normal("y"))] for one in stages
+        ],
+        "life_quantile": [
+            [one.quantile(life, p, scatter) for p in LIFE_PROBABILITIES] for one in stages
+        ],
+        "batch_life_quantile": [
+            [one.median_quantile(life, p, L10) for p in (_ENDS[0], 0.5, _ENDS[1])] for one in stages
+        ],
+        "scatter": scatter,
+    }
 
 
-def _spanned(axis: int, normals: Sequence[Normal]) -> np.ndarray:
+def _of_tests(
+    tests: Sequence[BearingTest],
+    seen: Sequence[Observation],
+    probabilities: Sequence[float],
+    before: Posterior,
+) -> dict[str, Any]:
+    """What was seen, and what the model has of it before the tests."""
+    expected = [
+        [before.quantile(one.model, p, one.scatter, one.of_wear) for p in _ENDS] for one in seen
+    ]
+    torque = np.array([test.seen == SEEN_TORQUE for test in tests])
+    return {
+        "seen": [SEEN.index(test.seen) for test in tests],
+        "row": [test.row for test in tests],
+        "value": [test.value for test in tests],
+        "after": np.where(torque, np.nan, [test.after for test in tests]),
+        "expected": np.where(torque, 1e3, 1.0)[:, None] * np.array(expected),
+        "probability_of_test": probabilities,
+    }
+
+
+def _hours(found: Mapping[str, Any]) -> np.ndarray:
+    low, *_, high = found["life_quantile"][0]
+    return np.geomspace(low / 3.0, high * 3.0, _POINTS)
+
+
+def _spanned(normals: Sequence[Normal]) -> np.ndarray:
     """Points that span several distributions."""
     low = min(n.mean - 3.5 * n.deviation for n in normals)
     high = max(n.mean + 3.5 * n.deviation for n in normals)
-    return np.linspace(low, high, POINTS)
+    return np.linspace(low, high, _POINTS)
 
 
 def _marginal(grid: np.ndarray, shares: np.ndarray, at: np.ndarray) -> np.ndarray:

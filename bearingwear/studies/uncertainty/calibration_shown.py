@@ -13,24 +13,31 @@ from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import Interval, digits
-from bearingwear.scene.calibrated import LIFE, LOSS, PRELOAD, RUN_OUT, SEEN, TORQUE
+from bearingwear.scene.calibrated import (
+    SEEN,
+    SEEN_LIFE,
+    SEEN_LOSS,
+    SEEN_PRELOAD,
+    SEEN_RUN_OUT,
+    SEEN_TORQUE,
+)
 from bearingwear.studies.uncertainty.calibration_file import STAGES
 
-UNLIKELY = 0.01
+_UNLIKELY = 0.01
 """Probability below which a test and the model are said to disagree."""
 
-FAR = 2.58
+_FAR = 2.58
 """Shift of a mean, in standard deviations before the tests, with a probability of 0.01."""
 
-UNITS = {TORQUE: "N mm", LOSS: "um", PRELOAD: "N"}
-WORDS = {
-    LIFE: "life",
-    RUN_OUT: "run-out",
-    LOSS: "loss",
-    PRELOAD: "preload left",
-    TORQUE: "torque",
+_UNITS = {SEEN_TORQUE: "N mm", SEEN_LOSS: "um", SEEN_PRELOAD: "N"}
+_WORDS = {
+    SEEN_LIFE: "life",
+    SEEN_RUN_OUT: "run-out",
+    SEEN_LOSS: "loss",
+    SEEN_PRELOAD: "preload left",
+    SEEN_TORQUE: "torque",
 }
-COLOURS_OF_STAGES = dict(zip(STAGES, ("0.6", "C0"), strict=True))
+_COLOURS = dict(zip(STAGES, ("0.6", "C0"), strict=True))
 
 
 def calibration_sheet(file: Any) -> Sheet:
@@ -68,12 +75,12 @@ def conflicts(file: Any) -> list[str]:
     """What tests and model disagree on by more than both can be, in words."""
     found = []
     for label, p in zip(_labels(file), values(file, "probability_of_test"), strict=True):
-        if p < UNLIKELY:
+        if p < _UNLIKELY:
             found.append(f"{label} has a probability of {100 * p:.2g} % by the model and the rest")
     scene = json.loads(file.scene)
     for name, words in (("wear_moved", "K_s/H"), ("friction_moved", "friction")):
         moved = float(getattr(file, name))
-        if abs(moved) > FAR:
+        if abs(moved) > _FAR:
             by = f"{abs(moved):.2g} standard deviations {'above' if moved > 0 else 'below'}"
             found.append(f"{words} of the tests lies {by} what {scene['name']} had")
     return found
@@ -82,7 +89,7 @@ def conflicts(file: Any) -> list[str]:
 def _labels(file: Any) -> list[str]:
     seen = [SEEN[int(k)] for k in values(file, "seen")]
     return [
-        f"row {int(row)}, {WORDS[name]}"
+        f"row {int(row)}, {_WORDS[name]}"
         for row, name in zip(values(file, "row"), seen, strict=True)
     ]
 
@@ -94,10 +101,10 @@ def _tests(file: Any) -> Iterator[Row]:
         name = SEEN[int(flag)]
         share = f"{100 * p:.2g} %"
         between = Interval(*map(float, expected))
-        if name in (LOSS, PRELOAD):
-            label, value = f"{label} {digits(float(value))} {UNITS[name]} after", after
-        unit = "N mm" if name == TORQUE else "h"
-        text = f"> {digits(float(value))}" if name == RUN_OUT else digits(float(value))
+        if name in (SEEN_LOSS, SEEN_PRELOAD):
+            label, value = f"{label} {digits(float(value))} {_UNITS[name]} after", after
+        unit = "N mm" if name == SEEN_TORQUE else "h"
+        text = f"> {digits(float(value))}" if name == SEEN_RUN_OUT else digits(float(value))
         yield Row(label, unit, (text, between, share))
 
 
@@ -116,21 +123,21 @@ def calibration_figure(found: xr.Dataset) -> Figure:
     panels.append(("hours", "failed_share", "life (h)", "share of bearings failed"))
     figure, axes = new_figure(1, len(panels), 3.2 * len(panels), 3.2)
     for panel, (axis, name, along, up) in zip(axes[0], panels, strict=True):
-        for k, colour in enumerate(COLOURS_OF_STAGES.values()):
+        for k, colour in enumerate(_COLOURS.values()):
             panel.plot(found[axis], found[name].isel(stage=k), color=colour)
         panel.set_xscale("log" if axis != "friction" else "linear")
         panel.set_xlabel(along)
         panel.set_ylabel(up)
         panel.set_ylim(0.0)
     for k, time in enumerate(found["after"].values):
-        if np.isfinite(time) and SEEN[int(found["seen"][k])] in (LIFE, RUN_OUT):
-            mark = ">" if SEEN[int(found["seen"][k])] == RUN_OUT else "o"
+        if np.isfinite(time) and SEEN[int(found["seen"][k])] in (SEEN_LIFE, SEEN_RUN_OUT):
+            mark = ">" if SEEN[int(found["seen"][k])] == SEEN_RUN_OUT else "o"
             axes[0][-1].plot(time, 0.03, mark, color="C1", markersize=5)
     before, after = (
         Interval(*row).text for row in found["life_quantile"].values[:, [0, -1]].tolist()
     )
     handles = [
-        *(key(stage, color=colour) for stage, colour in COLOURS_OF_STAGES.items()),
+        *(key(stage, color=colour) for stage, colour in _COLOURS.items()),
         key("life of a test", color="C1", linestyle="none", marker="o"),
         key("run-out", color="C1", linestyle="none", marker=">"),
     ]

@@ -10,16 +10,29 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.scene.calibrated import LIFE, LOSS, PRELOAD, RUN_OUT, SEEN, TORQUE
+from bearingwear.scene.calibrated import (
+    SEEN,
+    SEEN_LIFE,
+    SEEN_LOSS,
+    SEEN_PRELOAD,
+    SEEN_RUN_OUT,
+    SEEN_TORQUE,
+)
 from bearingwear.scene.errors import SceneError, short
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.strict_yaml import data_of, text_of
 
-AFTER, COUNT, ERROR = "after_h", "bearings", "error_percent"
-COLUMNS = (*SEEN, AFTER, COUNT, ERROR)
+_AFTER, _COUNT, _ERROR = "after_h", "bearings", "error_percent"
+TEST_COLUMNS = (*SEEN, _AFTER, _COUNT, _ERROR)
 """Every column that is no key of the scene."""
 
-ERRORS = {LIFE: 0.0, RUN_OUT: 0.0, LOSS: 10.0, PRELOAD: 10.0, TORQUE: 10.0}
+_ERRORS = {
+    SEEN_LIFE: 0.0,
+    SEEN_RUN_OUT: 0.0,
+    SEEN_LOSS: 10.0,
+    SEEN_PRELOAD: 10.0,
+    SEEN_TORQUE: 10.0,
+}
 """Standard error of a measurement where none is given [%], assumed."""
 
 
@@ -58,7 +71,7 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     """The tests in a CSV file.
 
     Its first line names the columns: keys of the scene (an empty cell leaves the scene's own value)
-    and those of `COLUMNS`. A row fills one of `SEEN`.
+    and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
 
     Raises
     ------
@@ -74,8 +87,8 @@ def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     for name in names:
         if names.count(name) > 1:
             raise CaseFileError(f"{path}: got the column {name!r} twice, expected it once")
-        if name not in COLUMNS and "." not in name:
-            allowed = f"a key of the scene (operation.preload_N), or {', '.join(COLUMNS)}"
+        if name not in TEST_COLUMNS and "." not in name:
+            allowed = f"a key of the scene (operation.preload_N), or {', '.join(TEST_COLUMNS)}"
             raise CaseFileError(f"{path}: got the column {short(name)!r}, expected {allowed}")
     found = []
     for number, cells in rows:
@@ -105,7 +118,7 @@ class _Row:
             value = float(text or "")
         except ValueError:
             value = math.nan
-        if not 0.0 < value < math.inf and not (column == ERROR and value == 0.0):
+        if not 0.0 < value < math.inf and not (column == _ERROR and value == 0.0):
             got = "nothing" if text is None else repr(short(text))
             raise self.refused(column, f"got {got}, expected a number > 0")
         return value
@@ -118,22 +131,22 @@ class _Row:
             raise CaseFileError(f"{self.path}: row {self.number}: {problem}")
         (name,) = seen
         value = self.number_in(name)
-        timed = name in (LOSS, PRELOAD)
-        if AFTER in self.cells and not timed:
-            problem = f"got {self.cells[AFTER]!r}, only allowed with {LOSS} or {PRELOAD}"
-            raise self.refused(AFTER, problem)
-        count = self.number_in(COUNT, 1.0)
+        timed = name in (SEEN_LOSS, SEEN_PRELOAD)
+        if _AFTER in self.cells and not timed:
+            problem = f"got {self.cells[_AFTER]!r}, only allowed with {SEEN_LOSS} or {SEEN_PRELOAD}"
+            raise self.refused(_AFTER, problem)
+        count = self.number_in(_COUNT, 1.0)
         if count != int(count):
-            raise self.refused(COUNT, f"got {count:g}, expected a whole number > 0")
-        error = self.number_in(ERROR, ERRORS[name])
+            raise self.refused(_COUNT, f"got {count:g}, expected a whole number > 0")
+        error = self.number_in(_ERROR, _ERRORS[name])
         if error > 100.0:
-            raise self.refused(ERROR, f"got {error:g}, expected a number from 0 to 100")
+            raise self.refused(_ERROR, f"got {error:g}, expected a number from 0 to 100")
         return BearingTest(
             row=self.number,
             scene=self.under_conditions(scene, name, value),
             seen=name,
             value=value,
-            after=self.number_in(AFTER) if timed else value,
+            after=self.number_in(_AFTER) if timed else value,
             count=int(count),
             error=0.01 * error,
         )
@@ -141,14 +154,16 @@ class _Row:
     def under_conditions(self, scene: Scene, seen: str, value: float) -> Scene:
         """The scene of the test; a loss or a preload left is what ends its life."""
         changes = {
-            key: data_of(text, self.path) for key, text in self.cells.items() if key not in COLUMNS
+            key: data_of(text, self.path)
+            for key, text in self.cells.items()
+            if key not in TEST_COLUMNS
         }
         try:
             found = scene.with_(changes)
             preload = found.operation.preload_N
-            if seen == LOSS:
+            if seen == SEEN_LOSS:
                 found = found.with_({"wear.end_of_life": {"ball_diameter_loss_um": value}})
-            elif seen == PRELOAD:
+            elif seen == SEEN_PRELOAD:
                 if found.operation.preload_method != "fixed_position":
                     problem = "got it under a constant force, expected it at a fixed position"
                     raise self.refused(seen, problem)

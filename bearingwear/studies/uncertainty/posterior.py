@@ -9,6 +9,7 @@ Theory: docs/theory.md, section 24.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -18,13 +19,13 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-Model = Callable[[np.ndarray], np.ndarray]
+LogModel = Callable[[np.ndarray], np.ndarray]
 """Logarithm of what the model has of the median bearing, by x; wear is that of the scene."""
 
-FRICTIONS, WEARS = 161, 801
+_FRICTIONS, _WEARS = 161, 801
 """Points of the grid along x and y."""
 
-WIDE = 7.0
+_WIDE = 7.0
 """Half the width of the grid before the tests are seen, in standard deviations."""
 
 _SPACING = 0.3  # of the first grid along y, over the least scatter
@@ -46,7 +47,7 @@ class Observation:
     ----------
     seen : float
     model : callable
-        See `Model`.
+        See `LogModel`.
     scatter : float
         Standard deviation between bearings, with that of the measurement.
     of_wear : bool
@@ -58,7 +59,7 @@ class Observation:
     """
 
     seen: float
-    model: Model
+    model: LogModel
     scatter: float
     of_wear: bool = True
     censored: bool = False
@@ -120,7 +121,7 @@ class Posterior:
         product = (self.x[:, None] - x.mean) * (self.y[None, :] - y.mean)
         return self.mean(product) / x.deviation**2
 
-    def below(self, model: Model, value: float) -> float:
+    def below(self, model: LogModel, value: float) -> float:
         """Probability that the life of the median bearing, m(x) - y, is below exp(value)."""
         least = np.clip(model(self.x) - value, self.y[0], self.y[-1])
         pieces = self._integral
@@ -131,7 +132,7 @@ class Posterior:
             up_to = up_to * into + coefficient
         return float(1.0 - up_to.sum())
 
-    def median_quantile(self, model: Model, probability: float, deviates: float = 0.0) -> float:
+    def median_quantile(self, model: LogModel, probability: float, deviates: float = 0.0) -> float:
         """Quantile, over what is not known of the batch, of a quantile over its bearings.
 
         Parameters
@@ -147,7 +148,7 @@ class Posterior:
         return float(np.exp(found + deviates))
 
     def quantile(
-        self, model: Model, probability: float, scatter: float, of_wear: bool = True
+        self, model: LogModel, probability: float, scatter: float, of_wear: bool = True
     ) -> float:
         """Quantile of the life, or torque, of a bearing, over the batch and its scatter alike."""
         mean = model(self.x)[:, None] - (self.y[None, :] if of_wear else 0.0 * self.y[None, :])
@@ -158,6 +159,11 @@ class Posterior:
 
         ends = float(mean.min()) - wide, float(mean.max()) + wide
         return float(np.exp(brentq(excess, *ends, xtol=1e-13)))
+
+    def failed_share(self, model: LogModel, life: float, scatter: float) -> float:
+        """Share of bearings that have failed by a life, over the batch and its scatter alike."""
+        mean = model(self.x)[:, None] - self.y[None, :]
+        return float((self.shares * norm.cdf((math.log(life) - mean) / scatter)).sum())
 
     def probability(self, test: Observation) -> float:
         """Of a result as far from the model or farther, on the worse side; of a run-out, of it."""
@@ -172,15 +178,15 @@ def posterior(x: Normal, y: Normal, tests: Sequence[Observation]) -> Posterior:
     The first grid spans what is possible before the tests; a second one what is possible after.
     """
     least = min((t.scatter for t in tests), default=y.deviation) if y.deviation else 1.0
-    fine = int(2.0 * WIDE * y.deviation / (_SPACING * least)) + 1
-    grids = _axis(x, WIDE, FRICTIONS), _axis(y, WIDE, max(WEARS, fine))
+    fine = int(2.0 * _WIDE * y.deviation / (_SPACING * least)) + 1
+    grids = _axis(x, _WIDE, _FRICTIONS), _axis(y, _WIDE, max(_WEARS, fine))
     for _ in range(2):
         log = _log_density(x, y, tests, *grids)
         density = np.exp(log - log.max())
         found = Posterior(*grids, _normalised(density, grids[1]))
         grids = (
-            _narrowed(grids[0], density.max(axis=1), FRICTIONS),
-            _narrowed(grids[1], density.max(axis=0), WEARS),
+            _narrowed(grids[0], density.max(axis=1), _FRICTIONS),
+            _narrowed(grids[1], density.max(axis=0), _WEARS),
         )
     return found
 

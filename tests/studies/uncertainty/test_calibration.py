@@ -1,0 +1,198 @@
+"""Tests of bearings in a CSV file, and the scene that they calibrate."""
+
+import hashlib
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import scene_file
+
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.model.life import life
+from bearingwear.model.solve import solve
+from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.variable import HOURS_PER_SECOND
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.studies.uncertainty.calibration import calibrated
+from bearingwear.studies.uncertainty.calibration_tests import bearing_tests
+from bearingwear.studies.uncertainty.perturbed import perturbed
+
+SPREAD = {
+    "wear_coefficient": {"distribution": "lognormal", "factor": 3.0},
+    "wear_scatter": {"distribution": "lognormal", "factor": 1.3},
+    "ball_race": {"distribution": "lognormal", "factor": 1.2},
+}
+
+
+def with_spread(settings=(), **spread):
+    plain = load_scene(scene_file("gyro_s1"), list(settings)).to_dict()
+    return scene_from_dict(plain | {"uncertainty": SPREAD | spread})
+
+
+def written(folder, *lines):
+    path = folder / "tests.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def hours(scene):
+    found = life(scene).values["life"][1]  # of balls and races
+    return found * HOURS_PER_SECOND
+
+
+@pytest.mark.parametrize(
+    "line, said",
+    [
+        ("7,,,", "row 2: got nothing, expected one of life_h, run_out_h"),
+        ("7,3,4,", "row 2: got life_h and loss_um, expected one of"),
+        ("7,-3,,", "row 2: life_h: got '-3', expected a number > 0"),
+        ("7,two,,", "row 2: life_h: got 'two', expected a number > 0"),
+        ("7,,0.3,", "row 2: after_h: got nothing, expected a number > 0"),
+        ("7,3,,5", "row 2: after_h: got '5', only allowed with loss_um or preload_left_N"),
+        ("seven,3,,", "row 2: operation.preload_N: got 'seven', text, not a number, expected"),
+        ("7,3,,,9", "row 2: got 5 cells, expected 4"),
+        ("7,,300,5", "row 2: wear.end_of_life.ball_diameter_loss_um: got 300, expected"),
+    ],
+)
+def test_a_bad_row_is_refused_in_one_line(tmp_path, line, said):
+    path = written(tmp_path, "operation.preload_N,life_h,loss_um,after_h", line)
+    with pytest.raises(CaseFileError) as refused:
+        bearing_tests(path, with_spread())
+    assert str(refused.value).startswith(f"{path}: {said}") and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "lines, said",
+    [
+        (["life_h"], "got no test"),
+        (["life", "3"], "got the column 'life', expected a key of the scene"),
+        (["life_h,life_h", "3,4"], "got the column 'life_h' twice"),
+        (["operation.preload,life_h", "7,4"], "row 2: operation.preload: "),
+        (["life_h,bearings", "7,1.5"], "row 2: bearings: got 1.5, expected a whole number"),
+        (["preload_left_N,after_h", "4,1"], "row 2: preload_left_N: got it under a constant"),
+        (
+            ["operation.preload_method,preload_left_N,after_h", "fixed_position,8,1"],
+            "row 2: preload_left_N: got 8, expected a number < 7",
+        ),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(tmp_path, lines, said):
+    with pytest.raises(CaseFileError) as refused:
+        bearing_tests(written(tmp_path, *lines), with_spread())
+    assert said in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
+    path = written(tmp_path, "torque_Nmm", "0.1")
+    unknown = with_spread().to_dict()
+    for name, said in (
+        ("wear_coefficient", "uncertainty.wear_coefficient: got nothing that tests could tell"),
+        ("wear_scatter", "uncertainty: got nothing that scatters"),
+        ("ball_race", "row 2: torque_Nmm: got it without uncertainty.ball_race"),
+    ):
+        spread = {n: one for n, one in unknown["uncertainty"].items() if n != name}
+        with pytest.raises((SceneError, CaseFileError), match=said):
+            calibrated(scene_from_dict(unknown | {"uncertainty": spread}), path)
+
+
+def test_each_kind_of_test_finds_what_made_it(tmp_path):
+    """A batch of 0.4 times the wear and mu 0.095, seen without error in every way."""
+    scene, K, mu = (
+        with_spread(wear_scatter={"distribution": "lognormal", "factor": 1.001}),
+        0.4,
+        0.095,
+    )
+    fixed = scene.with_({"operation.preload_method": "fixed_position"})
+    batch = perturbed(scene, {"ball_race": mu})
+    lost = batch.with_({"wear.end_of_life": {"ball_diameter_loss_um": 0.3}})
+    left = perturbed(fixed, {"ball_race": mu}).with_(
+        {"wear.end_of_life": {"preload_fraction": 5.0 / 7.0}}
+    )
+    torque = 1e3 * float(solve(batch).values["shaft_torque"])
+    for seen in (
+        f",{hours(batch) / K},,,,",
+        f",,0.3,,{hours(lost) / K},",
+        f"fixed_position,,,5,{hours(left) / K},",
+    ):
+        path = written(
+            tmp_path,
+            "operation.preload_method,life_h,loss_um,preload_left_N,after_h,torque_Nmm,error_percent",
+            f"{seen},0.1",
+            f",,,,,{torque},0.1",
+        )
+        found = calibrated(scene, path)
+        assert_allclose(found.scene.friction.ball_race, mu, rtol=2e-3)
+        ratio = found.scene.nominal("wear_coefficient") / scene.nominal("wear_coefficient")
+        assert_allclose(ratio, K, rtol=1e-2)
+        assert float(found.data["interpolation_error"]) < 5e-3
+
+
+def test_two_lives_of_a_sampled_batch(tmp_path):
+    """The interval of L10 shrinks from sixtyfold and more to what two lives leave."""
+    scene = with_spread(preload_N={"distribution": "normal", "standard_deviation": 0.35})
+    random, K = np.random.default_rng(3), 1.7
+    batch = replace(perturbed(scene, {"ball_race": 0.074}), uncertainty=None)
+    of_bearings = [
+        hours(batch.with_({"operation.preload_N": 7.0 + 0.35 * random.normal()}))
+        / (K * 1.3 ** random.normal())
+        for _ in range(2)
+    ]
+    path = written(tmp_path, "life_h", *map(str, of_bearings))
+    found = calibrated(scene, path)
+    before, after = found.data["batch_life_quantile"].values
+    scatter = float(found.data["scatter"])
+    assert math.log(1.3) < scatter < 0.32  # the preload adds some
+    # log L10 is normal about the mean of both; friction is seen through the same lives
+    theory = math.exp(2.0 * 1.6449 * scatter / math.sqrt(2.0))
+    assert before[-1] / before[0] > 35.0
+    assert_allclose(after[-1] / after[0], theory, rtol=0.05)
+
+
+def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
+    scene = with_spread()
+    base = tmp_path / "mine.yaml"
+    bearingwear.save(scene, base)
+    path = written(tmp_path, "torque_Nmm,life_h,run_out_h,bearings", "0.07,,,", ",5,,", ",,4,2")
+    out = tmp_path / "calibrated.yaml"
+    assert main(["calibrate", str(base), str(path), "-o", str(out)]) == 0
+    told = capsys.readouterr().out
+    assert "calibrated by 3 tests of tests.csv" in told and "90 % of bearings" in told
+    carried = load_scene(out)
+    assert carried.calibrated.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert carried.calibrated.rows == 3
+    assert carried.uncertainty["wear_coefficient"].factor < 1.5
+    assert carried.uncertainty["wear_scatter"].factor == 1.3
+    data = bearingwear.load(tmp_path / "calibrated.nc")
+    # a second time would count the tests twice
+    assert main(["calibrate", str(out), str(path), "-o", str(tmp_path / "again.yaml")]) == 2
+    assert "got the tests that the scene was calibrated by" in capsys.readouterr().err
+    # `uncertainty` of the scene has the same interval, by a sample and by lognormal marginals
+    spread = tmp_path / "u.nc"
+    assert main(["uncertainty", str(out), "-o", str(spread), "--quiet"]) == 0
+    sampled = bearingwear.load(spread)["life_quantile"].isel(
+        preload_method=0, preload_choice=0, uncertain_inputs=0, loss_basis=1
+    )
+    for p in (0.1, 0.5):
+        own = float(data["life_quantile"].sel(stage="after", probability=p))
+        assert_allclose(float(sampled.sel(probability=p)), own, rtol=0.06)
+    # the same tests give the same bytes
+    assert main(["calibrate", str(base), str(path), "-o", str(tmp_path / "b.yaml")]) == 0
+    assert (tmp_path / "b.yaml").read_bytes() == out.read_bytes()
+    assert (tmp_path / "b.nc").read_bytes() == (tmp_path / "calibrated.nc").read_bytes()
+    bearingwear.plot(data)
+
+
+def test_a_conflict_is_said(tmp_path, capsys):
+    base, out = tmp_path / "mine.yaml", tmp_path / "calibrated.yaml"
+    bearingwear.save(with_spread(), base)
+    path = written(tmp_path, "life_h", "2000", "2500")
+    assert main(["calibrate", str(base), str(path), "-o", str(out), "--json"]) == 0
+    (said,) = json.loads(capsys.readouterr().out)["conflicts"]
+    assert said.startswith("K_s/H of the tests lies") and said.endswith("below what gyro_s1 had")
+    assert main(["show", str(tmp_path / "calibrated.nc")]) == 0
+    assert f"conflict: {said}" in capsys.readouterr().out
