@@ -65,7 +65,8 @@ class WearCourses:
 def worse_halves(states: Iterable[States], scene: Scene) -> list[WearState]:
     """What limits look at in each state of a pair: of each measure the value of its worse bearing.
 
-    The preload is that of the worse side, with all its bearings in tandem.
+    The preload is that of the worse side, with all its bearings in tandem. Angles, loads and major
+    axes are those of both bearings (2, 2).
     """
     assert scene.pair is not None
     n_1, n_2 = scene.pair.tandem
@@ -80,6 +81,7 @@ def worse_halves(states: Iterable[States], scene: Scene) -> list[WearState]:
             if measure.key not in OF_CAGE
         }
         worse["frequency"] = lowest_frequency(scene, (one, other))
+        worse |= {name: np.stack([one[name], other[name]]) for name in ("angle", "major", "load")}
         found.append(replace(first, **worse))
     return found
 

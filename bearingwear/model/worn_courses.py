@@ -19,7 +19,7 @@ QUICK_STEP = 2.0 * STEP
 """Of a quick life with worn grooves, over the gap A a^2; with it go `FEWER_CELLS`."""
 
 
-def worn_history(scene: Scene, quick: bool = True) -> LifeHistory | None:
+def worn_history(scene: Scene, quick: bool = True, only_times: bool = False) -> LifeHistory | None:
     """The life with grooves as they wear, where `life` follows them; None where it does not.
 
     Parameters
@@ -29,12 +29,14 @@ def worn_history(scene: Scene, quick: bool = True) -> LifeHistory | None:
     quick : bool
         With fewer cells and longer steps than `life` has: 3e-3 of the life and 2 % of the least
         stiffness, for a fifth of the time.
+    only_times : bool
+        As of `WornLife`.
     """
     alone, _ = grooves_followed(scene, "steady")
     if alone is None:
         return None
     cells, step = (FEWER_CELLS, QUICK_STEP) if quick else (WORN_CELLS, STEP)
-    found = WornLife(alone, cells=cells, step=step).march()
+    found = WornLife(alone, cells=cells, step=step, only_times=only_times).march()
     history = found[0].history
     if alone.pair is None:
         return history
@@ -45,8 +47,8 @@ def worn_history(scene: Scene, quick: bool = True) -> LifeHistory | None:
 def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[EndOfLife], float]:
     """Function from an end of life to the life [s], NaN where it was not solved.
 
-    Grooves are followed where `life` does. They wear alike whatever ends the life, so they are
-    followed once, to an end that comes after all others.
+    Grooves are followed where `life` does, with its cells and steps. They wear alike whatever ends
+    the life, so they are followed once, to an end that comes after all others.
 
     Parameters
     ----------
@@ -69,7 +71,7 @@ def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[End
 
         return life
     asked = replace(ended(farthest), model=replace(scene.model, contact="worn"))
-    history = worn_history(asked)
+    history = worn_history(asked, quick=False, only_times=True)
     assert history is not None
     return lambda end: first_met(history, end, scene.operation.preload_N)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import sys
 import time
@@ -26,10 +27,9 @@ def to_stderr(text: str) -> None:
     print(text, file=sys.stderr)
 
 
-def in_processes(
-    function: Callable[[Any], Any], jobs: Sequence[Any], workers: int, caller: str
-) -> Iterator[Any]:
-    """Results of a function for each of some jobs, in their order; with one worker in this process.
+@contextlib.contextmanager
+def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]]]:
+    """A `map` whose calls share processes; with one worker in this process.
 
     Parameters
     ----------
@@ -37,11 +37,11 @@ def in_processes(
         What has `workers`, for the message where processes cannot be started.
     """
     if workers <= 1:
-        yield from map(function, jobs)
+        yield map
         return
     pool = ProcessPoolExecutor(workers)
     try:
-        yield from pool.map(function, jobs)
+        yield pool.map
     except BrokenProcessPool:
         raise RuntimeError(
             f"{caller}: a process has ended. A script calls this below `if __name__ == "
@@ -54,6 +54,14 @@ def in_processes(
         raise
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def in_processes(
+    function: Callable[[Any], Any], jobs: Sequence[Any], workers: int, caller: str
+) -> Iterator[Any]:
+    """Results of a function for each of some jobs, in their order; as `processes`."""
+    with processes(workers, caller) as each:
+        yield from each(function, jobs)
 
 
 def told_in_lines(

@@ -30,9 +30,19 @@ ACTIVE = (
     "not_solved",
     "no_preload_within_limits",
     "end_of_life",
+    "impractical",
+    "cliff",
 )
 """What keeps the recommended preload from one with a longer life."""
-UNLIMITED, END_OF_RANGE, NEXT_NOT_SOLVED, NO_PRELOAD, OTHER_END = range(len(LIMITED), len(ACTIVE))
+(
+    UNLIMITED,
+    END_OF_RANGE,
+    NEXT_NOT_SOLVED,
+    NO_PRELOAD,
+    OTHER_END,
+    NOT_PRACTICAL,
+    AT_CLIFF,
+) = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(
     "active_limit", (), "", "what keeps the preload from a longer life", dtype="i1", flags=ACTIVE
@@ -136,12 +146,12 @@ def best_within(
     solved = (design["status"] == OK).transpose(*order).values
     lives = design["life"].isel(loss_basis=basis).transpose(*order).values
     each = [margin.transpose(*order).values for margin in limit_margins(design, limits)]
-    names = list(limits.given)
+    each.append(np.where(design["impractical"].transpose(*order).values, -1.0, 1.0))
+    names = [*limits.given, ACTIVE[NOT_PRACTICAL]]
     index = np.full(solved.shape[:-1], -1)
     active = np.full(solved.shape[:-1], NO_PRELOAD, dtype=np.int8)
     for line in np.ndindex(index.shape):
         margin = np.array([values[line] for values in each])
-        margin = margin.reshape(len(names), solved.shape[-1])
         allowed = solved[line] & (lives[line] > 0.0) & np.all(margin >= 0.0, axis=0)
         if allowed.any():
             best = int(np.argmax(np.where(allowed, lives[line], -np.inf)))
@@ -167,9 +177,12 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
         Index along the loss basis.
     """
     solved = (line["status"] == OK).values
-    usable = np.flatnonzero(solved & (line["life"].isel(loss_basis=basis).values > 0.0))
-    if not usable.size:
+    alive = solved & (line["life"].isel(loss_basis=basis).values > 0.0)
+    if not alive.any():
         return "every life ends when new" if solved.any() else "no life could be solved"
+    usable = np.flatnonzero(alive & (line["impractical"].values == 0))
+    if not usable.size:
+        return "nobody would build or run it at any preload"
     margin = np.array([one.values for one in limit_margins(line, limits)])
     nearest = usable[margin[:, usable].argmax(axis=1)]
     failed = {

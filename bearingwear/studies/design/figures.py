@@ -45,7 +45,7 @@ from bearingwear.studies.design.verdict import NEITHER_LONGER
 from bearingwear.studies.design.words import LIMIT_WORDS
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
-LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×N", strict=True))
+LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
 """What holds a preload, on a map."""
 
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}

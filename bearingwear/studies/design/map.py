@@ -17,9 +17,13 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED
+from bearingwear.model.cautions import CAUTIONS
 from bearingwear.model.courses import WearCourses
+from bearingwear.model.fidelity import choice_for_life
+from bearingwear.model.life import history_values
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.rotor import lowest_frequency
+from bearingwear.model.warned import warnings_of
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -31,6 +35,9 @@ from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
 from bearingwear.studies.life_scene import life_scene
 
 SLIP_SHARE = "gyroscopic_slip_share"
+
+IMPRACTICAL = tuple(caution.id for caution in CAUTIONS if caution.impractical)
+"""Warnings of a bearing that nobody would build or run; a limit of every recommendation."""
 
 MAP_AXES = table(
     STUDY_COORDINATES["preload_method"],
@@ -82,6 +89,14 @@ POINT = table(
     ),
     Variable("axial_stiffness_at_start", (), "N m-1", "axial stiffness when new"),
     *_extremes(),
+    Variable(
+        "impractical",
+        (),
+        "",
+        "first warning, of new or worn, that nobody would build or run such a bearing",
+        dtype="i1",
+        flags=("none", *IMPRACTICAL),
+    ),
 )
 """What a point of the map has: a life, and the extremes along it.
 
@@ -122,15 +137,16 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     return found
 
 
-def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, float]:
+def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, Any]:
     """What limits look at, of the states of a life."""
     new, worn = states[0], states[-1]
-    found = {
+    found: dict[str, Any] = {
         "residual_preload_at_start": new.preload,
         "residual_preload_at_end": worn.preload,
         "loss_at_end": worn.loss,
         "friction_power_at_start": new.friction_power,
         "axial_stiffness_at_start": new.stiffness,
+        "impractical": _impractical(scene, [new, worn]),
     }
     along = [replace(state, frequency=_frequency(scene, state)) for state in states]
     for one in LIMITED.values():
@@ -138,6 +154,17 @@ def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, float]:
             extreme = one.extreme([state[variable] for state in along])
             found[name] = extreme / scene.operation.preload_N if one.over_preload else extreme
     return found
+
+
+def _impractical(scene: Scene, states: Sequence[WearState]) -> int:
+    """Number of a warning in `IMPRACTICAL`, from one; zero without any.
+
+    States of a pair stand for its worse bearing.
+    """
+    alone = scene.sides[0]
+    values = {"end_criterion": len(CRITERIA) - 1, **history_values(list(states))}
+    warned = warnings_of(alone, choice_for_life(alone), values)
+    return next((IMPRACTICAL.index(one["id"]) + 1 for one in warned if one["impractical"]), 0)
 
 
 def _frequency(scene: Scene, state: WearState) -> float:

@@ -15,7 +15,7 @@ from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.design.plan import DesignLimits, axes_around
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
 from bearingwear.studies.pool import Tell
@@ -43,7 +43,7 @@ def recommended_sheet(
         As of `recommend.recommendation`.
     """
     limits.check(scene, source)
-    axes = axes_around(scene, [scene.friction.coefficient], source)
+    axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
     design, found = mapped(scene, axes, limits, workers, tell)
     chosen = recommendation_sheet(found)
     states = [

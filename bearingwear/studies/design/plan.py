@@ -23,6 +23,9 @@ from bearingwear.studies.life_scene import life_scene
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
 """Preloads of a map around a scene's own, over that one: an eighth to 32 times."""
 
+COARSE = FACTORS[::2]
+"""The same where the map is but a guide to the best preload."""
+
 CHECKED = ("0.80", "1.00", "1.25")
 """Preloads that the dynamic model solves, over the recommended one; as in file names."""
 
@@ -91,7 +94,12 @@ class MapAxes:
         return [f"{method}-mu{mu:.3f}" for method in self.preload_method for mu in self.friction]
 
 
-def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene") -> MapAxes:
+def axes_around(
+    scene: Scene,
+    frictions: Sequence[float],
+    source: str = "scene",
+    factors: Sequence[float] = FACTORS,
+) -> MapAxes:
     """A map by both methods around a scene's own preload, at its own speed.
 
     Raises
@@ -106,7 +114,7 @@ def axes_around(scene: Scene, frictions: Sequence[float], source: str = "scene")
     preload = key_of_scene("operation.preload_N")
     assert preload is not None
     _, most = preload.key.ends
-    around = {float(f"{factor * own:.3g}") for factor in FACTORS if factor != 1.0}
+    around = {float(f"{factor * own:.3g}") for factor in factors if factor != 1.0}
     return MapAxes(
         preload_method=PRELOAD_METHODS,
         friction=RisingAxis(frictions),

@@ -1,4 +1,4 @@
-"""The best preload of one method, between those of a line of a design map.
+"""Lives of one method over preload: those that were solved, and what may lie between them.
 
 Theory: docs/theory.md, section 14.
 """
@@ -6,184 +6,266 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.life import life
-from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.scene import Scene
-from bearingwear.studies.design.choice import ACTIVE, OTHER_END, UNLIMITED, limit_margins
-from bearingwear.studies.design.followed import WORN_GROOVE, followed_point
+from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.plan import DesignLimits
 
-PRELOAD_TOLERANCE = 1e-6  # relative, of the recommended preload
-BESIDE = 3e-3  # relative: where the ends of neighbouring lives are compared
-LEAST_LEFT = 0.98  # of the life, lost by rounding the preload
-AWAY = 0.02  # relative: where the margins on both sides are compared
-STEPS_AWAY = 8  # of the last digit, in which they are looked for
-AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
+DIGITS = 3  # of a preload, at least
+STEEPEST_RISE = 1.5
+"""How fast a life rises between two preloads at most, as a power, other than at a jump."""
+
+_SLACK = 0.4  # by which a slope inside an interval may differ from those outside of it
+_NEAR = 0.06  # width in log preload, below which it is half as much
+_SAFETY = 2.0  # widths to where a limit is met, as interpolated
+_BEND = 0.25  # of a limit's steps: how far it may bend between two preloads
+_SAME = 1e-9
 
 
-@dataclass(frozen=True, kw_only=True)
-class PreloadLine:
-    """Lives of one method over preload, and those between the points.
+@dataclass(frozen=True)
+class Tried:
+    """A preload whose life was solved.
 
     Attributes
     ----------
-    basis : int
-        Index along the loss basis.
-    preloads : (n,) ndarray
+    preload : float
         [N]
-    lives : (n,) ndarray
-        [h]
-    known : dict
-        Points that were found, by preload and whether quickly.
+    values : mapping
+        As of `followed_point`.
+    life : float
+        [s]; zero where it was not solved.
+    exact : bool
+        Whether it is the life that is printed, not a quick one.
     """
 
-    scene: Scene
-    method: str
-    limits: DesignLimits
-    basis: int
-    preloads: np.ndarray
-    lives: np.ndarray
-    known: dict[tuple[float, bool], dict[str, Any]] = field(default_factory=dict)
+    preload: float
+    values: Mapping[str, Any]
+    life: float
+    exact: bool
 
-    def scene_at(self, preload: float) -> Scene:
-        return held_by(self.scene, self.method, preload)
+    @property
+    def solved(self) -> bool:
+        return bool(self.values["status"] == OK)
 
-    def point(self, preload: float, quick: bool = True) -> dict[str, Any]:
-        """What `followed_point` finds at a preload [N]."""
-        if (preload, quick) not in self.known:
-            slip_limit = self.limits.gyroscopic_slip_share
-            self.known[preload, quick] = followed_point(self.scene_at(preload), slip_limit, quick)
-        return self.known[preload, quick]
+    def margins(self, limits: DesignLimits) -> np.ndarray:
+        """How far each limit is, as `_room`; last whether a bearing would be built so (1 or -1)."""
+        if not self.solved:
+            return np.full(len(limits.given) + 1, -1.0)
+        practical = -1.0 if self.values.get("impractical") else 1.0
+        return _room([*limit_margins(self.values, limits), practical])
 
-    def follows_grooves(self, preload: float) -> bool:
-        return bool(self.point(preload)["groove"] == WORN_GROOVE)
-
-    def margin(self, preload: float, quick: bool = True) -> float:
-        """How far the nearest limit is; -1 where the life was not solved, infinite without any."""
-        found = self.point(preload, quick)
-        if found["status"] != OK:
-            return -1.0
-        return min(limit_margins(found, self.limits), default=np.inf)
-
-    def life_within(self, preload: float, quick: bool = True) -> float:
-        """The life [s]; zero where it was not solved or passes a limit."""
-        found = self.point(preload, quick)
-        within = found["status"] == OK and all(m >= 0.0 for m in limit_margins(found, self.limits))
-        return float(found["life"][self.basis]) if within else 0.0
-
-    def ends_otherwise_beside(self, preload: float) -> bool:
-        """Whether lives close by, on either side, are ended by different criteria of the scene."""
-        beside = [self.point(times * preload) for times in (1.0 - BESIDE, 1.0 + BESIDE)]
-        ends = {one["end_criterion"] for one in beside}
-        return all(one["status"] == OK for one in beside) and len(ends) > 1
-
-    def rounded(self, preload: float) -> float:
-        """A preload with the fewest digits, three at least, that is as good as this one [N].
-
-        It may be rounded to either side: one of them can pass a limit, or end the life at once.
-        """
-        enough = LEAST_LEFT * self.life_within(preload)
-        least = 2 - math.floor(math.log10(preload))
-        for decimals in range(least, 9):
-            unit = 10.0**-decimals
-            near = sorted(
-                (round(unit * side(preload / unit), 9) for side in (math.floor, math.ceil)),
-                key=lambda p: abs(p - preload),
-            )
-            if decimals == least and self.follows_grooves(preload):
-                near += self.farther_from_limits(preload, unit)
-            for one in near:
-                if one > 0.0 and self.life_within(one, quick=False) >= enough > 0.0:
-                    return one
-        return preload
-
-    def farther_from_limits(self, preload: float, unit: float) -> list[float]:
-        """Preloads ever farther from the limits, which a quick life sees with some scatter [N]."""
-        more = self.margin(preload * (1.0 + AWAY)) >= self.margin(preload * (1.0 - AWAY))
-        first, way = (math.floor(preload / unit), 1) if more else (math.ceil(preload / unit), -1)
-        return [round(unit * (first + way * k), 9) for k in range(2, 2 + STEPS_AWAY)]
+    def is_allowed(self, limits: DesignLimits) -> bool:
+        return self.life > 0.0 and bool(np.all(self.margins(limits) >= 0.0))
 
 
-def best_point(searched: tuple[PreloadLine, int, int]) -> dict[str, Any]:
-    """The best preload near a point of a line, and its life.
+class Neighbours(NamedTuple):
+    """Two neighbouring preloads and those outside of them, where there are some."""
 
-    Parameters
+    before: Tried | None
+    a: Tried
+    b: Tried
+    after: Tried | None
+
+    @property
+    def width(self) -> float:
+        return math.log(self.b.preload / self.a.preload)
+
+    def longest(self, limits: DesignLimits) -> float:
+        """No life [s] within the limits between the two is taken to be longer than this."""
+        if not self._may_be_allowed(limits):
+            return 0.0
+        lives, width = (self.a.life, self.b.life), self.width
+        if not max(lives) > 0.0:
+            return 0.0
+        if self.jumps:
+            return max(lives) * math.exp(STEEPEST_RISE * width)
+        slack = _SLACK if width > _NEAR else 0.5 * _SLACK
+        step = math.log(lives[1] / lives[0])
+        if self.a.is_allowed(limits) != self.b.is_allowed(limits):
+            end, share = self.limit_met(limits)
+            rise = max(step if end is self.a else -step, 0.0) + slack * width
+            return end.life * math.exp(rise * min(1.0, _SAFETY * share))
+        rise = min(_slope(self.before, self.a, STEEPEST_RISE) + slack, STEEPEST_RISE)
+        fall = max(_slope(self.b, self.after, -STEEPEST_RISE) - slack, -STEEPEST_RISE)
+        if rise * width <= step or -fall * width <= -step:
+            return max(lives)
+        at = (step - fall * width) / (rise - fall)  # where both lines meet
+        return lives[0] * math.exp(rise * at)
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the life changes more than it does anywhere but at a jump."""
+        lives = self.a.life, self.b.life
+        if not min(lives) > 0.0:
+            return True
+        return abs(math.log(lives[1] / lives[0])) > STEEPEST_RISE * self.width
+
+    def limit_met(self, limits: DesignLimits) -> tuple[Tried, float]:
+        """The end within the limits, and which share of the width they are still kept."""
+        inside, outside = (self.a, self.b) if self.a.is_allowed(limits) else (self.b, self.a)
+        kept, passed = inside.margins(limits), outside.margins(limits)
+        shares = [g / (g - h) for g, h in zip(kept, passed, strict=True) if h < 0.0]
+        return inside, min(shares, default=0.5)
+
+    def split(self, limits: DesignLimits) -> float:
+        """The preload to solve next: where a limit is met, or in the middle [N]."""
+        low, high = math.log(self.a.preload), math.log(self.b.preload)
+        middle = 0.5 * (low + high)
+        flips = self.a.is_allowed(limits) != self.b.is_allowed(limits)
+        if flips and min(self.a.life, self.b.life) > 0.0 and not self._turns_impractical():
+            end, share = self.limit_met(limits)
+            share = min(max(share, 0.02), 0.98)
+            middle = low + share * (high - low) if end is self.a else high - share * (high - low)
+        return round_number(math.exp(middle), self.a.preload, self.b.preload)
+
+    def _turns_impractical(self) -> bool:
+        return bool(self.a.values.get("impractical")) != bool(self.b.values.get("impractical"))
+
+    def _may_be_allowed(self, limits: DesignLimits) -> bool:
+        """Whether each limit is kept at an end, or may be between them where its margin peaks."""
+        a, b = (t.margins(limits) if t.solved else None for t in (self.a, self.b))
+        if a is None or b is None:
+            return a is not b
+        kept = np.maximum(a, b) >= 0.0
+        if kept.all() or not kept[-1]:
+            return bool(kept.all())
+        rises = falls = np.full(len(a), True)
+        steps = [np.abs(b - a)]
+        if self.before is not None and self.before.solved:
+            steps.append(a - self.before.margins(limits))
+            rises = steps[-1] > 0.0
+        if self.after is not None and self.after.solved:
+            steps.append(self.after.margins(limits) - b)
+            falls = steps[-1] < 0.0
+        peak = np.maximum(a, b) + _BEND * np.max(np.abs(steps), axis=0)
+        return bool(np.all(kept | (rises & falls & (peak >= 0.0))))
+
+
+def _slope(a: Tried | None, b: Tried | None, unknown: float) -> float:
+    """Of the life over preload, both as logarithms; at most the steepest."""
+    if a is None or b is None or not min(a.life, b.life) > 0.0:
+        return unknown
+    slope = math.log(b.life / a.life) / math.log(b.preload / a.preload)
+    return slope if abs(slope) < STEEPEST_RISE else unknown
+
+
+def _room(margins: Sequence[Any]) -> np.ndarray:
+    """Margins on a scale on which what goes as a power of the preload is straighter."""
+    values = np.array(margins, dtype=float)
+    return np.sign(values) * np.log1p(np.abs(values))
+
+
+def round_number(target: float, low: float, high: float) -> float:
+    """The number nearest to a target with the fewest digits, between two others."""
+    for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), 12):
+        unit = 10.0**-decimals
+        near = [round(target + k * unit, decimals) for k in (0, -1, 1)]
+        inside = [p for p in near if low * (1.0 + _SAME) < p < high * (1.0 - _SAME)]
+        if inside:
+            return min(inside, key=lambda p: abs(p - target))
+    return target
+
+
+@dataclass
+class PreloadLine:
+    """Lives of one method over preload.
+
+    Attributes
     ----------
-    searched : tuple
-        The line, number of the point, and number of the limit that holds it.
-    """
-    line, index, active = searched
-    best = float(line.preloads[index])
-    if active < UNLIMITED:
-        best = _on_limit(line, index)
-    elif active == UNLIMITED:
-        best = _longest(line, index)
-    values = line.point(best)
-    if active <= UNLIMITED:  # between points of the map another limit may be met, or met first
-        left = limit_margins(values, line.limits)
-        if left and min(left) < AT_LIMIT:
-            active = ACTIVE.index(list(line.limits.given)[int(np.argmin(left))])
-        elif active == UNLIMITED and line.ends_otherwise_beside(best):
-            active = OTHER_END
-    to_set = line.rounded(best)
-    answer = life(line.scene_at(to_set))
-    error = answer.values.get("life_error_estimate", np.full(2, np.nan))
-    return line.point(to_set, quick=False) | {
-        "preload": to_set,
-        "active_limit": active,
-        "life_error_estimate": error,
-        "warnings": answer.attrs["warnings"],
-    }
-
-
-def _on_limit(line: PreloadLine, index: int) -> float:
-    """Where the limit is met that lies between a point and its neighbour with the longer life.
-
-    The part of the margin that a quick life misses there is taken for the same nearby.
-    """
-    lives = line.lives
-    ends = [k for k in (index - 1, index + 1) if 0 <= k < len(lives)]
-    beyond = max((k for k in ends if lives[k] > lives[index]), key=lambda k: lives[k])
-    a, b = float(line.preloads[index]), float(line.preloads[beyond])
-    root = _met_at(line, a, b, 0.0)
-    if line.follows_grooves(root):
-        root = _met_at(line, a, b, line.margin(root, quick=False) - line.margin(root))
-    return root
-
-
-def _met_at(line: PreloadLine, a: float, b: float, unseen: float) -> float:
-    """Where the margin, its missed part included, vanishes between `a`, which keeps to the limits,
-    and `b`.
+    method : str
+    tried : dict
+        By preload [N].
     """
 
-    def margin(preload: float) -> float:
-        return line.margin(preload) + unseen
+    method: str
+    basis: int
+    tried: dict[float, Tried] = field(default_factory=dict)
+    _arrays: dict[str, np.ndarray] | None = None
 
-    if margin(a) <= 0.0:  # it stands on the limit already
-        return a
-    if margin(b) >= 0.0:
-        return b
-    root = brentq(margin, a, b, rtol=PRELOAD_TOLERANCE)
-    # the side of the root that keeps to the limits
-    near = (root, root + PRELOAD_TOLERANCE * (a - b), root + 1e-3 * (a - b), a)
-    return next(p for p in near if margin(p) >= 0.0)
+    def add(self, preload: float, values: Mapping[str, Any], exact: bool) -> None:
+        solved = values["status"] == OK
+        life = float(values["life"][self.basis]) if solved else 0.0
+        self.tried[preload] = Tried(preload, values, life if life > 0.0 else 0.0, exact)
+        self._arrays = None
 
+    def is_exact(self, preload: float) -> bool:
+        return preload in self.tried and self.tried[preload].exact
 
-def _longest(line: PreloadLine, index: int) -> float:
-    """The preload with the longest life between the neighbours of a point."""
-    best = float(line.preloads[index])
-    found = minimize_scalar(
-        lambda p: -line.life_within(p),
-        bounds=(float(line.preloads[index - 1]), float(line.preloads[index + 1])),
-        method="bounded",
-        options={"xatol": 1e-3 * best},
-    )
-    return float(found.x) if -found.fun > line.lives[index] / HOURS_PER_SECOND else best
+    def leave_out_quick(self, low: float, high: float) -> None:
+        """Forget quick lives between two exact ones, which see limits and jumps less sharply."""
+        between = [p for p, t in self.tried.items() if low < p < high and not t.exact]
+        for preload in between:
+            del self.tried[preload]
+            self._arrays = None
+
+    @property
+    def in_order(self) -> list[Tried]:
+        return [self.tried[preload] for preload in sorted(self.tried)]
+
+    def intervals(self) -> Iterator[Neighbours]:
+        known = [None, *self.in_order, None]
+        for k in range(1, len(known) - 2):
+            yield Neighbours(*known[k - 1 : k + 3])  # type: ignore[arg-type]
+
+    def best(self, limits: DesignLimits, gain: float) -> Tried | None:
+        """The longest life within the limits; a quick one if it is so much longer."""
+        allowed = [t for t in self.in_order if t.is_allowed(limits)]
+        exact = max((t for t in allowed if t.exact), key=lambda t: t.life, default=None)
+        quick = max((t for t in allowed if not t.exact), key=lambda t: t.life, default=None)
+        if exact is None or quick is None:
+            return exact or quick
+        return quick if quick.life > gain * exact.life else exact
+
+    def doubtful(self, limits: DesignLimits, enough: float, narrowest: float) -> Neighbours | None:
+        """Where a life within the limits may be longest, and longer than is enough [s]."""
+        wide = ((one.longest(limits), one) for one in self.intervals() if one.width > narrowest)
+        longest, one = max(wide, key=lambda pair: pair[0], default=(0.0, None))
+        return one if longest > enough else None
+
+    def longest(self, limits: DesignLimits) -> float:
+        """The longest life within the limits that was solved [s]."""
+        return max((t.life for t in self.in_order if t.is_allowed(limits)), default=0.0)
+
+    def interpolated_best(self, limits: DesignLimits) -> tuple[float, float]:
+        """Longest life within the limits [s] and its preload [N], with lives and limited values
+        linear between neighbours; zero where there is none.
+        """
+        p, lives, kept = self._table(limits)
+        both = (lives[:-1] > 0.0) & (lives[1:] > 0.0)
+        start, step = kept[:, :-1], np.diff(kept, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            root = -start / step
+            low = np.max(np.where(step > 0.0, root, 0.0), axis=0, initial=0.0)
+            high = np.min(np.where(step < 0.0, root, 1.0), axis=0, initial=1.0)
+            never = np.any((step == 0.0) & (start < 0.0), axis=0)
+            shares = np.array([low, high])[:, both & ~never & (low <= high)]
+            x, y = np.log(p), np.log(lives)
+        k = np.flatnonzero(both & ~never & (low <= high))
+        alone = np.flatnonzero((lives > 0.0) & np.all(kept >= 0.0, axis=0))
+        at = np.concatenate([x[alone], *(x[k] + shares * (x[k + 1] - x[k]))])
+        found = np.concatenate([y[alone], *(y[k] + shares * (y[k + 1] - y[k]))])
+        if not found.size:
+            return 0.0, math.nan
+        best = int(np.argmax(found))
+        return math.exp(found[best]), math.exp(at[best])
+
+    def _table(self, limits: DesignLimits) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Preloads (n,), lives (n,) and how far the limits are (limits, n)."""
+        if self._arrays is None:
+            known = self.in_order
+            names = {name for t in known for name in t.values}
+            self._arrays = {
+                name: np.array([t.values.get(name, np.nan) for t in known], dtype=float)
+                for name in names
+                if all(np.ndim(t.values.get(name, np.nan)) == 0 for t in known)
+            }
+            self._arrays["life"] = np.array([t.life for t in known])
+            self._arrays["preload"] = np.array([t.preload for t in known])
+        values = self._arrays
+        margins = _room([*limit_margins(values, limits), 1.0 - 2.0 * (values["impractical"] > 0)])
+        return values["preload"], values["life"], np.where(values["status"] == OK, margins, -1.0)

@@ -6,8 +6,9 @@ Theory: docs/theory.md, section 14.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -16,39 +17,51 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.model.life import life
 from bearingwear.results.netcdf import CaseFileError, data_array, load
-from bearingwear.results.variable import Variable
+from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, counted, dataset_with
 from bearingwear.studies.design.choice import (
+    ACTIVE,
     ACTIVE_LIMIT,
-    best_within,
+    AT_CLIFF,
+    END_OF_RANGE,
+    NEXT_NOT_SOLVED,
+    NO_PRELOAD,
+    NOT_PRACTICAL,
+    OTHER_END,
+    UNLIMITED,
     limits_of,
     whole_map,
     why_none,
 )
 from bearingwear.studies.design.followed import (
+    HERTZIAN_GROOVE,
     as_followed,
     followed_lines,
+    followed_point,
     with_grooves,
 )
-from bearingwear.studies.design.map import life_point, part_of, scenes_of_part
+from bearingwear.studies.design.map import POINT, life_point, part_of, scenes_of_part
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
-from bearingwear.studies.design.preload_line import PreloadLine, best_point
+from bearingwear.studies.design.preload_line import PreloadLine
 from bearingwear.studies.design.room import (
-    Room,
+    Assumption,
     criteria_room,
     friction_room,
-    limit_room,
+    limit_end,
     lives_by_track,
+    longer,
 )
+from bearingwear.studies.design.search import Found, Request, answered, search
 from bearingwear.studies.design.verdict import held, verdict_on
-from bearingwear.studies.design.words import NONE_BECAUSE
+from bearingwear.studies.design.words import LIMIT_KEY, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
-from bearingwear.studies.pool import Tell, in_processes, to_stderr, told_in_lines
+from bearingwear.studies.pool import Tell, in_processes, processes, to_stderr, told_in_lines
 
 RECOMMENDATION = "recommendation"
 RECOMMENDED_PRELOAD = Variable(
@@ -58,12 +71,23 @@ RECOMMENDED_PRELOAD = Variable(
     "recommended initial axial preload",
     comment="in three digits, or as many more as keep to the limits and to the life",
 )
-HERTZIAN_PRELOAD = Variable(
-    "hertzian_preload", (), "N", "preload of the map, of Hertzian grooves, with the longest life"
-)
 LIFE_ERROR = Variable(
     "life_error_estimate", LOSS_BASIS.dims, "1", "estimated numerical error of the life"
 )
+
+CLIFF = table(
+    Variable(
+        "cliff_preload",
+        (),
+        "N",
+        "nearest preload, within 5 % of the recommended one, whose life is a tenth shorter or more",
+    ),
+    Variable("cliff_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
+    Variable("clear_preload", (), "N", "preload within the limits that keeps 5 % away from it"),
+    Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
+)
+NO_ERRORS = np.full(2, np.nan)
+AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 
 
 def recommendation_of(scene: Path, design: Path) -> xr.Dataset:
@@ -124,9 +148,8 @@ def recommendation(
     map's preloads.
 
     Where the scene's life follows the grooves as they wear, so do all lives of the lines of
-    preloads at its friction and speed, and the choice is made by those. The limit that holds the
-    best preload is followed to where it is met exactly; where none does, the longest life between
-    the neighbours is looked for.
+    preloads at its friction and speed. These show where to look; what is recommended, and where
+    the choice is reversed, comes from lives as `life` prints them, at the preloads that are named.
 
     Parameters
     ----------
@@ -154,98 +177,184 @@ def recommendation(
     lines = followed_lines(scene, at_scene, limits.gyroscopic_slip_share, workers, tell)
     if lines is at_scene and scene.pair is None:  # quick
         workers, tell = 1, None
-    if tell:
-        tell("the best preloads between those of the map")
-    rows, none = _best_of_each(scene, lines, limits, basis, workers)
-    for row, preload in zip(rows, at_scene["recommended_preload"].values.tolist(), strict=True):
-        row["hertzian_preload"] = preload
-    found = _dataset(rows, at_scene, design)
-    if tell:
-        tell("how far the choice holds")
-    held_so = _held(scene, lines, found, limits, basis, workers)
-    found = found.merge(held_so, combine_attrs="override")
+    with processes(workers, "recommend") as each:
+        search = Search(scene, limits, basis, each, tell or (lambda text: None))
+        rows, none, held_so = search.answers(lines)
+    found = _dataset(rows, at_scene, design).merge(held_so, combine_attrs="override")
     if lines is not at_scene:
         found = found.assign(as_followed(lines))
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
 
-def _best_of_each(
-    scene: Scene, lines: xr.Dataset, limits: DesignLimits, basis: int, workers: int
-) -> tuple[list[dict[str, Any]], dict[str, str]]:
-    """What is best of each method; and by method why there is nothing."""
-    rows: list[dict[str, Any]] = []
-    none, places, searched = {}, [], []
-    for k, flag in enumerate(lines["preload_method"].values):
-        one, method = lines.isel(preload_method=k), PRELOAD_METHODS[int(flag)]
-        index, active = (int(found) for found in best_within(one, limits, basis))
-        rows.append({"active_limit": active, "preload": np.nan, "status": -1})
-        if index < 0:
-            none[method] = why_none(one, limits, basis)
-            continue
-        line = PreloadLine(
-            scene=scene,
-            method=method,
-            limits=limits,
-            basis=basis,
-            preloads=one["preload"].values,
-            lives=one["life"].isel(loss_basis=basis).values,
-        )
-        searched.append((line, index, active))
-        places.append(k)
-    better = in_processes(best_point, searched, min(workers, len(searched)), "recommend")
-    for k, row in zip(places, better, strict=True):
-        rows[k] |= row
-    return rows, none
+@dataclass(frozen=True)
+class Search:
+    """The best preloads of a scene within limits, and how far the choice of the method holds.
+
+    Attributes
+    ----------
+    each : callable
+        `map`, or one whose calls share processes.
+    """
+
+    scene: Scene
+    limits: DesignLimits
+    basis: int
+    each: Callable[..., Iterator[Any]]
+    tell: Tell
+
+    def answers(self, lines: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, str], xr.Dataset]:
+        """What is best of each method, why there is nothing, and how far the choice holds.
+
+        Parameters
+        ----------
+        lines : Dataset
+            Lives over `preload_method` and `preload`.
+        """
+        known = [self._line(one) for _, one in lines.groupby("preload_method")]
+        found: list[Found | None] = [None] * len(known)
+        if self.limits.given:
+            self.tell("the best preloads between those of the map")
+            found = answered([search(one, self.limits) for one in known], self._solve)
+        rows: list[dict[str, Any]] = [{"active_limit": NO_PRELOAD, "status": -1} for _ in known]
+        none = {}
+        for k, (line, one) in enumerate(zip(known, found, strict=True)):
+            if one is None:
+                none[line.method] = self._why_none(lines.isel(preload_method=k))
+        there = {k: one for k, one in enumerate(found) if one is not None}
+        scenes = [self._at(known[k].method, one.best.preload) for k, one in there.items()]
+        for (k, one), more in zip(there.items(), self.each(_as_printed, scenes), strict=True):
+            rows[k] = _row(known[k], one, self.limits) | more
+        if self.limits.given:
+            self.tell("how far the choice holds")
+        return rows, none, self._held(known, rows)
+
+    def _at(self, method: str, preload: float) -> Scene:
+        return held_by(self.scene, method, preload)
+
+    def _line(self, one: xr.Dataset) -> PreloadLine:
+        """Lives of one method that were solved, as they are in a file."""
+        one = one.squeeze("preload_method")
+        line = PreloadLine(PRELOAD_METHODS[int(one["preload_method"])], self.basis)
+        names = [*(name for name in POINT if name in one), "groove"]
+        for k, preload in enumerate(one["preload"].values.tolist()):
+            values = {name: one[name].values[k] for name in names if name in one}
+            values["life"] = values["life"] / HOURS_PER_SECOND
+            exact = int(values.get("groove", HERTZIAN_GROOVE)) == HERTZIAN_GROOVE
+            line.add(preload, values, exact)
+        return line
+
+    def _solve(self, requests: Sequence[Request]) -> list[dict[str, Any]]:
+        slip_limit = self.limits.gyroscopic_slip_share
+        jobs = [
+            (self._at(line.method, preload), slip_limit, not exact)
+            for line, preload, exact in requests
+        ]
+        return list(self.each(_followed, jobs))
+
+    def _why_none(self, line: xr.Dataset) -> str:
+        if not self.limits.given:
+            return NO_LIMIT
+        return why_none(line, self.limits, self.basis)
+
+    def _held(self, lines: Sequence[PreloadLine], rows: Sequence[dict[str, Any]]) -> xr.Dataset:
+        """How far the choice holds: limits with new preloads, all else at the recommended ones."""
+        lives = [float(r["life"][self.basis]) if "life" in r else math.nan for r in rows]
+        scenes = [
+            self._at(line.method, r["preload"]) if "preload" in r else None
+            for line, r in zip(lines, rows, strict=True)
+        ]
+        both = [one for one in scenes if one is not None]
+        first = longer(np.nan_to_num(lives).tolist()) if len(lives) == 2 else None
+        room = [] if first is None else self._limits_room(lines, first)
+        asked: list[Callable[[], Any]] = [partial(lives_by_track, scenes, lives, self.basis)]
+        if first is not None and len(both) == 2:
+            asked += [partial(f, both, self.basis, first) for f in (criteria_room, friction_room)]
+        tracks, *rooms = self.each(_called, asked)
+        for one in rooms:
+            room += one
+        errors = [r.get("life_error_estimate", NO_ERRORS)[self.basis] for r in rows]
+        return held(room, tracks, verdict_on(lives, errors, room, tracks))
+
+    def _limits_room(self, lines: Sequence[PreloadLine], first: int) -> list[Assumption]:
+        names = list(self.limits.given)
+        asking = [
+            limit_end(lines, self.limits, name, up, first) for name in names for up in (False, True)
+        ]
+        ends = answered(asking, self._solve)
+        return [
+            Assumption(name=f"{LIMIT_KEY}{name}", now=self.limits.given[name], low=low, high=high)
+            for name, low, high in zip(names, ends[::2], ends[1::2], strict=True)
+        ]
 
 
-def _held(
-    scene: Scene,
-    lines: xr.Dataset,
-    found: xr.Dataset,
-    limits: DesignLimits,
-    basis: int,
-    workers: int,
-) -> xr.Dataset:
-    """How far the choice holds: limits with new preloads, all else at the recommended ones."""
-    pairs = zip(found["preload_method"].values, found["preload"].values.tolist(), strict=True)
-    scenes = [
-        held_by(scene, PRELOAD_METHODS[int(flag)], preload) if np.isfinite(preload) else None
-        for flag, preload in pairs
-    ]
-    room: Room = limit_room(lines, limits, basis)
-    both = [one for one in scenes if one is not None]
-    asked: list[Callable[[], Any]] = [partial(lives_by_track, scenes, basis)]
-    if len(both) == 2:
-        asked += [partial(criteria_room, both, basis), partial(friction_room, both, basis)]
-    tracks, *rooms = in_processes(_called, asked, workers, "recommend")
-    for one in rooms:
-        room |= one
-    lives = found["life"].isel(loss_basis=basis).values.tolist()
-    errors = found["life_error_estimate"].isel(loss_basis=basis).values.tolist()
-    return held(room, tracks, verdict_on(lives, errors, room, tracks))
+def _followed(job: tuple[Scene, float | None, bool]) -> dict[str, Any]:
+    return followed_point(*job)
 
 
 def _called(asked: Callable[[], Any]) -> Any:
     return asked()
 
 
+def _as_printed(scene: Scene) -> dict[str, Any]:
+    """What `life` says beside a life: its numerical error, and the warnings."""
+    answer = life(scene)
+    error = answer.values.get("life_error_estimate", NO_ERRORS)
+    return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
+
+
+def _row(line: PreloadLine, found: Found, limits: DesignLimits) -> dict[str, Any]:
+    """A recommended preload and the cliff beside it."""
+    row = dict(found.best.values) | {
+        "preload": found.best.preload,
+        "active_limit": held_back_by(line, found, limits),
+    }
+    for name, one in (("cliff", found.cliff), ("clear", found.clear)):
+        if one is not None and one is not found.best:
+            row |= {f"{name}_preload": one.preload, f"{name}_life": one.life}
+    return row
+
+
+def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
+    """Index into `ACTIVE`: what keeps the best preload from one with a longer life."""
+    known, best = line.in_order, found.best
+    k = known.index(best)
+    beside = [known[n] for n in (k - 1, k + 1) if 0 <= n < len(known)]
+    names = [*limits.given, ACTIVE[NOT_PRACTICAL]]
+    margins = best.margins(limits)
+    passed = [t.margins(limits) for t in beside if t.solved and t.life > best.life]
+    passed = [m for m in passed if m.min() < 0.0]
+    if passed:
+        return ACTIVE.index(names[int(np.argmin(min(passed, key=lambda m: m.min())))])
+    near = [*beside, *([found.cliff] if found.cliff else [])]
+    if any(not t.solved for t in near):
+        return NEXT_NOT_SOLVED
+    if found.cliff or found.clear:
+        return AT_CLIFF
+    if margins.min() < AT_LIMIT:
+        return ACTIVE.index(names[int(np.argmin(margins))])
+    if len(beside) < 2:
+        return END_OF_RANGE
+    ends = {int(t.values["end_criterion"]) for t in (*beside, best)}
+    return OTHER_END if len(ends) > 1 else UNLIMITED
+
+
 def _dataset(
     rows: Sequence[dict[str, Any]], at_scene: xr.Dataset, design: xr.Dataset
 ) -> xr.Dataset:
     along = ("preload_method",)
-    unknown: dict[str, Any] = {"end_criterion": len(CRITERIA) - 1}
-    unknown |= {"life_error_estimate": np.full(2, np.nan)}
+    unknown: dict[str, Any] = {"end_criterion": len(CRITERIA) - 1, "preload": math.nan}
+    unknown |= {"life_error_estimate": NO_ERRORS}
     rows = [unknown | row for row in rows]
     variables = with_grooves(rows, {"preload_method": len(rows)})
     variables["status"].attrs["missing"] = "-1: there was none to solve"
     for variable in (
         RECOMMENDED_PRELOAD,
-        HERTZIAN_PRELOAD,
         replace(ACTIVE_LIMIT, long_name="what keeps it from a longer life"),
         LIFE_ERROR,
+        *CLIFF.values(),
     ):
-        column = np.array([row[variable.name] for row in rows])
+        column = np.array([row.get(variable.name, math.nan) for row in rows])
         variables[variable.name] = data_array(variable, column, along)
     return dataset_with(
         variables,

@@ -5,21 +5,24 @@ Theory: docs/theory.md, section 14.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
 
 import numpy as np
-import xarray as xr
+from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
-from bearingwear.measures import ENDS, LIMITED
+from bearingwear.measures import ENDS
 from bearingwear.model.worn_courses import lives_by_end
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
-from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.followed import HERTZIAN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
+from bearingwear.studies.design.preload_line import PreloadLine, round_number
+from bearingwear.studies.design.search import GUIDED, WINDOW, Asking, Request, guide
+from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, WEAR_KEY
 
 FARTHEST = 10.0
 """Largest factor by which a limit is moved either way."""
@@ -27,97 +30,56 @@ FARTHEST = 10.0
 CRITERIA_FARTHEST = 4.0
 """The same for an end of life and for friction."""
 
-_PRELOADS, _LIMITS, _CRITERIA, _FRICTIONS = 400, 240, 8, 6
-_SAME, _HALVINGS, _FRICTION_HALVINGS = 1e-6, 20, 5
+FOUND_TO = 4e-3
+"""Relative: to which an end of what holds is found."""
+
+_LIMITS, _CRITERIA, _FRICTIONS = 60, 8, 4  # steps to the farthest value
+_GUIDED_GAIN = 1.05  # of a life that the map may miss
+_GUIDED = 5  # of the steps of a limit, where quick lives show what the coarse map misses
+_NEAREST = 2e-3  # width in log preload, within which there is an exact life
+_MOST = 40
+_NO_CHANCE = 50.0  # logarithm of a ratio of lives of which one is nothing
 SHARES_OF_ENDS = ("preload_fraction", "gyroscopic_slip_share", "skid_ratio")
 _LARGEST_SHARE = 0.999
 
-Room = dict[str, tuple[float, float, float]]
-"""By key: the value up to which a choice holds below, the value now, and the one above.
 
-NaN where it holds over the whole range searched.
-"""
-Preference = Callable[[float], int | None]
-"""Number of the better method with an assumption times a factor; None where it is not known."""
+@dataclass(frozen=True, kw_only=True)
+class Assumption:
+    """How far an assumption may move.
 
-
-def limit_room(lines: xr.Dataset, limits: DesignLimits, basis: int) -> Room:
-    """How far each limit may move before another method has the longest life.
-
-    Lives and what is limited are interpolated between the preloads of the lines; preloads are
-    chosen anew for each value of a limit.
-
-    Parameters
+    Attributes
     ----------
-    lines : Dataset
-        The map over `preload_method` and `preload`.
-    limits : DesignLimits
-    basis : int
-        Index along the loss basis.
+    name : str
+        Its key.
+    now, low, high : float
+        Its value, and the ends between which the same method lasts longer; NaN for none found.
     """
-    dense = [
-        _dense(lines.isel(preload_method=k), basis) for k in range(len(lines["preload_method"]))
-    ]
-    if len(dense) < 2:
-        return {}
 
-    def best(moved: DesignLimits) -> int | None:
-        return longer([_longest_within(line, moved) for line in dense])
+    name: str
+    now: float
+    low: float = math.nan
+    high: float = math.nan
 
-    factors = FARTHEST ** np.linspace(0.0, 1.0, _LIMITS + 1)[1:]
-    room: Room = {}
-    for name, limit in limits.given.items():
-
-        def choice(factor: float, name: str = name, limit: float = limit) -> int | None:
-            return best(replace(limits, **{name: factor * limit}))
-
-        room[f"{LIMIT_KEY}{name}"] = _holds(choice, limit, 1.0 / factors, factors)
-    return room
+    def turns_within(self, share: float) -> bool:
+        """Whether a move of a share reverses the choice."""
+        return self.low > (1.0 - share) * self.now or self.high < (1.0 + share) * self.now
 
 
-def _dense(line: xr.Dataset, basis: int) -> dict[str, np.ndarray]:
-    """What a line has at many preloads between those that were solved."""
-    solved = (line["status"] == OK).values
-    p, life = line["preload"].values, line["life"].isel(loss_basis=basis).values
-    fine = np.geomspace(p[0], p[-1], _PRELOADS) if len(p) > 1 else p
-    # between two solved neighbours alone
-    whole = np.interp(fine, p, solved.astype(float)) > 1.0 - 1e-9
-    known = {"life": np.where(solved, life, 0.0)}
-    known |= {name: line[name].values for one in LIMITED.values() for name in one.extremes}
-    x, at = np.log(p), np.log(fine)
-    found = {name: np.interp(at, x, np.nan_to_num(v)) for name, v in known.items()}
-    found["life"] = np.where(whole, found["life"], 0.0)
-    return found
+Advantage = Callable[[float], float]
+"""Logarithm of the better method's life over the other's, with an assumption times a factor.
+
+NaN where it is not known.
+"""
 
 
-def _longest_within(line: Mapping[str, np.ndarray], limits: DesignLimits) -> float:
-    allowed = line["life"] > 0.0
-    for margin in limit_margins(line, limits):
-        allowed = allowed & (margin >= -_SAME)
-    return float(np.max(line["life"], where=allowed, initial=0.0))
-
-
-def _holds(
-    choice: Preference, now: float, below: np.ndarray, above: np.ndarray, halvings: int = _HALVINGS
-) -> tuple[float, float, float]:
-    """Values up to which a choice stays as it is, from factors going away from one."""
-    first = choice(1.0)
-    ends = []
-    for factors in (below, above):
-        changes, last = np.nan, 1.0
-        for factor in factors.tolist() if first is not None else ():
-            here = choice(factor)
-            if here is None:
-                break
-            if here != first:
-                for _ in range(halvings):
-                    middle = float(np.sqrt(last * factor))
-                    last, factor = (middle, factor) if choice(middle) == first else (last, middle)
-                changes = last * now
-                break
-            last = factor
-        ends.append(float(changes))
-    return ends[0], now, ends[1]
+def advantage(lives: Sequence[float], first: int) -> float:
+    """Logarithm of a life over the other one; NaN where one was not solved, or both are nothing."""
+    own, other = lives[first], lives[1 - first]
+    if not np.isfinite(lives).all() or not max(lives) > 0.0:
+        return math.nan
+    if not min(lives) > 0.0:
+        return math.copysign(_NO_CHANCE, own - other)
+    return math.log(own / other)
 
 
 def longer(lives: Sequence[float]) -> int | None:
@@ -127,7 +89,111 @@ def longer(lives: Sequence[float]) -> int | None:
     return int(np.argmax(lives))
 
 
-def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
+def reversal(guide: Advantage, advantage: Advantage, factors: Sequence[float], to: float) -> float:
+    """The factor at which a choice is reversed; NaN where it is not, or not known before.
+
+    Parameters
+    ----------
+    guide : callable
+        Close to `advantage`, and cheaper: it shows between which factors to look.
+    advantage : callable
+    factors : sequence of float
+        Going away from 1, where the choice stands.
+    to : float
+        Relative: how well it is found.
+    """
+    known: dict[float, float] = {}
+    last = 0.0
+    for factor in (1.0, *factors):
+        at = math.log(factor)
+        known[at] = guide(factor)
+        if not known[at] > 0.0:
+            return math.exp(_root(lambda x: advantage(math.exp(x)), known, last, at, to))
+        last = at
+    return math.nan
+
+
+def _root(
+    advantage: Advantage, known: dict[float, float], held: float, lost: float, to: float
+) -> float:
+    """Where an advantage is lost, between two places at which it is known; NaN where it is not
+    known beyond.
+    """
+    if not known[held] > 0.0:
+        return held if known[held] <= 0.0 else math.nan
+
+    def value(x: float) -> float:
+        if x not in known:
+            known[x] = advantage(x)
+        return known[x] if known[x] > 0.0 else min(known[x], -1e-9) if known[x] <= 0.0 else -1.0
+
+    root = float(brentq(value, held, lost, xtol=to))
+    beyond = [x for x in known if not known[x] > 0.0 and (x - held) * (lost - held) > 0.0]
+    nearest = min(beyond, key=lambda x: abs(x - held))
+    return root if known[nearest] <= 0.0 else math.nan
+
+
+def limit_end(
+    lines: Sequence[PreloadLine], limits: DesignLimits, name: str, up: bool, first: int
+) -> Asking:
+    """Ask for the lives that show how far a limit may move; returns that value, or NaN.
+
+    The best preloads are found anew for each value of it.
+    """
+    now = limits.given[name]
+    factors = (FARTHEST if up else 1.0 / FARTHEST) ** np.linspace(0.0, 1.0, _LIMITS + 1)[1:]
+
+    def moved(factor: float) -> DesignLimits:
+        return replace(limits, **{name: factor * now})
+
+    def ahead(factor: float) -> float:
+        return advantage([line.interpolated_best(moved(factor))[0] for line in lines], first)
+
+    for factor in factors[:: _LIMITS // _GUIDED].tolist():
+        least = lines[first].interpolated_best(moved(factor))[0]
+        yield from guide(lines[1 - first], moved(factor), least=least)
+        if not ahead(factor) > 0.0:
+            break
+    for _ in range(_MOST):
+        end = reversal(ahead, ahead, factors.tolist(), 0.05 * FOUND_TO)
+        if math.isnan(end):
+            return math.nan
+        beyond = moved(end * (1.0 + 0.1 * FOUND_TO) ** (1 if up else -1))
+        before = [len(line.tried) for line in lines]
+        for line in lines:
+            least = _GUIDED_GAIN * line.interpolated_best(beyond)[0]
+            yield from guide(line, beyond, _GUIDED_GAIN, least)
+        if before != [len(line.tried) for line in lines]:
+            continue
+        if missing := _missing(lines, (moved(end), beyond), GUIDED, exact=False):
+            yield missing
+            continue
+        if not (missing := _missing(lines, (moved(end), beyond), _NEAREST, exact=True)):
+            return end * now
+        yield missing
+        for line, preload, _ in missing:
+            line.leave_out_quick(preload / WINDOW, preload * WINDOW)
+    return math.nan
+
+
+def _missing(
+    lines: Sequence[PreloadLine], limits: Sequence[DesignLimits], width: float, exact: bool
+) -> list[Request]:
+    """Lives at the best preloads, where none was solved within a width in log preload."""
+    missing: list[Request] = []
+    for line in lines:
+        for one in limits:
+            _, preload = line.interpolated_best(one)
+            known = [p for p, t in line.tried.items() if t.exact >= exact]
+            known += [p for other, p, _ in missing if other is line]
+            near = min((abs(math.log(p / preload)) for p in known), default=math.inf)
+            if near > width:  # which no preload that is not a number is
+                ends = preload * (1.0 - width), preload * (1.0 + width)
+                missing.append((line, round_number(preload, *ends), exact))
+    return missing
+
+
+def criteria_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assumption]:
     """How far each end of life may move before the other of two preloads lasts longer.
 
     Parameters
@@ -136,6 +202,8 @@ def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
         With the preloads to compare, which stay as they are.
     basis : int
         Index along the loss basis.
+    first : int
+        Which of them lasts longer.
     """
     end = scenes[0].wear.end_of_life or EndOfLife()
     most = {name: _largest(name, limit) for name, limit in end.criteria.items()}
@@ -145,15 +213,21 @@ def criteria_room(scenes: Sequence[Scene], basis: int) -> Room:
     }
     lives = [lives_by_end(scene, replace(end, **loose), basis) for scene in scenes]
     even = np.linspace(0.0, 1.0, _CRITERIA + 1)[1:]
-    room: Room = {}
+    room = []
     for name, limit in end.criteria.items():
 
-        def choice(factor: float, name: str = name, limit: float = limit) -> int | None:
-            moved = replace(end, **{name: factor * limit})
-            return longer([life(moved) for life in lives])
+        def moved(factor: float, name: str = name, limit: float = limit) -> EndOfLife:
+            return replace(end, **{name: factor * limit})
+
+        def ahead(factor: float, moved: Callable[[float], EndOfLife] = moved) -> float:
+            return advantage([life(moved(factor)) for life in lives], first)
 
         above = most[name] ** even if most[name] > 1.0 else np.array([])
-        room[f"{END_KEY}{name}"] = _holds(choice, limit, CRITERIA_FARTHEST**-even, above)
+        sides = (CRITERIA_FARTHEST**-even, above)
+        low, high = (reversal(ahead, ahead, f.tolist(), 0.05 * FOUND_TO) for f in sides)
+        room.append(
+            Assumption(name=f"{END_KEY}{name}", now=limit, low=low * limit, high=high * limit)
+        )
     return room
 
 
@@ -164,45 +238,61 @@ def _largest(name: str, limit: float) -> float:
     return max(1.0, min(CRITERIA_FARTHEST, _LARGEST_SHARE / limit))
 
 
-def friction_room(scenes: Sequence[Scene], basis: int) -> Room:
+def friction_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assumption]:
     """The same of friction, and of the wear coefficient, to which all lives are proportional."""
     mu = scenes[0].friction.coefficient
     part = key_of_scene(FRICTION_KEY)
     assert part is not None
     most = min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
 
-    def choice(factor: float) -> int | None:
+    @cache
+    def ahead(factor: float, quick: bool) -> float:
         made = [
             replace(one, friction=replace(one.friction, ball_race=factor * mu)) for one in scenes
         ]
-        return longer([_life(one, basis) for one in made])
+        return advantage([exact_life(one, basis, quick) for one in made], first)
 
     K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
-    found: Room = {WEAR_KEY: (np.nan, K, np.nan)}
+    found = [Assumption(name=WEAR_KEY, now=K)]
     if most > 1.0:
         even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
-        found[FRICTION_KEY] = _holds(
-            choice, mu, CRITERIA_FARTHEST**-even, most**even, _FRICTION_HALVINGS
+        quick, exact = partial(ahead, quick=True), partial(ahead, quick=False)
+        low, high = (
+            reversal(quick, exact, factors.tolist(), FOUND_TO)
+            for factors in (CRITERIA_FARTHEST**-even, most**even)
         )
+        found.append(Assumption(name=FRICTION_KEY, now=mu, low=low * mu, high=high * mu))
     return found
 
 
-def _life(scene: Scene, basis: int) -> float:
-    """With the groove that a life follows [s]; NaN where it was not solved."""
-    found = followed_point(scene, None)
-    return float(found["life"][basis]) if found["status"] == OK else np.nan
+def exact_life(scene: Scene, basis: int, quick: bool = False) -> float:
+    """The life that is printed of a scene [s]; NaN where it was not solved."""
+    found = followed_point(scene, None, quick)
+    return float(found["life"][basis]) if found["status"] == OK else math.nan
 
 
-def lives_by_track(scenes: Sequence[Scene | None], basis: int) -> np.ndarray:
-    """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove."""
-    lives, followed = np.full((len(scenes), len(BALL_TRACKS)), np.nan), False
+def lives_by_track(
+    scenes: Sequence[Scene | None], lives: Sequence[float], basis: int
+) -> np.ndarray:
+    """Lives (scenes, `BALL_TRACKS`) [s]; all NaN where none follows a groove.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene or None
+    lives : sequence of float
+        By the tracks of the scenes [s].
+    basis : int
+    """
+    found, followed = np.full((len(scenes), len(BALL_TRACKS)), math.nan), False
     for i, scene in enumerate(scenes):
         for k, track in enumerate(BALL_TRACKS if scene is not None else ()):
             assert scene is not None
-            point = followed_point(replace(scene, wear=replace(scene.wear, ball_track=track)), None)
+            if track == scene.wear.ball_track:
+                found[i, k] = lives[i]
+                continue
+            at = replace(scene, wear=replace(scene.wear, ball_track=track))
+            point = followed_point(at, None, quick=False)
             followed |= point["groove"] != HERTZIAN_GROOVE
             if point["status"] == OK:
-                lives[i, k] = point["life"][basis]
-            if not followed:
-                return lives * np.nan
-    return lives
+                found[i, k] = point["life"][basis]
+    return found if followed else found * math.nan

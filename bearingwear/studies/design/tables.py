@@ -207,13 +207,9 @@ def _choice(recommendation: xr.Dataset) -> list[str]:
 
 
 def _with_hertzian_groove(one: xr.Dataset, basis: int) -> dict[str, str]:
-    """The life beside that of a groove followed as it wears, and where the map alone would be."""
+    """The life beside that of a groove followed as it wears."""
     life = digits(float(one["hertzian_life"].isel(loss_basis=basis)))
-    preload = digits(float(one["hertzian_preload"]))
-    return {
-        f"life {HERTZIAN_LIFE_WORDS}, at this preload (h)": life,
-        f"best preload of the map, {HERTZIAN_LIFE_WORDS} (N)": preload,
-    }
+    return {f"life {HERTZIAN_LIFE_WORDS}, at this preload (h)": life}
 
 
 def _quantiles(uncertainty: xr.Dataset) -> list[str]:

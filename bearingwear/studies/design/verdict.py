@@ -14,15 +14,13 @@ from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS
 from bearingwear.studies.dataset import coordinate
-from bearingwear.studies.design.room import Room, longer
+from bearingwear.studies.design.room import Assumption, longer
 
 CLAIMED = 0.05
 """A choice that reverses within this move of one assumption is not claimed."""
 
 VERDICTS = ("nothing_to_compare", "longer", "neither")
 NO_COMPARISON, ONE_LONGER, NEITHER_LONGER = range(len(VERDICTS))
-
-_COLUMNS = ("holds_from", "assumed", "holds_to")
 
 HELD = table(
     Variable("assumed", ("assumption",), "", "value of an assumption, in the unit of its key"),
@@ -50,7 +48,7 @@ HELD = table(
 
 
 def verdict_on(
-    lives: Sequence[float], errors: Sequence[float], room: Room, tracks: np.ndarray
+    lives: Sequence[float], errors: Sequence[float], room: Sequence[Assumption], tracks: np.ndarray
 ) -> int:
     """Index into `VERDICTS`: whether one of two methods can be said to last longer.
 
@@ -58,34 +56,32 @@ def verdict_on(
     ----------
     lives, errors : sequence of float
         Life and its relative numerical error of each method.
-    room : Room
+    room : sequence of Assumption
     tracks : ndarray
         As `lives_by_track`.
     """
     better = longer(lives) if len(lives) == 2 else None
     if better is None:
         return NO_COMPARISON
-    told = lives[better] * (1.0 - np.nansum(errors)) > lives[1 - better]
+    beyond_errors = lives[better] * (1.0 - np.nansum(errors)) > lives[1 - better]
     same_track = all(longer(lives) in (None, better) for lives in tracks.T.tolist())
-    turned = any(turns(*held) for held in room.values())
-    return ONE_LONGER if told and same_track and not turned else NEITHER_LONGER
+    turned = any(one.turns_within(CLAIMED) for one in room)
+    return ONE_LONGER if beyond_errors and same_track and not turned else NEITHER_LONGER
 
 
-def turns(low: float, now: float, high: float) -> bool:
-    """Whether a move of `CLAIMED` reverses a choice that holds between two values."""
-    return low > (1.0 - CLAIMED) * now or high < (1.0 + CLAIMED) * now
-
-
-def held(room: Room, tracks: np.ndarray, said: int) -> xr.Dataset:
+def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Dataset:
     """How far a choice holds, as variables of a file over `assumption` and `ball_track`."""
-    columns = np.array(list(room.values())).reshape(-1, len(_COLUMNS))
-    values = dict(zip(_COLUMNS, columns.T, strict=True))
+    columns = {"holds_from": "low", "assumed": "now", "holds_to": "high"}
+    values = {
+        name: np.array([getattr(one, of) for one in room], float) for name, of in columns.items()
+    }
     values |= {"life_by_ball_track": tracks, "verdict": np.array(said)}
-    names = Variable(
-        "assumption", ("assumption",), "", "what was assumed", dtype="i1", flags=tuple(room)
+    names = tuple(one.name for one in room)
+    number = Variable(
+        "assumption", ("assumption",), "", "what was assumed", dtype="i1", flags=names
     )
     track = Variable(
         "ball_track", ("ball_track",), "", "track of a ball", dtype="i1", flags=BALL_TRACKS
     )
     arrays = {name: data_array(variable, values[name]) for name, variable in HELD.items()}
-    return xr.Dataset(arrays, {**coordinate(names), **coordinate(track)})
+    return xr.Dataset(arrays, {**coordinate(number), **coordinate(track)})

@@ -9,6 +9,8 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "not_solved": "an unsolved neighbour",
     "no_preload_within_limits": "no preload keeps to all limits",
     "end_of_life": "a change in what ends the life",
+    "impractical": "a warning: nobody would build it",
+    "cliff": "a sudden fall of the life",
 }
 """What keeps a preload from one with a longer life."""
 
@@ -43,6 +45,9 @@ BRIEF_WORDS = {
 
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
+
+NO_LIMIT = "no limit was given"
+"""Why, where there is nothing to choose by."""
 
 LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
 """Before the name of an assumption that is a limit of the design, or an end of the life."""

@@ -151,11 +151,14 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
     )
 
 
+_NOT_LONGER = {None: "the methods are equal", "": "neither can be used"}
+
+
 class _Contest(NamedTuple):
     """Both methods at one friction coefficient of a scene."""
 
     friction: float
-    longest: str | None  # None: equal
+    longest: str | None  # None: equal; empty: both are beyond a limit when new
     other: str
     ratio: float  # longer life over the shorter
 
@@ -173,9 +176,8 @@ def _contests(lives: Iterable[Life]) -> list[_Contest]:
             if short.counted > 0.0:
                 ratio = long.counted / short.counted
             errors = sum(life.error for life in pair if math.isfinite(life.error))
-            found.append(
-                _Contest(mu, long.method if ratio - 1.0 > errors else None, short.method, ratio)
-            )
+            longest = long.method if ratio - 1.0 > errors else None
+            found.append(_Contest(mu, longest if long.counted else "", short.method, ratio))
     return found
 
 
@@ -185,6 +187,9 @@ def _headline(name: str, lives: Sequence[Life], contests: Sequence[_Contest]) ->
     winners = {contest.longest for contest in contests}
     if not winners:
         return f"{name}: life with {' and '.join(_distinct(lives, 'method'))}"
+    if winners == {""}:
+        return f"{name}: neither preload method can be used"
+    winners.discard("")
     if winners == {None}:
         return f"{name}: both preload methods last equally long"
     if len(winners) == 1:
@@ -212,9 +217,11 @@ def _verdicts(contests: Sequence[_Contest]) -> list[str]:
     said = []
     for winner in dict.fromkeys(contest.longest for contest in contests):
         won = [contest for contest in contests if contest.longest == winner]
-        if winner is None:
+        if not winner:
             at = ", ".join(mu_is(contest.friction) for contest in won)
-            said.append(f"No difference beyond the numerical error at {at}.")
+            equal = f"No difference beyond the numerical error at {at}."
+            none = f"Neither can be used at {at}: both are beyond a limit when new."
+            said.append(equal if winner is None else none)
             continue
         margins = ", ".join(f"{_margin(c.ratio)} at {mu_is(c.friction)}" for c in won)
         said.append(_sentence(f"{in_words(winner)} outlasts {in_words(won[0].other)}: {margins}"))
@@ -271,7 +278,7 @@ def _elsewhere(lives: Sequence[Life]) -> list[str]:
     said = [f"{_hours([life.counted for life in lives])}, each in its scene's way of counting wear"]
     for winner in dict.fromkeys(contest.longest for contest in contests):
         count = sum(contest.longest == winner for contest in contests)
-        name = f"{in_words(winner)} lasts longer" if winner else "the methods are equal"
+        name = f"{in_words(winner)} lasts longer" if winner else _NOT_LONGER[winner]
         said.append(f"{name} in {count} of {len(contests)} comparisons")
     return [_sentence(text) for text in said]
 

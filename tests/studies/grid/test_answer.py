@@ -64,6 +64,11 @@ CONSTANT, FIXED = PRELOAD_METHODS
             "No difference beyond the numerical error at µ = 0.1.",
         ),
         (
+            [life(CONSTANT, 0.1, 0.0), life(FIXED, 0.1, 0.0)],
+            "a at 7 N: neither preload method can be used",
+            "Neither can be used at µ = 0.1: both are beyond a limit when new.",
+        ),
+        (
             [life(CONSTANT, 0.1, 1.0, math.nan), life(FIXED, 0.1, 1.019, math.nan)],
             "a at 7 N: fixed position lasts longest",
             "Fixed position outlasts constant force: by 1.9 % at µ = 0.1.",
@@ -112,7 +117,7 @@ def test_lives_of_zero_are_no_contest():
         ]
 
     both, one = answer(lives(0.0, 0.0), SCENE), answer(lives(0.0, 2.0), SCENE)
-    assert both.headline == "s at 7 N: both preload methods last equally long"
+    assert both.headline == "s at 7 N: neither preload method can be used"
     assert [plain(text) for text in one.points[0][1]] == [
         "Both methods at the 7 N of the scene, with Hertzian grooves; at a preload recommended for "
         "each of them the order may differ.",

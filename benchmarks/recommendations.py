@@ -1,0 +1,255 @@
+"""Recommended preloads against the longest of many lives, each found as `life` finds it.
+
+    python benchmarks/recommendations.py [-o recommendations.jsonl] [--scenes 60] [--seed 7]
+
+draws bearings of 15, 25 and 40 degrees: single, spring pair, rigid pair; cold or warm; contacts of
+Hertz or grooves that are followed; one to three limits. Each has its recommended life beside the
+longest allowed one on a grid of preloads: 2 % apart where lives are cheap. Where grooves are
+followed it is 10 % apart, and 2 % apart beside any preload whose life, within the limits or not,
+is within 10 % of the recommended one or longer; `--whole` takes 2 % everywhere, which shows what
+that leaves out. Before these come the bearings whose recommended life was once far below another.
+
+A scene that is in the file is not solved again: the program may be stopped and goes on.
+"""
+
+import argparse
+import json
+import math
+import random
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.status import OK
+from bearingwear.plotting.markdown import markdown_table
+from bearingwear.results.warnings import impractical_warnings
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.new import write_scene
+from bearingwear.scene.read import load_scene
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.studies.design.choice import limit_margins
+from bearingwear.studies.design.followed import followed_point
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.recommend import mapped
+
+SEED, SCENES = 7, 60
+FINE, WIDE = 1.02, 1.10
+NEAR = 0.9  # of the recommended life: above it the grid is fine
+SIZES = ("7000", "7002", "7004", "7006", "7008", "7202", "7204", "7205", "7206", "7208")
+ANGLES = {"C": 15, "AC": 25, "B": 40}
+KINDS = ("single", "spring_pair", "rigid_pair")
+STEEP = (  # contact angles of 40 degrees; gyroscopic slip ends the life at once below a preload
+    ("7205B", 600, 13000, {"maximum_pressure_GPa": 1.5, "axial_stiffness_N_um": 15.0}),
+    (
+        "7204B",
+        400,
+        15000,
+        {"maximum_pressure_GPa": 2.0, "friction_power_W": 60.0, "axial_stiffness_N_um": 10.0},
+    ),
+    ("7208B", 1200, 8500, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 20.0}),
+    ("7206B", 800, 11000, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 20.0}),
+    ("7202B", 250, 19000, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 8.0}),
+    ("7207B", 1000, 9500, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 20.0}),
+    ("7210B", 1500, 7000, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 25.0}),
+)
+COLUMNS = ("bearing", "limits", "method", "recommended N", "h", "best of all N", "h", "ratio")
+
+
+def drawn(number: int, seed: int) -> dict[str, Any]:
+    """A bearing and limits by chance, as plain data."""
+    dice = random.Random(1000 * seed + number)
+    angle = list(ANGLES)[number % 3]
+    size = dice.choice(SIZES)
+    outside = {"70": 1.7, "72": 2.0}[size[:2]]
+    bore = {"00": 10, "02": 15}.get(size[2:], 5 * int(size[2:]))
+    speed = round(dice.uniform(4e5, 9e5) / (bore * outside), -2)
+    kind = KINDS[dice.randrange(3)]
+    settings = [f"model.contact={('auto', 'hertz')[number % 2]}"]
+    if number % 2 == 0:  # a short life of a groove that is followed costs a tenth of a whole one
+        settings.append(f"wear.end_of_life.ball_diameter_loss_um={dice.choice((0.5, 1.0))}")
+    if dice.random() < 0.5:
+        warmer = dice.choice((3, 6, 10))
+        settings += [
+            f"temperature.inner_ring_C={20 + warmer}",
+            f"temperature.balls_C={20 + warmer}",
+            "temperature.outer_ring_C=20",
+        ]
+    if kind != "single":
+        settings += [
+            f"arrangement.kind={kind}",
+            f"operation.preload_method={dict(zip(KINDS[1:], PRELOAD_METHODS, strict=True))[kind]}",
+        ]
+    limits = {
+        "axial_stiffness_N_um": round(dice.uniform(0.2, 1.5) * bore**0.7, 1),
+        "maximum_pressure_GPa": round(dice.uniform(1.2, 2.4), 2),
+        "gyroscopic_slip_share": round(dice.uniform(0.15, 0.49), 2),
+        "friction_power_W": round(dice.uniform(0.02, 0.2) * bore**1.5, 1),
+    }
+    names = dice.sample(sorted(limits), dice.randint(1, 3))
+    return {
+        "designation": f"{size}{angle}",
+        "speed": speed,
+        "preload": None,
+        "settings": settings,
+        "limits": {name: limits[name] for name in names},
+    }
+
+
+def cases(seed: int, scenes: int) -> dict[str, dict[str, Any]]:
+    """All that is solved, by name."""
+    known = {
+        f"steep {name}": {
+            "designation": name,
+            "speed": speed,
+            "preload": preload,
+            "settings": [],
+            "limits": limits,
+        }
+        for name, preload, speed, limits in STEEP
+    }
+    return known | {f"{seed}-{number:02}": drawn(number, seed) for number in range(scenes)}
+
+
+def scene_of(case: dict[str, Any]) -> Scene:
+    given = {"operation.shaft_speed_rpm": case["speed"], "operation.preload_N": case["preload"]}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "bearing.yaml"
+        known = {key: value for key, value in given.items() if value is not None}
+        write_scene(file, given=known, designation=case["designation"], bore=None, outside=None)
+        return load_scene(file, case["settings"])
+
+
+def solved(job: tuple[str, dict[str, Any], bool]) -> dict[str, Any]:
+    """The recommendation of a case, and the best of the grid by each method."""
+    name, case, whole = job
+    scene, limits = scene_of(case), DesignLimits(**case["limits"])
+    started = time.process_time()
+    axes = axes_around(scene, [scene.friction.coefficient], factors=COARSE)
+    _, found = mapped(scene, axes, limits)
+    spent = time.process_time() - started
+    rows = []
+    for k, method in enumerate(PRELOAD_METHODS):
+        one = found.isel(preload_method=k)
+        life = float(one["life"][1])
+        ends = axes.preload_N[0], axes.preload_N[-1]
+        best, lives = brute(scene, method, limits, ends, 0.0 if math.isnan(life) else life, whole)
+        rows.append(
+            {
+                "method": method,
+                "preload": float(one["preload"]),
+                "life": life,
+                "best_preload": best[1],
+                "best_life": best[0],
+                "lives": lives,
+                "cliff": float(one["cliff_preload"]),
+                "none": found.attrs.get("none_because", ""),
+            }
+        )
+    warned = [one["id"] for one in impractical_warnings(found.attrs)]
+    return {"name": name, **case, "rows": rows, "seconds": spent, "impractical": warned}
+
+
+def brute(
+    scene: Scene,
+    method: str,
+    limits: DesignLimits,
+    ends: tuple[float, float],
+    recommended: float,
+    whole: bool,
+) -> tuple[tuple[float, float], int]:
+    """The longest allowed life of the grid [h] and its preload [N], and how many were solved."""
+    known: dict[float, tuple[float, bool, int]] = {}
+
+    def at(preload: float) -> tuple[float, bool, int]:
+        if preload not in known:
+            made = held_by(scene, method, preload)
+            values = followed_point(made, limits.gyroscopic_slip_share, quick=False)
+            life, allowed = 0.0, False
+            if values["status"] == OK:
+                life = float(values["life"][1]) / 3600.0
+                kept = all(margin >= 0.0 for margin in limit_margins(values, limits))
+                allowed = kept and not values["impractical"]
+            known[preload] = life, allowed, int(values["groove"])
+        return known[preload]
+
+    def grid(low: float, high: float, step: float) -> list[float]:
+        count = math.ceil(math.log(high / low) / math.log(step) - 1e-9)
+        return [round(p, 6) for p in np.geomspace(low, high, count + 1).tolist()]
+
+    first = grid(*ends, WIDE)
+    follows = any(at(p)[2] for p in first)
+    if whole or not follows:
+        for preload in grid(*ends, FINE):
+            at(preload)
+    for a, b in zip(first[:-1], first[1:], strict=True) if follows else ():
+        if max(at(a)[0], at(b)[0]) > NEAR * recommended:
+            for preload in grid(a, b, FINE):
+                at(preload)
+    allowed = [(life, p) for p, (life, kept, _) in known.items() if kept and life > 0.0]
+    return max(allowed, default=(0.0, math.nan)), len(known)
+
+
+def ratio(row: dict[str, Any]) -> float:
+    """The recommended life over the best of the grid; 1 where there is neither."""
+    life = 0.0 if math.isnan(row["life"]) else row["life"]
+    if row["best_life"] == 0.0:
+        return 1.0 if life == 0.0 else math.inf
+    return float(life / row["best_life"])
+
+
+def table(found: list[dict[str, Any]]) -> str:
+    rows, ratios = [], []
+    for one in found:
+        limits = ", ".join(f"{name} {value:g}" for name, value in one["limits"].items())
+        for row in one["rows"]:
+            ratios.append(ratio(row))
+            numbers = (row["preload"], row["life"], row["best_preload"], row["best_life"])
+            shown = ["-" if math.isnan(x) else f"{x:.4g}" for x in numbers]
+            rows.append(
+                [
+                    f"{one['name']} {one['designation']}",
+                    limits,
+                    row["method"],
+                    *shown,
+                    f"{ratios[-1]:.4f}",
+                ]
+            )
+    worst = min(ratios)
+    lives = sum(row["lives"] for one in found for row in one["rows"])
+    beyond = sum(r > 1.0 for r in ratios)
+    return (
+        markdown_table(" | ".join(COLUMNS), rows)
+        + f"\n\n{len(found)} bearings, {len(ratios)} choices, {lives} lives of the grid: the least "
+        f"ratio is {worst:.4f}; {sum(r < 0.99 for r in ratios)} below 0.99; {beyond} above 1.\n"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("-o", "--output", type=Path, default=Path("recommendations.jsonl"))
+    parser.add_argument("--scenes", type=int, default=SCENES)
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--whole", action="store_true", help="2 %% everywhere")
+    args = parser.parse_args()
+    known = {}
+    if args.output.exists():
+        for line in args.output.read_text().splitlines():
+            one = json.loads(line)
+            known[one["name"]] = one
+    wanted = cases(args.seed, args.scenes)
+    jobs = [(name, case, args.whole) for name, case in wanted.items() if name not in known]
+    with ProcessPoolExecutor(args.workers) as pool, args.output.open("a") as file:
+        for one in pool.map(solved, jobs):
+            known[one["name"]] = one
+            file.write(json.dumps(one) + "\n")
+            file.flush()
+    print(table([known[name] for name in wanted]))
+
+
+if __name__ == "__main__":
+    main()
