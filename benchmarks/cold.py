@@ -1,10 +1,11 @@
 """What the first solve on a machine takes: a process that has to compile its kernels.
 
-`python benchmarks/cold.py [ROOT]` solves gyro_s1 of a checkout (this one if left out) by each model
-with an empty folder for compiled code, and prints CPU and wall seconds. Steady, dynamic after it,
-and a life are what docs/develop.md has.
+`python benchmarks/cold.py [ROOT] [--only NAME ...]` solves gyro_s1 of a checkout (this one if left
+out) by each model with an empty folder for compiled code, and prints CPU and wall seconds; with
+`BEARINGWEAR_PLAIN_NUMBA=1` as versions of numba compile that are not tested.
 """
 
+import argparse
 import os
 import resource
 import shutil
@@ -16,6 +17,7 @@ from pathlib import Path
 
 TURN = ["--set", "model.simulated_turns=0.1"]
 RUNS = (
+    ("race control", ["solve", "--fidelity", "race_control"], True),
     ("steady", ["solve", "--fidelity", "steady"], True),
     ("dynamic, after it", ["solve", "--fidelity", "dynamic", *TURN], False),
     ("dynamic alone", ["solve", "--fidelity", "dynamic", *TURN], True),
@@ -31,12 +33,18 @@ def cpu_of_children() -> float:
 
 
 def main() -> None:
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[1]).resolve()
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).parents[1])
+    parser.add_argument("--only", nargs="+", default=[name for name, *_ in RUNS], metavar="NAME")
+    args = parser.parse_args()
+    root = args.root.resolve()
     with tempfile.TemporaryDirectory() as folder:
         compiled = Path(folder) / "compiled"
         environment = os.environ | {"NUMBA_CACHE_DIR": str(compiled), "PYTHONPATH": str(root)}
         print(f"{'first run of':<20}{'CPU s':>8}{'wall s':>8}")
         for name, command, anew in RUNS:
+            if name not in args.only:
+                continue
             if anew:
                 shutil.rmtree(compiled, ignore_errors=True)
             file = root / "config" / "scenes" / "gyro_s1.yaml"
