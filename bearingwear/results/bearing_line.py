@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.scene.catalogue import identity_line
+
 _CONTACTS = {
     "paper": "contact model of the paper",
     "hertz": "Hertzian contact",
@@ -39,6 +41,7 @@ def bearing_line(scene: Mapping[str, Any]) -> str:
         if bearing.get(key)
     ]
     parts = (
+        *filter(None, [identity_line(bearing)]),
         *([", ".join(size)] if size else []),
         f"{bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g}\N{NO-BREAK SPACE}mm "
         f"on a pitch of {bearing['pitch_diameter_mm']:g}\N{NO-BREAK SPACE}mm",

@@ -14,7 +14,7 @@ from bearingwear.measures import ENDS, Measure
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.units import Display, digits, display, scale_of
 from bearingwear.results.variables import CASE, LIFE
-from bearingwear.scene.catalogue import identity_line
+from bearingwear.scene.catalogue import identity_line, speed_limit_line
 from bearingwear.scene.scene import COUNTS
 
 VARIABLES = CASE | LIFE
@@ -200,7 +200,7 @@ def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
     return (
         f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
         ", ".join(parts),
-        *filter(None, [identity_line(bearing)]),
+        *filter(None, (identity_line(bearing), speed_limit_line(bearing, operation))),
     )
 
 

@@ -201,10 +201,21 @@ def identity_line(bearing: Mapping[str, Any]) -> str:
     grooves = bearing["inner_groove_factor"], bearing["outer_groove_factor"]
     inferred = grooves == MAKERS[entry.maker].grooves
     own = (bearing["ball_count"], bearing["ball_diameter_mm"]) == (entry.balls, entry.ball)
+    balls = SOURCES[entry.source] if own else f"not its {entry.balls} of {entry.ball:g} mm"
+    rule = "inferred from printed rigidities" if inferred else "assumed"
+    return f"{entry.maker} {entry.designation}: balls {balls}, groove factors {rule}"
+
+
+def speed_limit_line(bearing: Mapping[str, Any], operation: Mapping[str, Any]) -> str:
+    """The catalogue's limits of speed; empty without one."""
+    entry = entry_of_bearing(bearing)
+    if entry is None:
+        return ""
+    factor, name = entry.speed_factor(operation["preload_method"], operation["preload_N"])
+    kind = f"a rigid pair of class {name}" if name else "one under a light spring"
     return (
-        f"{entry.maker} {entry.designation}, {entry.angle:g} degrees: balls "
-        + (SOURCES[entry.source] if own else f"not the catalogue's {entry.balls} of {entry.ball:g}")
-        + f"; groove factors {'inferred from printed rigidities' if inferred else 'assumed'}"
+        f"limit of {entry.maker} for {kind}: {factor * entry.speed_grease:.0f} r/min with grease, "
+        f"{factor * entry.speed_oil:.0f} with oil"
     )
 
 

@@ -122,9 +122,11 @@ def test_a_minute(tmp_path, capsys, monkeypatch):
     assert "ball_count: 19  # identified from the printed load ratings" in text
     assert "preload_N: 390.0  # class M of NSK" in text
     assert main(["solve", "7010C.yaml", "-o", "case.nc"]) == 0
-    assert "NSK 7010C, 15 degrees: balls identified" in capsys.readouterr().out
+    sheet = capsys.readouterr().out
+    assert "NSK 7010C: balls identified" in sheet
+    assert "a rigid pair of class M: 11505 r/min with grease, 17550 with oil" in sheet
     assert main(["solve", "7010C.yaml", "--set", "bearing.ball_count=18"]) == 0
-    assert "balls not the catalogue's 19 of 8.73125" in capsys.readouterr().out
+    assert "balls not its 19 of 8.73125 mm" in capsys.readouterr().out
     assert main(["new", "SEA", "60", "--maker", "SNFA"]) == 0
     assert load_scene("SEA60.yaml").bearing.designation == "SEA 60"
 
