@@ -11,7 +11,15 @@ from pathlib import Path
 import pytest
 from support import ROOT
 
-SHIPPED = ("bearingwear", "workflow", "config", "Snakefile", "README.md", "pyproject.toml")
+SHIPPED = (
+    "bearingwear",
+    "workflow",
+    "config",
+    "profiles",
+    "Snakefile",
+    "README.md",
+    "pyproject.toml",
+)
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +63,12 @@ def test_the_example_comes_along(installed, tmp_path):
     done = run([installed, "-c", script], tmp_path)
     file, name = done.stdout.split()
     assert Path(file).is_relative_to(installed.parents[1]) and name == "gyro_s1", done.stderr
+
+
+def test_the_catalogue_comes_along(installed, tmp_path):
+    script = "import bearingwear as b; print(b.new(designation='7010C', maker='NSK').bearing)"
+    done = run([installed, "-c", script], tmp_path)
+    assert "ball_count=19" in done.stdout, done.stderr
 
 
 def test_types(installed, tmp_path):
