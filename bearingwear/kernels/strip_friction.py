@@ -16,7 +16,7 @@ def strip_sums(contact, R, c, mu, v_r, t, weight):
     Returns
     -------
     g_1, g_0, g_h, g_x, qv
-        As in `contact.traction`; qv in W.
+        As in `traction.strip_traction`; qv in W.
     """
     a, v_r2 = contact.a, v_r * v_r
     p = profile(contact.r_g, R, a)

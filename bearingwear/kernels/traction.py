@@ -16,6 +16,8 @@ from bearingwear.kernels.friction import force_per_slip, force_slope
 def strip_traction(contact, c, mu, v_r, t, weight, h, gradient):
     """`traction` in the line model.
 
+    Parameters
+    ----------
     t, weight, h : ndarray (n,)
         Positions x/a, shares of the load, heights.
     """

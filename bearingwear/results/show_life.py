@@ -24,7 +24,7 @@ from bearingwear.results.rows import (
     values,
 )
 from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import display, key_in_words
+from bearingwear.results.units import display
 from bearingwear.results.variables import RACES
 from bearingwear.scene.scene import COUNTS
 
@@ -151,7 +151,8 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
 
 
 def _words(file: Any, name: str) -> str:
-    return key_in_words(meaning(file, name))[0]
+    found = meaning(file, name)
+    return ENDS[found].words if found in ENDS else found
 
 
 def _steady_life(file: Any) -> list[Block]:

@@ -82,7 +82,7 @@ def kinds(tmp_path_factory):
         ("race control case", r"model race_control"),
         ("dynamic case", r"turns simulated +0\.5\n"),
         ("failed case", r"status undetermined"),
-        ("life", r"ended by +preload fraction"),
+        ("life", r"ended by +residual preload"),
         ("dynamic life", r"steady, the scene without cage"),
         ("study", r"friction +1  0\.08\n(.|\n)*total_qv +mW +\d+ +\d+"),
         ("wear life", r"fixed_position, mu 0\.08 +h +[\d.]+ +[\d.]+ +0\.49\d+  preload_fraction"),
