@@ -39,9 +39,12 @@ NEXT = (
 )
 """What is typed after `new`: the command, and how the name of its output ends."""
 
+TO_CHOOSE_BY = ("recommend", "study")
+"""Those of them that need a limit, which `new` takes from the bearing at rest."""
+
 
 def new(args: argparse.Namespace) -> int:
-    from bearingwear.scene.new import write_scene
+    from bearingwear.scene.new import usual_stiffness, write_scene
 
     if args.list is not None:
         return _list(args.list)
@@ -57,10 +60,11 @@ def new(args: argparse.Namespace) -> int:
     for line in _tried(path):
         print(line)
     print("next:")
+    limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
     stem = str(Path(path).with_suffix(""))
     for name, output in NEXT:
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
-        print(f"  {shlex.join(words)}")
+        print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
     return OK
 
 

@@ -38,12 +38,20 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import at_scene
-from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
+from bearingwear.studies.design.map import WORN_GROOVE
 from bearingwear.studies.design.recommend import best_method
-from bearingwear.studies.design.show import ROOM_COLUMNS, ROOM_TOLD, room_rows, track_told
+from bearingwear.studies.design.show import (
+    ROOM_COLUMNS,
+    ROOM_TOLD,
+    RoomRow,
+    cliffs_told,
+    room_rows,
+    track_told,
+)
 from bearingwear.studies.design.tables import none_because
 from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
 from bearingwear.studies.design.words import (
+    AS_LITTLE,
     BRIEF_WORDS,
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
@@ -64,6 +72,8 @@ _HELD = {
     "end_of_range": "The map ends there; a longer life may lie beyond it.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
     "end_of_life": "No limit decides: at other preloads something else ends the life sooner.",
+    "impractical": "With a preload of a longer life nobody would build or run the bearing.",
+    "cliff": "The life falls suddenly beside it.",
 }
 """Why no other preload has a longer life, where no limit decides."""
 
@@ -74,9 +84,6 @@ NO_CLOCK = (
 
 _COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in the order of `COUNTS`."""
-
-RoomRows = Sequence[tuple[str, str, str, tuple[float, float, float]]]
-"""As of `show.room_rows`."""
 
 
 def design_answer(
@@ -118,12 +125,13 @@ def preload_answer(
         told = [] if beside is None else beside_told(beside, recommendation, best)
         points = [
             ("What it gives", [_gives(recommendation)]),
-            ("What limits it", [_held(_lives(recommendation)[0][1])]),
+            ("What limits it", [_held(_lives(recommendation)[0][1]), *_cliffs(recommendation)]),
             ("What would change it", [_holds(room, recommendation), *told]),
             ("How sure", _sure(recommendation, spread)),
         ]
     none = none_because(recommendation)
-    points += [("What is not possible", none)] if none else []
+    missing = "What is not possible" if limits_of(recommendation).given else "What a limit does"
+    points += [(missing, none)] if none else []
     notes = [("Limits, from new to the end of life", [_limits(design)])]
     warned = [
         f"{one['sentence'][0].upper()}{one['sentence'][1:]}; {one['advice']}."
@@ -170,6 +178,8 @@ def _headline(design: xr.Dataset, recommendation: xr.Dataset) -> str:
         TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
         for method, one, _ in _lives(recommendation)
     ]
+    if not limits_of(recommendation).given:
+        return f"{name}: {AS_LITTLE}"
     if not taken:
         return f"{name}: no preload keeps to all limits"
     if int(recommendation["verdict"]) == NEITHER_LONGER:
@@ -179,6 +189,11 @@ def _headline(design: xr.Dataset, recommendation: xr.Dataset) -> str:
     if ACTIVE[int(one["active_limit"])] == "end_of_range":
         least = float(one["preload"]) < float(design["preload"].mean())
         end = f", the {'least' if least else 'largest'} preload tried"
+    below = float(one["cliff_preload"])
+    if math.isfinite(below):
+        near = percent_in_text(abs(below / float(one["preload"]) - 1.0))
+        life = digits(float(one["cliff_life"]))
+        end = f"; with {near} {'less' if below < one['preload'] else 'more'} it lasts {life} h"
     return f"{name}: take {taken[0]}{end}"
 
 
@@ -201,12 +216,14 @@ def _held(one: xr.Dataset) -> str:
     """What keeps a preload from another one with a longer life."""
     name = ACTIVE[int(one["active_limit"])]
     given = limits_of(one).given
-    if name == "end_of_range" and not given:
-        return f"{_HELD[name]} No limit was given: set what the machine needs, such as a stiffness."
     if name not in given:
         return _HELD[name]
     limit = given[name]
     return f"A preload with a longer life would pass a limit: {limit_text(name, limit)}."
+
+
+def _cliffs(recommendation: xr.Dataset) -> list[str]:
+    return [f"{text[0].upper()}{text[1:]}." for text in cliffs_told(recommendation)]
 
 
 def _limits(design: xr.Dataset) -> str:
@@ -215,22 +232,22 @@ def _limits(design: xr.Dataset) -> str:
     return f"{said[0].upper()}{said[1:]}."
 
 
-def _holds(room: RoomRows, recommendation: xr.Dataset) -> str:
+def _holds(room: Sequence[RoomRow], recommendation: xr.Dataset) -> str:
     """Which assumption reverses the choice of the method."""
     lives = _lives(recommendation)
     if len(lives) < 2:
         return "The other method has no preload within the limits."
     said = []
-    for _, label, unit, (low, now, high) in room:
+    for one in room:
         ends = [
             f"{way} {digits(end)}"
-            for way, end in (("below", low), ("above", high))
+            for way, end in (("below", one.low), ("above", one.high))
             if math.isfinite(end)
         ]
         if ends:
-            unit = f"\N{NO-BREAK SPACE}{in_print(unit)}" if unit else ""
-            label = label.replace("end: ", "an end of life by ")
-            said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
+            unit = f"\N{NO-BREAK SPACE}{in_print(one.unit)}" if one.unit else ""
+            label = one.label.replace("end: ", "an end of life by ")
+            said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(one.now)})")
     if not said:
         return "No limit, end of life or friction tried makes the other method better."
     other = _words(recommendation, lives[1][0]).capitalize()
@@ -299,8 +316,7 @@ def _recommended(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]
 
 def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
     """Every preload of the map, by each method, at the scene's friction and speed."""
-    followed = lines_followed(recommendation)
-    line = (at_scene(design) if followed is None else followed).assign_attrs(design.attrs)
+    line = at_scene(design)
     basis = counted(design)
     shown = {
         name: (label, display(line[name].attrs["units"], line[name], shown=as_))
@@ -319,7 +335,9 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
         for one in [of_method.isel(preload=k)]
     ]
     preloads, best = line["preload"].values, best_method(recommendation)
-    taken = preloads[-1] if best is None else float(recommendation["preload"][best])
+    taken = scene_of(design)["operation"]["preload_N"]
+    if best is not None:
+        taken = float(recommendation["preload"][best])
     return AnswerTable(
         title="Life and limits over the preload",
         columns=[
@@ -335,10 +353,13 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
     )
 
 
-def _room(room: RoomRows, recommendation: xr.Dataset) -> AnswerTable:
+def _room(room: Sequence[RoomRow], recommendation: xr.Dataset) -> AnswerTable:
     rows = [
-        [f"{label} ({in_print(unit)})" if unit else label, *map(digits, numbers)]
-        for _, label, unit, numbers in room
+        [
+            f"{one.label} ({in_print(one.unit)})" if one.unit else one.label,
+            *map(digits, one.numbers),
+        ]
+        for one in room
     ]
     return AnswerTable(
         title="How far the choice of the method holds",

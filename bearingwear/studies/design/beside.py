@@ -24,7 +24,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant
 from bearingwear.studies.dataset import LOSS_BASIS, coordinate, counted, dataset_with
 from bearingwear.studies.design.choice import limit_margins, limits_of
-from bearingwear.studies.design.followed import followed_point, with_grooves
+from bearingwear.studies.design.map import IMPRACTICAL, followed_point, point_variables
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
 from bearingwear.studies.design.words import BRIEF_WORDS, LIMIT_WORDS
 from bearingwear.studies.life_scene import life_scene
@@ -63,7 +63,7 @@ def lives_beside(
     )
     sizes = {_KIND: len(cases), "preload_method": found.sizes["preload_method"]}
     return dataset_with(
-        with_grooves(points, sizes),
+        point_variables(points, sizes),
         {
             **{name: found[name].variable for name in ("preload_method", *LOSS_BASIS.dims)},
             **coordinate(names),
@@ -168,9 +168,10 @@ def passed(one: xr.Dataset) -> str:
         return f"not solved: {in_words(STATUS_NAMES[int(one['status'])])}"
     limits = limits_of(one)
     margins = zip(limits.given, limit_margins(one, limits), strict=True)
-    return (
-        ", ".join(LIMIT_WORDS[name] for name, left in margins if not left >= -SAME) or NONE_PASSED
-    )
+    beyond = [LIMIT_WORDS[name] for name, left in margins if not left >= -SAME]
+    if number := int(one["impractical"]):
+        beyond.append(f"nobody would build it: {in_words(IMPRACTICAL[number - 1])}")
+    return ", ".join(beyond) or NONE_PASSED
 
 
 NONE_PASSED = "none"

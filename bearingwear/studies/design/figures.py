@@ -38,11 +38,11 @@ from bearingwear.studies.design.choice import (
     preload_text,
     stiffness_of,
 )
-from bearingwear.studies.design.followed import WORN_GROOVE, lines_followed
+from bearingwear.studies.design.map import WORN_GROOVE
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.show import methods_told, verdict_told
 from bearingwear.studies.design.verdict import NEITHER_LONGER
-from bearingwear.studies.design.words import LIMIT_WORDS
+from bearingwear.studies.design.words import AS_LITTLE, LIMIT_WORDS
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
@@ -78,17 +78,15 @@ def design_figure(
     area = min(design.sizes["friction"], design.sizes["shaft_speed"]) > 1
     figure, panels = new_figure(2 if area else 1, 2, 7.2, 7.4 if area else 4.2)
     basis, limits = counted(design), limits_of(design)
-    hertzian = at_scene(design)
-    followed = lines_followed(recommendation)
-    line = hertzian if followed is None else followed
+    line = at_scene(design)
+    followed = bool((line["groove"] == WORN_GROOVE).any())
     over_preload, over_stiffness = panels[0]
     failed = False
-    if followed is not None:
-        for name, one in methods(hertzian):
-            _hertzian(panels[0], name, one.isel(loss_basis=basis))
+    for name, one in methods(line) if followed else ():
+        _hertzian(over_preload, name, one.isel(loss_basis=basis))
     best = front(line, basis)
     for k, (name, one) in enumerate(methods(line)):
-        within = one["status"] == OK
+        within = (one["status"] == OK) & (one["impractical"] == 0)
         for margin in limit_margins(one, limits):
             within &= margin >= 0.0
         _over_preload(over_preload, name, one, within)
@@ -120,7 +118,7 @@ def design_figure(
     handles = [
         *method_keys([name for name, _ in methods(line)], scene_of(design)),
         *_keys(limit is not None, uncertainty is not None),
-        *_groove_keys(followed is not None),
+        *_groove_keys(followed),
         *(_letter_keys(design) if area else ()),
         *failed_keys(failed),
     ]
@@ -153,13 +151,10 @@ def _over_preload(panel: Any, name: str, one: xr.Dataset, within: xr.DataArray) 
         panel.plot(one["preload"], lives.where(within), **look)
 
 
-def _hertzian(panels: Any, name: str, one: xr.Dataset) -> None:
+def _hertzian(panel: Any, name: str, one: xr.Dataset) -> None:
     """Lives with grooves that keep their shape, beside those with grooves followed."""
-    lives = one["life"].where(lambda h: h > 0.0)
-    for panel, x in zip(
-        panels, (one["preload"], STIFFNESS_UNIT.of(stiffness_of(one).worst(one))), strict=True
-    ):
-        panel.plot(x, lives, color=COLOURS[name], linewidth=0.8, linestyle=":")
+    lives = one["hertzian_life"].where(lambda h: h > 0.0)
+    panel.plot(one["preload"], lives, color=COLOURS[name], linewidth=0.8, linestyle=":")
 
 
 def _over_stiffness(
@@ -294,6 +289,8 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     scene = scene_of(recommendation)
     name = scene["name"]
     k = best_method(recommendation)
+    if not limits_of(recommendation).given:
+        return f"{name}: {AS_LITTLE}"
     if k is None:
         return f"{name}: no preload keeps to all limits"
     basis = counted(recommendation)

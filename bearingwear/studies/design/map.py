@@ -21,9 +21,10 @@ from bearingwear.model.cautions import CAUTIONS
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.fidelity import choice_for_life
 from bearingwear.model.life import history_values
-from bearingwear.model.life_integrator import WearState
+from bearingwear.model.life_integrator import LifeHistory, WearState
 from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.warned import warnings_of
+from bearingwear.model.worn_courses import first_met, worn_history
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -35,6 +36,9 @@ from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
 from bearingwear.studies.life_scene import life_scene
 
 SLIP_SHARE = "gyroscopic_slip_share"
+
+GROOVE_SHAPES = ("hertzian", "worn")
+HERTZIAN_GROOVE, WORN_GROOVE = range(len(GROOVE_SHAPES))
 
 IMPRACTICAL = tuple(caution.id for caution in CAUTIONS if caution.impractical)
 """Warnings of a bearing that nobody would build or run; a limit of every recommendation."""
@@ -97,6 +101,22 @@ POINT = table(
         dtype="i1",
         flags=("none", *IMPRACTICAL),
     ),
+    Variable(
+        "groove",
+        (),
+        "",
+        "groove of the life and of the states along it",
+        dtype="i1",
+        flags=GROOVE_SHAPES,
+        comment="worn: followed as it wears, where the life of the scene follows it",
+    ),
+    Variable(
+        "hertzian_life",
+        LOSS_BASIS.dims,
+        "h",
+        "wear life at the same preload with grooves that keep their shape",
+        scale=HOURS_PER_SECOND,
+    ),
 )
 """What a point of the map has: a life, and the extremes along it.
 
@@ -135,6 +155,47 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
                 found["time_to_slip_limit"] = follow(until).times[-1]
     found["solves"], found["failed_solves"] = follow.solves, follow.failed
     return found
+
+
+def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) -> dict[str, Any]:
+    """`life_point` of the groove that `life` follows, and the life with the Hertzian one.
+
+    Where races do not count, they do not wear: that life is the same with both.
+
+    Parameters
+    ----------
+    scene, slip_limit
+        As of `life_point`.
+    quick : bool
+        Whether worn grooves have the cells and steps of a quick life, not those of `life`.
+    """
+    found = life_point(scene, slip_limit)
+    hertzian = found.get("life", np.full(2, np.nan))
+    found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
+    if hertzian[1] == 0.0:
+        return found  # beyond a limit when new, whatever the groove
+    history = worn_history(scene, quick)
+    if history is None:
+        return found
+    kept = {"hertzian_life": hertzian, "groove": WORN_GROOVE, "status": history.status}
+    kept |= {"end_criterion": history.criterion, "solves": found["solves"] + history.solves}
+    kept["failed_solves"] = found["failed_solves"]
+    if history.status != OK:
+        return kept
+    kept["life"] = np.array([hertzian[0], history.times[-1][1]])
+    kept |= gone_through(scene, history.states)
+    if slip_limit is not None:
+        kept["time_to_slip_limit"] = _times_to_share(history, slip_limit, found, kept[SLIP_SHARE])
+    return kept
+
+
+def _times_to_share(
+    history: LifeHistory, limit: float, hertzian: Mapping[str, Any], largest: float
+) -> np.ndarray:
+    """When the share of a life with worn grooves reaches a limit, by both ways of counting [s]."""
+    ball = hertzian.get("time_to_slip_limit", np.full(2, np.nan))[0]
+    share = EndOfLife(gyroscopic_slip_share=limit)
+    return np.array([ball, first_met(history, share, 1.0) if largest >= limit else np.inf])
 
 
 def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, Any]:
@@ -203,7 +264,7 @@ def map_part(
     """
     axes = method, friction, shaft_speed_rpm, preload_N
     base = life_scene(scene)
-    points = [life_point(one, slip_limit) for one in scenes_of_part(base, *axes)]
+    points = [followed_point(one, slip_limit) for one in scenes_of_part(base, *axes)]
     return part_of(base, *axes, slip_limit, points)
 
 
@@ -231,7 +292,7 @@ def part_of(
     slip_limit: float | None,
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
-    """`map_part` from what `life_point` gives for its scenes."""
+    """`map_part` from what `followed_point` gives for its scenes."""
     coords = {
         **coordinate(MAP_AXES["preload_method"], [PRELOAD_METHODS.index(method)]),
         **coordinate(MAP_AXES["friction"], [friction]),
@@ -257,7 +318,7 @@ def part_of(
 def point_variables(
     points: Sequence[Mapping[str, Any]], sizes: Mapping[str, int]
 ) -> dict[str, xr.DataArray]:
-    """Variables of a file from what `life_point` gives.
+    """Variables of a file from what `followed_point` gives.
 
     Parameters
     ----------

@@ -9,15 +9,17 @@ from bearingwear.measures import MEASURES
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.life_integrator import WearState
 from bearingwear.model.worn_courses import worn_history
-from bearingwear.plotting.drawing import methods
+from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import Scene
+from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
+from bearingwear.studies.design.words import BRIEF_WORDS
 from bearingwear.studies.pool import Tell
 
 
@@ -40,11 +42,11 @@ def recommended_sheet(
     source : str
         What error messages name.
     workers, tell
-        As of `recommend.recommendation`.
+        As of `recommend.mapped`.
     """
     limits.check(scene, source)
     axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
-    design, found = mapped(scene, axes, limits, workers, tell)
+    design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
     chosen = recommendation_sheet(found)
     states = [
         (f"{method_words(scene.to_dict(), method)}, {when}", state)
@@ -58,8 +60,28 @@ def recommended_sheet(
         rows.append(_row(one.short, one.si_unit, numbers, one.shown_as))
     columns = tuple(name for name, _ in states)
     worn = [Block("at that preload", columns, tuple(rows))] if states else []
-    sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn))
+    every = [] if limits.given else _over_preload(design)
+    sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn, *every))
     return sheet, bool((design["status"] == OK).any())
+
+
+def _over_preload(design: xr.Dataset) -> list[Block]:
+    """Life of each method, and what may be limited, over the preload."""
+    line = design.isel(friction=0, shaft_speed=0)
+    basis = counted(design)
+    columns = tuple(f"{preload:g} N" for preload in line["preload"].values)
+    blocks = []
+    for method, one in methods(line):
+        rows = [Row("life", "h", tuple(one["life"].isel(loss_basis=basis).values.tolist()), "life")]
+        for name, (label, shown) in BRIEF_WORDS.items():
+            unit = display(one[name].attrs["units"], one[name], shown=shown)
+            numbers = tuple(float(unit.of(number)) for number in one[name].values)
+            rows.append(Row(label, unit.unit, numbers, name))
+        beyond = tuple("x" if number else "" for number in one["impractical"].values)
+        rows.append(Row("nobody would build it", "", beyond, "impractical"))
+        title = f"over the preload, {method_words(scene_of(design), method)}"
+        blocks.append(Block(title, columns, tuple(rows)))
+    return blocks
 
 
 def _row(label: str, units: str, numbers: list[float], shown: str = "") -> Row:

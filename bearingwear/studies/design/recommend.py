@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.model.life import life
+from bearingwear.model.worn_outputs import grooves_followed
 from bearingwear.results.netcdf import CaseFileError, data_array, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings
@@ -39,14 +40,14 @@ from bearingwear.studies.design.choice import (
     whole_map,
     why_none,
 )
-from bearingwear.studies.design.followed import (
+from bearingwear.studies.design.map import (
     HERTZIAN_GROOVE,
-    as_followed,
-    followed_lines,
+    POINT,
     followed_point,
-    with_grooves,
+    part_of,
+    point_variables,
+    scenes_of_part,
 )
-from bearingwear.studies.design.map import POINT, life_point, part_of, scenes_of_part
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.preload_line import PreloadLine
 from bearingwear.studies.design.room import (
@@ -61,9 +62,13 @@ from bearingwear.studies.design.search import Found, Request, answered, search
 from bearingwear.studies.design.verdict import held, verdict_on
 from bearingwear.studies.design.words import LIMIT_KEY, NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
-from bearingwear.studies.pool import Tell, in_processes, processes, to_stderr, told_in_lines
+from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
 
 RECOMMENDATION = "recommendation"
+QUICK = "quick_lives"
+"""Attribute of a map whose worn grooves have the cells and steps of quick lives."""
+
+_IN_HOURS = {name for name, one in POINT.items() if one.scale == HOURS_PER_SECOND}
 RECOMMENDED_PRELOAD = Variable(
     "preload",
     (),
@@ -106,7 +111,7 @@ def small_map(
     axes, limits : mapping
         `MapAxes` and `DesignLimits` by their names.
     workers : int
-        Processes that share the lives.
+        As of `mapped`.
     """
 
     def tell(text: str) -> None:
@@ -121,8 +126,22 @@ def mapped(
     limits: DesignLimits,
     workers: int = 1,
     tell: Tell | None = None,
+    quick: bool = False,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """A map and the preload to take of it; `workers` and `tell` as of `recommendation`."""
+    """A map and the preload to take of it.
+
+    Parameters
+    ----------
+    scene : Scene
+    axes : MapAxes
+    limits : DesignLimits
+    workers : int
+        Processes that share the lives, where these take long.
+    tell : callable, optional
+        Given a line of text now and then, where lives take long.
+    quick : bool
+        Whether the lives of the map are but a guide to the best preload.
+    """
     slip_limit = limits.gyroscopic_slip_share
     parts = [
         (method, friction, axes.shaft_speed_rpm, axes.preload_N)
@@ -130,36 +149,42 @@ def mapped(
         for friction in axes.friction
     ]
     scenes = [one for part in parts for one in scenes_of_part(scene, *part)]
-    many = 1 if scene.pair is None else workers  # a pair's life takes a second
-    lives = in_processes(partial(life_point, slip_limit=slip_limit), scenes, many, "recommend")
-    if tell is not None:
-        lives = told_in_lines(lives, len(scenes), "{} of {} lives with Hertzian grooves", tell=tell)
-    points = iter(list(lives))
-    each = len(scenes) // len(parts)
-    made = [part_of(scene, *part, slip_limit, list(islice(points, each))) for part in parts]
-    design = whole_map(made, limits.given)
-    return design, recommendation(scene, design, workers, tell)
+    if scene.pair is None and not any(grooves_followed(one, "steady")[0] for one in scenes):
+        workers, tell = 1, None
+    with processes(workers, "recommend") as each:
+        lives = each(_followed, [(one, slip_limit, quick) for one in scenes])
+        if tell is not None:
+            lives = told_in_lines(lives, len(scenes), "{} of {} lives of the map", tell=tell)
+        points = iter(list(lives))
+        count = len(scenes) // len(parts)
+        made = [part_of(scene, *part, slip_limit, list(islice(points, count))) for part in parts]
+        design = whole_map(made, limits.given)
+        if quick:
+            design.attrs[QUICK] = "a guide: 3e-3 of the life, 2 % of the stiffness"
+        return design, recommendation(scene, design, each, tell)
 
 
 def recommendation(
-    scene: Scene, design: xr.Dataset, workers: int = 1, tell: Tell | None = None
+    scene: Scene,
+    design: xr.Dataset,
+    each: Callable[..., Iterator[Any]] = map,
+    tell: Tell | None = None,
 ) -> xr.Dataset:
     """The preload to take for each method at the scene's own friction and speed, between the
     map's preloads.
 
-    Where the scene's life follows the grooves as they wear, so do all lives of the lines of
-    preloads at its friction and speed. These show where to look; what is recommended, and where
-    the choice is reversed, comes from lives as `life` prints them, at the preloads that are named.
+    The map shows where to look. What is recommended, and where the choice is reversed, comes from
+    lives as `life` prints them, at the preloads that are named.
 
     Parameters
     ----------
     scene : Scene
     design : Dataset
         The map.
-    workers : int
-        Processes that share the lives whose grooves are followed.
+    each : callable
+        `map`, or one whose calls share processes.
     tell : callable, optional
-        Given a line of text now and then, where grooves are followed.
+        Given a line of text now and then.
 
     Raises
     ------
@@ -172,17 +197,10 @@ def recommendation(
     for axis, value in point.items():
         if value not in design[axis]:
             raise CaseFileError(f"the design map has no {axis} {value:g}, which is the scene's")
-    limits, basis = limits_of(design), counted(design)
-    at_scene = design.sel(point, drop=True)
-    lines = followed_lines(scene, at_scene, limits.gyroscopic_slip_share, workers, tell)
-    if lines is at_scene and scene.pair is None:  # quick
-        workers, tell = 1, None
-    with processes(workers, "recommend") as each:
-        search = Search(scene, limits, basis, each, tell or (lambda text: None))
-        rows, none, held_so = search.answers(lines)
-    found = _dataset(rows, at_scene, design).merge(held_so, combine_attrs="override")
-    if lines is not at_scene:
-        found = found.assign(as_followed(lines))
+    lines = design.sel(point, drop=True)
+    search = Search(scene, limits_of(design), counted(design), each, tell or (lambda text: None))
+    rows, none, held_so = search.answers(lines)
+    found = _dataset(rows, lines).merge(held_so, combine_attrs="override")
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
@@ -236,11 +254,11 @@ class Search:
         """Lives of one method that were solved, as they are in a file."""
         one = one.squeeze("preload_method")
         line = PreloadLine(PRELOAD_METHODS[int(one["preload_method"])], self.basis)
-        names = [*(name for name in POINT if name in one), "groove"]
         for k, preload in enumerate(one["preload"].values.tolist()):
-            values = {name: one[name].values[k] for name in names if name in one}
-            values["life"] = values["life"] / HOURS_PER_SECOND
-            exact = int(values.get("groove", HERTZIAN_GROOVE)) == HERTZIAN_GROOVE
+            values = {name: one[name].values[k] for name in POINT if name in one}
+            for name in _IN_HOURS & set(values):
+                values[name] = values[name] / HOURS_PER_SECOND
+            exact = QUICK not in one.attrs or values["groove"] == HERTZIAN_GROOVE
             line.add(preload, values, exact)
         return line
 
@@ -339,14 +357,12 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
     return OTHER_END if len(ends) > 1 else UNLIMITED
 
 
-def _dataset(
-    rows: Sequence[dict[str, Any]], at_scene: xr.Dataset, design: xr.Dataset
-) -> xr.Dataset:
+def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
     along = ("preload_method",)
     unknown: dict[str, Any] = {"end_criterion": len(CRITERIA) - 1, "preload": math.nan}
     unknown |= {"life_error_estimate": NO_ERRORS}
     rows = [unknown | row for row in rows]
-    variables = with_grooves(rows, {"preload_method": len(rows)})
+    variables = point_variables(rows, {"preload_method": len(rows)})
     variables["status"].attrs["missing"] = "-1: there was none to solve"
     for variable in (
         RECOMMENDED_PRELOAD,
@@ -358,8 +374,8 @@ def _dataset(
         variables[variable.name] = data_array(variable, column, along)
     return dataset_with(
         variables,
-        {name: at_scene[name].variable for name in ("preload_method", "loss_basis")},
-        design.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"},
+        {name: lines[name].variable for name in ("preload_method", "loss_basis")},
+        lines.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"},
     )
 
 

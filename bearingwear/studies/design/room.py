@@ -18,7 +18,7 @@ from bearingwear.measures import ENDS
 from bearingwear.model.worn_courses import lives_by_end
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
-from bearingwear.studies.design.followed import HERTZIAN_GROOVE, followed_point
+from bearingwear.studies.design.map import HERTZIAN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.preload_line import PreloadLine, round_number
 from bearingwear.studies.design.search import GUIDED, WINDOW, Asking, Request, guide

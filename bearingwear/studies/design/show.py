@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.verdict import CLAIMED, NO_COMPARISON, ONE_LONGER, VERDICTS
 from bearingwear.studies.design.words import (
+    AS_LITTLE,
     ASSUMED_WORDS,
     END_KEY,
     GROOVE_WORDS,
@@ -27,8 +28,25 @@ from bearingwear.studies.design.words import (
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
     TRACK_WORDS,
+    WHAT_LIMITS,
     limit_text,
 )
+
+
+class RoomRow(NamedTuple):
+    """How far an assumption may move, as shown."""
+
+    name: str
+    label: str
+    unit: str
+    low: float
+    now: float
+    high: float
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        """In the order of `ROOM_COLUMNS`."""
+        return self.low, self.now, self.high
 
 
 def recommendation_sheet(file: Any) -> Sheet:
@@ -55,34 +73,39 @@ def recommendation_sheet(file: Any) -> Sheet:
         f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
         f"friction {scene['friction']['ball_race']:g}",
         *([told] if (told := in_ascii(verdict_told(file))) else []),
+        *(line for text in cliffs_told(file) for line in textwrap.wrap(in_ascii(text), 110)),
         *(f"limit: {text}" for text in limits),
         *(
             f"none within the limits, {method_words(scene, method)}: {in_ascii(why)}"
             for method, why in none.items()
+            if limits
         ),
+        *([] if limits else [AS_LITTLE, *textwrap.wrap(WHAT_LIMITS, 110)]),
     )
     attributes = {"warnings": getattr(file, "warnings", "[]")}
     heading += tuple(wrapped_warnings(attributes))
     facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
     facts["verdict"] = VERDICTS[int(np.nan_to_num(values(file, "verdict")))]
     facts["warnings"] = [line.removeprefix(WARNING) for line in warning_lines(attributes)]
+    if len(none) == len(columns):  # nothing but dashes
+        return Sheet(heading, facts, ())
     return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)), *_room(file)))
 
 
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_TOLD = (
     "Between these values the same method lasts longer. A dash: no change as far as lives were "
-    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. A "
-    "moved limit gets new preloads from between those of the map; otherwise they stay as above. "
-    "Both lives are inversely proportional to the wear coefficient."
+    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. With a "
+    "limit moved the preloads are chosen anew; otherwise they stay as above. Both lives are "
+    "inversely proportional to the wear coefficient."
 )
 
 
 def _room(file: Any) -> list[Block]:
     """How far each assumption may move before the other method is better."""
     rows = [
-        Row(label, in_ascii(unit), tuple(map(_known, numbers)), name)
-        for name, label, unit, numbers in room_rows(file)
+        Row(one.label, in_ascii(one.unit), tuple(map(_known, one.numbers)), one.name)
+        for one in room_rows(file)
     ]
     if not rows:
         return []
@@ -91,16 +114,16 @@ def _room(file: Any) -> list[Block]:
     return [Block("how far the choice holds", ROOM_COLUMNS, tuple(rows), told)]
 
 
-def room_rows(file: Any) -> list[tuple[str, str, str, tuple[float, float, float]]]:
-    """Name, label, unit and values (from, now, to) of each assumption in a recommendation."""
+def room_rows(file: Any) -> list[RoomRow]:
+    """How far each assumption in a recommendation may move."""
     columns = [values(file, name) for name in ("holds_from", "assumed", "holds_to")]
     rows = []
     for k, name in enumerate(flag_words(file, "assumption")):
         numbers = [column[k] for column in columns]
         label, unit = assumption_words(name)
-        shown = tuple(100.0 * v if unit == "%" else float(v) for v in numbers)
-        rows.append((name, label, unit, shown))
-    return rows  # type: ignore[return-value]
+        shown = (100.0 * v if unit == "%" else float(v) for v in numbers)
+        rows.append(RoomRow(name, label, unit, *shown))
+    return rows
 
 
 def assumption_words(name: str) -> tuple[str, str]:
@@ -157,10 +180,10 @@ def verdict_told(file: Any) -> str:
     if said == ONE_LONGER:
         return f"{names[best]} lasts {lives[best] / lives[1 - best]:.3g} times as long"
     turned = [
-        f"{label} {digits(now)} to {digits(end)} {unit}".rstrip()
-        for _, label, unit, (low, now, high) in room_rows(file)
-        for end in (low, high)
-        if abs(end / now - 1.0) < CLAIMED
+        f"{one.label} {digits(one.now)} to {digits(end)} {one.unit}".rstrip()
+        for one in room_rows(file)
+        for end in (one.low, one.high)
+        if abs(end / one.now - 1.0) < CLAIMED
     ]
     why = (
         f"the order reverses with {' or '.join(turned)}"
@@ -168,6 +191,24 @@ def verdict_told(file: Any) -> str:
         else "see how far the choice holds"
     )
     return f"neither method can be said to last longer: {why}"
+
+
+def cliffs_told(file: Any) -> list[str]:
+    """How near a sudden fall of the life is to each recommended preload, a sentence each."""
+    said = []
+    columns = ("preload", "cliff_preload", "cliff_life", "clear_preload", "clear_life")
+    rows = zip(*(np.atleast_1d(values(file, name)) for name in columns), strict=True)
+    for name, (preload, below, life, clear, kept) in zip(methods_told(file), rows, strict=True):
+        if not np.isfinite(below):
+            continue
+        side = "less" if below < preload else "more"
+        near = f"{100.0 * abs(below / preload - 1.0):.2g} % {side}"
+        fall = f"the life falls to {digits(float(life))} h" if life > 0.0 else "there is no life"
+        text = f"{name}: at {below:.7g} N, {near}, {fall}"
+        if np.isfinite(clear):
+            text += f"; {clear:.7g} N keeps 5 % away from it and lasts {digits(float(kept))} h"
+        said.append(text)
+    return said
 
 
 def _held(file: Any) -> list[str]:

@@ -34,7 +34,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
 from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import design_message
-from bearingwear.studies.design.map import MAP_AXES
+from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.show import (
     ROOM_COLUMNS,
@@ -51,6 +51,7 @@ from bearingwear.studies.design.words import (
     HERTZIAN_LIFE_WORDS,
     LIMIT_WORDS,
     NONE_BECAUSE,
+    WHAT_LIMITS,
     limit_text,
 )
 
@@ -117,8 +118,11 @@ def design_summary(
 def _room(recommendation: xr.Dataset) -> list[str]:
     """How far an assumption may move before the other method is better."""
     rows = [
-        [f"{label} ({in_print(unit)})" if unit else label, *map(digits, numbers)]
-        for _, label, unit, numbers in room_rows(recommendation)
+        [
+            f"{one.label} ({in_print(one.unit)})" if one.unit else one.label,
+            *map(digits, one.numbers),
+        ]
+        for one in room_rows(recommendation)
     ]
     if not rows:
         return []
@@ -132,6 +136,8 @@ def _room(recommendation: xr.Dataset) -> list[str]:
 def none_because(recommendation: xr.Dataset) -> list[str]:
     """Why no preload is recommended, a sentence for each method without one."""
     scene = scene_of(recommendation)
+    if not limits_of(recommendation).given:
+        return [WHAT_LIMITS]
     return [
         f"No preload by {method_words(scene, method)} keeps to all limits: {why}."
         for method, why in json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}")).items()
@@ -311,6 +317,14 @@ def distribution_text(given: dict[str, Any]) -> str:
     return ", ".join([given["distribution"], *parts])
 
 
+def _grooves_of(design: xr.Dataset) -> str:
+    """Which grooves the lives of a map have."""
+    worn = int((design["groove"] == WORN_GROOVE).sum())
+    if not worn:
+        return "All of them are of Hertzian grooves."
+    return f"In {worn} of them the grooves are followed as they wear; the others are Hertzian."
+
+
 def _statuses(design: xr.Dataset) -> list[str]:
     status = design["status"].values
     solves = int(design["solves"].sum())
@@ -324,6 +338,6 @@ def _statuses(design: xr.Dataset) -> list[str]:
     return [
         f"{status.size} lives over preload, method, friction and speed (in map.csv), made of "
         f"{solves} steady states, of which {failed} were not found. A life that was not solved "
-        "keeps its status and is never chosen. All lives of the map are of Hertzian grooves.",
+        f"keeps its status and is never chosen. {_grooves_of(design)}",
         markdown_table("status of the life | lives", rows),
     ]

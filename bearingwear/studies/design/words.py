@@ -49,6 +49,16 @@ NONE_BECAUSE = "none_because"
 NO_LIMIT = "no limit was given"
 """Why, where there is nothing to choose by."""
 
+AS_LITTLE = "no limit was given; take as little preload as you dare"
+"""What there is to say without a limit, in a headline."""
+
+WHAT_LIMITS = (
+    "Without a limit the answer is the preload that wears least. Name what the machine needs, such "
+    "as a stiffness, and what the bearing withstands, such as a pressure: a limit leaves the "
+    "preloads that keep to it."
+)
+"""What a limit does, where none was given."""
+
 LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
 """Before the name of an assumption that is a limit of the design, or an end of the life."""
 

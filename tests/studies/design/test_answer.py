@@ -93,18 +93,31 @@ def test_neither_lasts_longer(files):
 
 
 def test_an_answer_at_the_end_of_the_map_says_so(files):
-    """Without any limit the least preload lasts longest, which is no advice by itself."""
+    """Without any limit there is no advice but as little preload as one dares."""
     design, found = load(files["design"]), load(files["recommendation"])
     ends = found.active_limit.attrs["flag_meanings"].split()
     found["active_limit"][...] = ends.index("end_of_range")
     for end, word in (("min", "least"), ("max", "largest")):
         found["preload"][...] = float(getattr(design["preload"], end)())
-        found.attrs["limits"] = "{}"
         answer = preload_answer(design, found)
         assert answer.headline.endswith(f", the {word} preload tried")
-        assert "No limit was given: set what the machine needs" in told(answer)["What limits it"]
-        found.attrs["limits"] = load(files["recommendation"]).attrs["limits"]
-        assert "No limit was given" not in told(preload_answer(design, found))["What limits it"]
+    found.attrs["limits"] = "{}"
+    answer = preload_answer(design, found.assign(life=np.nan * found["life"]))
+    assert answer.headline == "mine: no limit was given; take as little preload as you dare"
+    assert "Name what the machine needs" in told(answer)["What a limit does"]
+    assert answer.tables[0].slider
+
+
+def test_a_sudden_fall_of_the_life_is_in_the_headline(files):
+    found = load(files["recommendation"])
+    preload = float(found["preload"][0])
+    for name, value in (("preload", 0.99 * preload), ("life", 0.01)):
+        found[f"cliff_{name}"][0] = value
+    answer = preload_answer(load(files["design"]), found)
+    headline = answer.headline.replace("\N{NO-BREAK SPACE}", " ")
+    assert headline.endswith("; with 1 % less it lasts 0.01 h")
+    said = told(answer)["What limits it"]
+    assert "1 % less, the life falls to 0.01 h" in said
 
 
 def test_no_preload_within_the_limits(files):

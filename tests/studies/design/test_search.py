@@ -11,8 +11,8 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.design.choice import ACTIVE
-from bearingwear.studies.design.followed import followed_point
-from bearingwear.studies.design.plan import DesignLimits, axes_around
+from bearingwear.studies.design.map import followed_point
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.preload_line import PreloadLine, round_number
 from bearingwear.studies.design.recommend import held_back_by, mapped
 from bearingwear.studies.design.room import limit_end
@@ -202,7 +202,7 @@ def steep(tmp_path_factory):
 def test_a_recommended_life_is_not_below_a_cliff(steep):
     """It was 427 N with 0.0236 h, where 430 N last 0.811 h."""
     limits = DesignLimits(maximum_pressure_GPa=1.5, axial_stiffness_N_um=15.0)
-    _, found = mapped(steep, axes_around(steep, [0.08]), limits)
+    _, found = mapped(steep, axes_around(steep, [0.08], factors=COARSE), limits, quick=True)
     one = found.isel(preload_method=0)
     preload, life = float(one["preload"]), float(one["life"][1])
     assert preload == float(f"{preload:.4g}") and life > 0.8
@@ -221,3 +221,27 @@ def test_a_point_of_the_map_is_not_better():
     lives = design["life"][..., 1].where(design["gyroscopic_slip_share"] <= 0.26)
     for k in range(2):
         assert float(found["life"][k, 1]) >= float(lives.isel(preload_method=k).max())
+
+
+def test_nothing_is_recommended_without_a_limit(tmp_path, capsys):
+    """The last commands of new have limits; without one, the answer is as little as one dares."""
+    from bearingwear.cli import main
+
+    file = tmp_path / "mine.yaml"
+    assert main(["new", str(file), "7008C", "--speed", "18000"]) == 0
+    last = capsys.readouterr().out.splitlines()[-2:]
+    assert all("--stiffness 20 --pressure 2" in line for line in last)
+    assert main(["recommend", str(scene_file("gyro_s1"))]) == 0
+    text = capsys.readouterr().out
+    assert "no limit was given; take as little preload as you dare" in text
+    assert "initial preload" not in text and "lasts" not in text
+    assert "over the preload, constant force" in text and "stiffness, arrangement" in text
+
+
+def test_limits_out_of_reach_have_no_table_of_dashes(capsys):
+    from bearingwear.cli import main
+
+    assert main(["recommend", str(scene_file("gyro_s1")), "--stiffness", "500"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("at best") == 2 and "–" not in text
+    assert len(text.splitlines()) < 10
