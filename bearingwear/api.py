@@ -19,6 +19,7 @@ from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.assumed import CLASSES
 from bearingwear.scene.catalogue import MAKERS
+from bearingwear.scene.coefficients import FILMS, RUBBING
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
@@ -43,6 +44,8 @@ CHOICES: Mapping[str, Collection[str]] = {
     "preload_class": CLASSES,
     "maker": tuple(MAKERS),
     "clearance": CLEARANCES,
+    "pair": tuple(pair for pair, _ in RUBBING),
+    "film": FILMS,
 }
 """Names that `new` takes."""
 
@@ -251,7 +254,7 @@ def new(
         What else is known, by the names of the command's options: `designation`, `maker`, `balls`,
         `ball_diameter` [mm], `pitch_diameter` [mm], `contact_angle` [degree], `clearance` (a group)
         or `radial_clearance_um`, `speed` [r/min], `preload` [N], `preload_class`, `friction`,
-        `ball_material`, `preload_method`.
+        `ball_material`, `preload_method`, `pair` and `film`.
 
     Returns
     -------

@@ -16,6 +16,7 @@ from bearingwear.measures import LIMITED
 from bearingwear.scene.assumed import CLASSES
 from bearingwear.scene.calibrated import SEEN
 from bearingwear.scene.catalogue import MAKERS
+from bearingwear.scene.coefficients import FILMS, RUBBING
 from bearingwear.scene.designations import CLEARANCES
 from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
@@ -163,6 +164,13 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         metavar="UM",
         help="the clearance itself, in place of its group",
     )
+    new.add_argument(
+        "--pair",
+        choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
+        help="materials of balls and races whose wear and friction come from the table of sources "
+        "(docs/coefficients.md); assumed if left out",
+    )
+    new.add_argument("--film", choices=FILMS, help="a film between them, of the same table")
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
     new.add_argument(
         "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"

@@ -51,7 +51,7 @@ def new(args: argparse.Namespace) -> int:
     path, designation = _file_and_designation(args.names)
     values = {key: getattr(args, key) for _, key, *_ in OPTIONS}
     known = {key: value for key, value in values.items() if value is not None}
-    names = "bore outside clearance ball_material preload_method preload_class maker"
+    names = "bore outside clearance ball_material preload_method preload_class maker pair film"
     others = {name: getattr(args, name) for name in names.split()}
     lines = write_scene(path, given=known, designation=designation, **others)
     print(f"{path}: written; assumed or of a catalogue, and marked so in it:")
@@ -62,7 +62,8 @@ def new(args: argparse.Namespace) -> int:
     print("next:")
     limits = ["--stiffness", f"{usual_stiffness(path):g}", "--pressure", "2"]
     stem = str(Path(path).with_suffix(""))
-    for name, output in NEXT:
+    filmed = args.film not in (None, "none")  # which recommend and study do not know
+    for name, output in NEXT[:-2] if filmed else NEXT:
         words = ["bearingwear", name, path, *(["-o", f"{stem}{output}"] if output else [])]
         print(f"  {shlex.join([*words, *(limits if name in TO_CHOOSE_BY else ())])}")
     return OK

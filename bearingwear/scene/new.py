@@ -27,6 +27,7 @@ from bearingwear.scene.assumed import (
 )
 from bearingwear.scene.catalogue import CatalogueBearing, same_size
 from bearingwear.scene.checking import fits
+from bearingwear.scene.coefficients import Rubbing, rubbing
 from bearingwear.scene.errors import SceneError, yaml_number
 from bearingwear.scene.records import NAME, NAME_RULE, SCENE_SUFFIXES
 from bearingwear.scene.scene import key_of_scene, most_balls
@@ -46,6 +47,8 @@ OPTIONS = (
     ("--friction", "friction.ball_race", "MU", "Coulomb coefficient of ball and race"),
 )
 """What `new` takes beside bore and outside diameter: option, key of the scene, metavar, meaning."""
+
+_BALL_RACE = "friction.ball_race"
 
 MATERIALS = {
     "bearing_steel": "{youngs_modulus_GPa: 208, poisson_ratio: 0.3, density_kg_m3: 7800, "
@@ -69,6 +72,8 @@ def scene_text(
     clearance: str | float | None = None,
     preload_class: str | None = None,
     maker: str | None = None,
+    pair: str | None = None,
+    film: str | None = None,
 ) -> tuple[str, list[str]]:
     """A commented scene file, and a line for each thing in it that was not given.
 
@@ -91,6 +96,8 @@ def scene_text(
         One of `PRELOAD_CLASSES`, or of the maker's classes, in place of a preload.
     maker : str, optional
         One of `catalogue.MAKERS`.
+    pair, film : str, optional
+        What rubs, of `coefficients.RUBBING`: wear, friction and their spread come from its sources.
 
     Returns
     -------
@@ -108,9 +115,14 @@ def scene_text(
     for key in given:
         _check_range(key, given[key])
     method = preload_method or _usual_method(size, given)
+    rubs = _rubbing(pair, film, given, ball_material)
     numbers = numbers_of(size, given, clearance, preload_class, method)
+    if rubs.rule and _BALL_RACE not in given:
+        numbers[_BALL_RACE] = Origin(rubs.friction, rubs.rule, assumed=False)
+    if rubs.film:
+        del numbers[_BALL_RACE]
     _check_room(numbers)
-    text = _filled(name, size, numbers, ball_material, preload_method, method)
+    text = _filled(name, size, numbers, ball_material, preload_method, method, rubs)
     _check(text)
     return text, _assumed(size, numbers, ball_material, preload_method, method)
 
@@ -119,6 +131,17 @@ def _usual_method(size: Designation, given: Mapping[str, float]) -> str:
     """A maker's class of preload is that of a rigid pair."""
     rigid = size.entry is not None and size.entry.preloads and "operation.preload_N" not in given
     return "fixed_position" if rigid else "constant_force"
+
+
+def _rubbing(
+    pair: str | None, film: str | None, given: Mapping[str, float], ball_material: str | None
+) -> Rubbing:
+    """What a pair and a film are known to do; refuses what no source has."""
+    if film not in (None, "none") and _BALL_RACE in given:
+        raise refused_option("--friction", given[_BALL_RACE], f"it without --film {film}")
+    if (pair or film) and ball_material not in (None, "bearing_steel"):
+        raise refused_option("--ball-material", ball_material, f"bearing_steel with {pair}")
+    return rubbing(pair, film)
 
 
 def _check_room(numbers: Mapping[str, Origin]) -> None:
@@ -233,8 +256,10 @@ def _filled(
     ball_material: str | None,
     preload_method: str | None,
     method: str,
+    rubs: Rubbing,
 ) -> str:
     """The template of a scene, filled in."""
+    steel = MATERIALS["bearing_steel"].replace("5.0e-6", yaml_number(rubs.steel))
     D, dm, Z = _balls(numbers)
     grooves, groove_rule = grooves_of(size.entry)
     return _template().render(
@@ -255,7 +280,10 @@ def _filled(
         method_given=preload_method is not None,
         pair_kind=PAIRS[method],
         materials=dict.fromkeys((ball_material or "bearing_steel", "bearing_steel", "phenolic")),
-        MATERIALS=MATERIALS,
+        MATERIALS=MATERIALS | {"bearing_steel": steel},
+        film=rubs.film,
+        spread=rubs.spread,
+        dry_rule=rubs.rule,
     )
 
 

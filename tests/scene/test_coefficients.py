@@ -1,0 +1,81 @@
+"""The table of measured coefficients, its page, and the scenes that take it."""
+
+import math
+
+import pytest
+from numpy.testing import assert_allclose
+from support import ROOT
+
+from bearingwear.model.films import Films
+from bearingwear.scene import coefficients
+from bearingwear.scene.coefficients import M2_PER_N, MEASURED_WEAR, RUBBING
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.new import scene_text
+from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.scene.strict_yaml import data_of
+
+
+def test_a_cubic_millimetre_per_newton_metre():
+    """1 mm3/(N m) = (1e-3 m)^3/(N m) = 1e-9 m2/N."""
+    assert_allclose(M2_PER_N, (1e-3) ** 3, rtol=1e-15)
+    # PTFE, 6e-4 mm3/(N m) by its authors
+    assert_allclose(M2_PER_N * MEASURED_WEAR["ptfe"].wear[0], 6e-13)
+
+
+def test_the_page_is_that_of_the_table():
+    text = (ROOT / "docs/coefficients.md").read_text(encoding="utf-8")
+    again = "run: python -m bearingwear.scene.coefficients docs/coefficients.md"
+    assert coefficients.page_of_coefficients() == text, again
+
+
+@pytest.mark.parametrize("name", MEASURED_WEAR)
+def test_each_row_has_a_source_and_a_number(name):
+    row = MEASURED_WEAR[name]
+    assert row.url.startswith("https://") and row.source and row.conditions and row.read
+    known = [end for end in (*row.wear, *row.friction) if not math.isnan(end)]
+    assert known and all(end > 0.0 for end in known)
+    assert not row.wear[0] > row.wear[1] and not row.friction[0] > row.friction[1]
+
+
+@pytest.mark.parametrize("pair, film", RUBBING)
+def test_a_scene_takes_a_pair_with_its_spread(pair, film):
+    one = RUBBING[pair, film]
+    assert set(one.rows) <= MEASURED_WEAR.keys()
+    text, _ = scene_text(
+        "a", None, None, {"operation.shaft_speed_rpm": 9000.0}, designation="7008C",
+        pair=pair, film=film,
+    )  # fmt: skip
+    assert f"docs/coefficients.md: {', '.join(one.rows)}" in text
+    scene = scene_from_dict(data_of(text, "a"), "a")
+    race = Films.of(scene).race
+    worn = race.film or race.below
+    assert_allclose(float(worn.K_s / worn.H), one.wear.median, rtol=0.03)
+    spread = scene.uncertainty["wear_coefficient"]
+    assert_allclose(spread.factor, one.wear.factor, rtol=0.02)
+    if film == "none":
+        assert scene.friction.ball_race == one.friction.median
+    else:
+        assert scene.friction.ball_race is None and scene.friction.film.thickness_um == 0.6
+
+
+def test_ninety_percent_lie_between_the_rows():
+    mos2 = RUBBING["steel/steel", "mos2"].wear
+    ends = [mos2.median * mos2.factor ** (sign * 1.6449) for sign in (-1, 1)]
+    assert_allclose(ends, [3.6e-18, 4e-15], rtol=1e-6)
+
+
+def test_what_has_no_source_is_refused():
+    speed = {"operation.shaft_speed_rpm": 9000.0}
+    with pytest.raises(SceneError, match="--ball-material: got silicon_nitride, expected bearing"):
+        scene_text("a", 40, 68, speed, "silicon_nitride", pair="steel/steel")
+    with pytest.raises(SceneError, match="--friction: got 0.1, expected"):
+        scene_text("a", 40, 68, speed | {"friction.ball_race": 0.1}, film="mos2")
+
+
+def test_the_scene_with_a_film_takes_the_pair():
+    scene = load_scene(ROOT / "config/scenes/mos2_gyro.yaml")
+    race = Films.of(scene).race
+    mos2, steel = RUBBING["steel/steel", "mos2"].wear, MEASURED_WEAR["archard"].wear
+    assert_allclose(float(race.film.K_s / race.film.H), mos2.median, rtol=0.03)
+    below = float(race.below.K_s / race.below.H)
+    assert M2_PER_N * steel[0] <= below <= 1.01 * M2_PER_N * steel[1]
