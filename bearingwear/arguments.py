@@ -164,6 +164,14 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         metavar="UM",
         help="the clearance itself, in place of its group",
     )
+    _add_rubbing(new)
+    new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
+    new.add_argument(
+        "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"
+    )
+
+
+def _add_rubbing(new: argparse.ArgumentParser) -> None:
     new.add_argument(
         "--pair",
         choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
@@ -171,10 +179,6 @@ def _add_new(new: argparse.ArgumentParser) -> None:
         "(docs/coefficients.md); assumed if left out",
     )
     new.add_argument("--film", choices=FILMS, help="a film between them, of the same table")
-    new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
-    new.add_argument(
-        "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"
-    )
 
 
 def _add_scene(sub: argparse.ArgumentParser) -> None:
