@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from bearingwear.results.netcdf import CaseFileError, header, load
-from bearingwear.results.units import Interval, digits, key_in_words
+from bearingwear.results.units import Interval, Rough, key_in_words
 from bearingwear.scene.scene import COUNTS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
@@ -198,7 +198,7 @@ def spread_cells(spreads: Sequence[Spread | None]) -> dict[str, list[str]]:
 def _cell(value: Interval | float | str) -> str:
     if isinstance(value, Interval):
         return value.text
-    return value if isinstance(value, str) else digits(value)
+    return value if isinstance(value, str) else Rough(value).text
 
 
 def spread_at(one: xr.Dataset) -> Spread | None:

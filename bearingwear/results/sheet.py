@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from bearingwear.results.units import Interval, digits
+from bearingwear.results.units import Interval, Rough, digits
 
 NOT_SOLVED = "not solved"
 LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
@@ -138,7 +138,7 @@ def _lines(block: Block) -> list[str]:
 
 
 def _shown(value: Any, unit: str, given: bool) -> str:
-    if isinstance(value, Interval):
+    if isinstance(value, Interval) or (isinstance(value, Rough) and math.isfinite(value)):
         return value.text
     if not isinstance(value, float):
         return str(value)

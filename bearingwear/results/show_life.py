@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -24,9 +25,10 @@ from bearingwear.results.rows import (
     values,
 )
 from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import display
+from bearingwear.results.units import Interval, Rough, display
 from bearingwear.results.variables import RACES
-from bearingwear.scene.scene import COUNTS
+from bearingwear.scene.coefficients import NINETY
+from bearingwear.scene.scene import COUNTS, WORN
 
 LIVES = ("life", "normalised_life")
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
@@ -70,13 +72,17 @@ def _life_blocks(file: Any) -> list[Block]:
     lives = tuple(
         row_of(n, np.atleast_1d(values(file, n))[followed]) for n in LIVES if n in file.variables
     )
-    own = Row(f"counts: {COUNTED[counted]}", "h", (_life_of(file, counted),), "life_of_the_scene")
+    life = _life_of(file, counted)
+    own = Row(f"counts: {COUNTED[counted]}", "h", (Rough(life),), "life_of_the_scene")
+    band = _by_wear(scene, life)
+    label = "  90 % of bearings, by wear"
+    by_wear = () if band is None else (Row(label, "h", (band,), "life_by_wear_alone"),)
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     said = (str(file.ended_by),) if hasattr(file, "ended_by") else ()
     blocks = [
         Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
-        Block("life", (), (own, ended, loss), said),
+        Block("life", (), (own, *by_wear, ended, loss), (*said, *_calibrated(scene))),
     ]
     if "step" in file.dimensions and file.dimensions["step"].size:
         more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
@@ -89,6 +95,28 @@ def _life_blocks(file: Any) -> list[Block]:
         blocks.append(Block("along the life", ("start", "end"), ends))
         blocks.append(Block("what may end it", ("start", "end"), _criteria(file, scene)))
     return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]
+
+
+def _by_wear(scene: Mapping[str, Any], life: float) -> Interval | None:
+    """Between which lives bearings lie by what the scene does not know of wear; life goes as 1/K_s.
+
+    None where it does not say, or not as lognormal.
+    """
+    given = {n: one for n, one in (scene.get("uncertainty") or {}).items() if n in WORN}
+    if (
+        not given
+        or not life > 0.0
+        or any("factor" not in one or "median" in one for one in given.values())
+    ):
+        return None
+    deviation = math.hypot(*(math.log(one["factor"]) for one in given.values()))
+    return Interval(*(life * math.exp(z * deviation) for z in (-NINETY, NINETY)))
+
+
+def _calibrated(scene: Mapping[str, Any]) -> tuple[str, ...]:
+    """By which tests the scene was calibrated."""
+    by = scene.get("calibrated")
+    return (f"calibrated by {by['rows']} tests of {by['tests']}",) if by else ()
 
 
 def _ends(file: Any, name: str) -> list[Row]:

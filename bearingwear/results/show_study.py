@@ -25,7 +25,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.rows import COUNTED, VARIABLES, values
 from bearingwear.results.sheet import NOT_SOLVED, Block, Row, Sheet
-from bearingwear.results.units import display
+from bearingwear.results.units import Rough, display
 from bearingwear.scene.scene import COUNTS
 
 MOST_LISTED = 8
@@ -90,13 +90,21 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
         rows += [Row(label)] if label else []
         every = [found[way].rows for way in COUNTS]
         rows += [
-            Row(name, "h", tuple(one.get(name, math.nan) for one in every), _life_name(name))
+            Row(
+                name, "h", tuple(_rough(one.get(name, math.nan)) for one in every), _life_name(name)
+            )
             for name in dict.fromkeys(name for one in every for name in one)
         ]
     where = "" if missing == len(lives) else f" for the other {missing}"
     lines = [causes_told(scene)] if rows else []
     lines += [f"{NO_QUANTILES}{where}; {SEE}"] if missing else []
     return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), tuple(lines))]
+
+
+def _rough(value: Any) -> Any:
+    """Hours as two digits; other cells as they are."""
+    value = math.nan if value is None else value
+    return Rough(value) if isinstance(value, float) else value
 
 
 def _life_name(label: str) -> str:

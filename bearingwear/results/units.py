@@ -119,6 +119,14 @@ def scale_of(unit: str) -> tuple[str, float]:
     return next(((key, scale.factor) for key, scale in every if scale.unit == unit), (unit, 1.0))
 
 
+class Rough(float):
+    """A number that is known to two digits at best: a life as hours."""
+
+    @property
+    def text(self) -> str:
+        return digits(float(f"{self:.2g}"))
+
+
 class Interval(NamedTuple):
     """What most values lie between."""
 
@@ -128,7 +136,7 @@ class Interval(NamedTuple):
     @property
     def text(self) -> str:
         """`0.34 to 5.8`: the ends are not known better than to two digits."""
-        return " to ".join(digits(float(f"{end:.2g}")) for end in self)
+        return " to ".join(Rough(end).text for end in self)
 
 
 def span(values: Iterable[float]) -> str:

@@ -295,7 +295,7 @@ def rubbing(pair: str | None, film: str | None) -> Rubbing:
     def coefficient(of: LogSpread) -> float:
         return float(f"{of.median * STEEL_GPA * 1e9:.3g}")
 
-    on_it = None
+    on_it: dict[str, object] | None = None
     if film == "mos2":
         on_it = {
             "shear_strength": SHEAR_STRENGTH_MPA,

@@ -82,6 +82,11 @@ NO_CLOCK = (
     "wear coefficient, which is known to an order of magnitude at best."
 )
 
+CALIBRATED = (
+    "Wear and friction come from {rows} tests ({tests}): the interval of the hours is what they "
+    "leave unknown, with the scatter between bearings."
+)
+
 _COUNTED_WORDS = ("the balls alone", "balls and races")
 """What wear counts, in the order of `COUNTS`."""
 
@@ -278,7 +283,8 @@ def _sure(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]) -> li
         )
     if mine := spread[method]:
         said.append(f"{mine.sentence}, over all that is uncertain.")
-    said += [NO_CLOCK, *track_told(recommendation)]
+    by = scene_of(recommendation).get("calibrated")
+    said += [CALIBRATED.format(**by) if by else NO_CLOCK, *track_told(recommendation)]
     if math.isfinite(error):
         said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
     return said
