@@ -264,7 +264,7 @@ class Rubbing:
     steel: float
     friction: float
     film: dict[str, object] | None
-    spread: dict[str, object]
+    spread: dict[str, str]
     rule: str
 
 
@@ -277,7 +277,7 @@ def rubbing(pair: str | None, film: str | None) -> Rubbing:
         No source has them.
     """
 
-    def spread(wear: LogSpread, friction: LogSpread, rule: str) -> dict[str, object]:
+    def spread(wear: LogSpread, friction: LogSpread, rule: str) -> dict[str, str]:
         factors = {"wear": wear.factor, "friction": friction.factor, "scatter": WEAR_SCATTER}
         return {name: f"{value:.2g}" for name, value in factors.items()} | {"rule": rule}
 
