@@ -10,7 +10,7 @@ from support import step
 from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
-from bearingwear.results.units import digits
+from bearingwear.results.units import Rough, digits
 from bearingwear.studies.design.answer import preload_answer
 from bearingwear.studies.design.beside import beside_told
 from bearingwear.studies.design.plan import DesignPlan
@@ -211,7 +211,7 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     mine = json.loads(spread.attrs["scene"])
     known = spreads_of([spread], mine, "constant_force", 0.08, RECOMMENDED)["ball_and_races"]
     assert rows["90 % of bearings (h)"][0] == known.bearings.text
-    assert {f"{name} (h)": digits(hours) for name, hours in known.quantiles.items()} == {
+    assert {f"{name} (h)": Rough(hours).text for name, hours in known.quantiles.items()} == {
         name: row[0] for name, row in rows.items() if name in ("L10 (h)", "L50 (h)")
     }
 
