@@ -84,7 +84,9 @@ is not the end of lubrication in a bearing, where the debris goes on.
 
 **Load.** Under Archard's law a track as wide as Hertz's contact lasts as F^(-2/3), so
 {archard:.2g} times shorter. To have [2] K_s must rise with pressure to the power of
-{exponent():.2g} or more.
+{exponent():.2g} or more. `friction.film.pressure_exponent` does so
+([theory](theory/23-films.md)); it is off unless a scene has it, since one pair of loads is behind
+it.
 
 1. [NASA, bearing endurance tests in vacuum](https://core.ac.uk/works/24927645)
 2. [Spalvins, 1971](https://ntrs.nasa.gov/citations/19720029182)

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.model.mounted import GPA, UM
+from bearingwear.model.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
+from bearingwear.model.mounted import GPA, UM, mounted_geometry
 from bearingwear.scene.blocks import Material
 from bearingwear.scene.friction import FilmFriction
 from bearingwear.scene.scene import Scene
@@ -52,7 +53,9 @@ class Surface:
         return Archard(K_s, self.below.H)
 
 
-def worn_as(part: Surface, partner: Surface, depth, covered, partner_covered) -> Archard:
+def worn_as(
+    part: Surface, partner: Surface, depth, covered, partner_covered, pressed=1.0
+) -> Archard:
     """Wear properties of a part: numbers, or one for each place.
 
     Those of its own film. Without one, or where it is worn through, those of its partner's film,
@@ -64,12 +67,14 @@ def worn_as(part: Surface, partner: Surface, depth, covered, partner_covered) ->
         Worn off the part [m].
     covered, partner_covered : bool or ndarray
         Whether each has film left.
+    pressed : float or ndarray
+        Factor on the wear of films by their pressure.
     """
     found = part.below_at(depth)
     for film, stands in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
             found = Archard(
-                np.where(stands, film.K_s, found.K_s), np.where(stands, film.H, found.H)
+                np.where(stands, film.K_s * pressed, found.K_s), np.where(stands, film.H, found.H)
             )
     return found
 
@@ -88,6 +93,8 @@ class Films:
 
     ball: Surface
     race: Surface
+    exponent: float = 0.0
+    reference: float = 1.0  # [Pa]
 
     @classmethod
     def of(cls, scene: Scene) -> "Films":
@@ -96,7 +103,14 @@ class Films:
         # a film that never wears through is on the races alone where no material has one
         endless = given is not None and given.thickness_um is None
         on_races = None if endless and ball.film is not None else given
-        return cls(ball=_surface(ball, None, given), race=_surface(race, on_races, given))
+        surfaces = _surface(ball, None, given), _surface(race, on_races, given)
+        if given is None or given.pressure_exponent is None:
+            return cls(*surfaces)
+        return cls(*surfaces, given.pressure_exponent, (given.reference_pressure_GPa or 1.0) * GPA)
+
+    def pressed(self, pressure):
+        """Factor on the wear of films under a mean pressure [Pa], (p/p_ref)^n."""
+        return (pressure / self.reference) ** self.exponent if self.exponent else 1.0
 
     @property
     def wear_through(self) -> bool:
@@ -115,7 +129,9 @@ class Films:
             return COVERED
         return not (cover.inner or cover.ball), not (cover.outer or cover.ball)
 
-    def wearing(self, cover: Cover, ball_depth=0.0, race_depths=0.0) -> tuple[Archard, Archard]:
+    def wearing(
+        self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0
+    ) -> tuple[Archard, Archard]:
         """Wear properties of a ball in both of its contacts, and of both races.
 
         Parameters
@@ -124,11 +140,13 @@ class Films:
             [m]
         race_depths : ndarray (2,)
             [m]
+        pressed : float or ndarray (..., 2)
+            As of `worn_as`.
         """
         races = np.array([cover.inner, cover.outer])
         return (
-            worn_as(self.ball, self.race, ball_depth, cover.ball, races),
-            worn_as(self.race, self.ball, race_depths, races, cover.ball),
+            worn_as(self.ball, self.race, ball_depth, cover.ball, races, pressed),
+            worn_as(self.race, self.ball, race_depths, races, cover.ball, pressed),
         )
 
 
@@ -170,6 +188,14 @@ def friction_law(scene: Scene, bare: Bare = COVERED) -> dict[str, float]:
             S, mu = given.shear_strength_MPa * MPA, given.pressure_coefficient
         law |= {f"S_{name}": float(S), f"mu_{name}": float(mu)}
     return law
+
+
+def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
+    """Of Hertz's contacts with these semi-major axes (..., 2) [m]; by fitted factors [Pa]."""
+    g = mounted_geometry(scene)
+    races = (INNER_RACE, OUTER_RACE)
+    factors = [fitted_factors(g, race, g.D0, math.cos(g.alpha0)) for race in races]
+    return major / (math.pi * np.array([c_a * c_a * c_b for _, c_a, c_b in factors]))
 
 
 def friction_at(scene: Scene, pressure: float) -> float:

@@ -41,11 +41,13 @@ def films_told(scene: Scene) -> list[str]:
 
 def films_refused(scene: Scene, fidelity: str) -> str:
     """Why a life cannot follow the films of a scene; nothing where it can."""
-    if not changes_as_it_wears(scene) or fidelity != "dynamic":
+    given = scene.friction.film
+    pressed = given is not None and given.pressure_exponent is not None
+    if not (changes_as_it_wears(scene) or pressed) or fidelity != "dynamic":
         return ""
     return (
-        "friction.film, materials: got films that wear through, or running in, with fidelity "
-        "dynamic; expected, for a life, fidelity steady or race_control"
+        "friction.film, materials: got films that wear through or by pressure, or running in, with "
+        "fidelity dynamic; expected, for a life, fidelity steady or race_control"
     )
 
 

@@ -23,7 +23,7 @@ from bearingwear.kernels.summary import (
     TRACK,
     slip_profiles,
 )
-from bearingwear.model.films import Films
+from bearingwear.model.films import Films, mean_pressure
 from bearingwear.scene.scene import Scene
 
 TURN = 2.0 * np.pi
@@ -149,7 +149,7 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
         over the balls, counting the balls alone, and balls and races.
     """
     n = scene.bearing.ball_count
-    ball_rate, race_rate = wear_rates(scene, qv)
+    ball_rate, race_rate = wear_rates(scene, qv, a)
     on = a.min(axis=1) > 0.0  # balls off a race loosen no fit
     each = D, ball_rate, race_rate, a, track
     losses = diameter_loss_rates(n, *(each if on.all() else (one[on] for one in each)))
@@ -160,10 +160,14 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
     }
 
 
-def wear_rates(scene: Scene, qv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Volumes worn off ball and race per time [m3/s] where QV [W] is given, their films new."""
+def wear_rates(scene: Scene, qv: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Volumes worn off ball and race per time [m3/s] by QV [W] and semi-major axis [m].
+
+    Of each contact (..., 2); films are new.
+    """
     films = Films.of(scene)
-    ball, race = films.wearing(films.cover)
+    pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves its time
+    ball, race = films.wearing(films.cover, pressed=pressed)
     return ball.rate(qv), race.rate(qv)
 
 

@@ -263,7 +263,7 @@ def steady_answers(
 ) -> np.ndarray:
     """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
     n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
-    ball_rate, race_rate = wear_rates(scene, c[..., QV])
+    ball_rate, race_rate = wear_rates(scene, c[..., QV], c[..., MAJOR])
     diameters = np.full(len(cases), D)
     loss = diameter_loss_rates(n, diameters, ball_rate, race_rate, c[..., MAJOR], c[..., TRACK])
     drag = [drag_power(problem, D, case) for case in cases]

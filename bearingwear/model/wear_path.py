@@ -18,7 +18,7 @@ from scipy.integrate import RK45
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.model.films import COVERED, Bare, Cover, Films
+from bearingwear.model.films import COVERED, Bare, Cover, Films, mean_pressure
 from bearingwear.model.life_integrator import (
     FIRST_STEP,
     REASONLESS,
@@ -108,7 +108,8 @@ class FilmWear(EvenWear):
 
     def __init__(self, scene: Scene):
         super().__init__(scene)
-        self.n_balls, self.films = scene.bearing.ball_count, Films.of(scene)
+        self.scene, self.n_balls = scene, scene.bearing.ball_count
+        self.films = Films.of(scene)
         self.cover = self.films.cover
         self.start = np.zeros(3)
 
@@ -128,7 +129,8 @@ class FilmWear(EvenWear):
         return np.where(self.cover, [race, race, ball], 0.0)
 
     def state(self, state: WearState, worn: np.ndarray) -> WearState:
-        wearing = self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3])
+        pressed = self.films.pressed(mean_pressure(self.scene, state.major))
+        wearing = self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
         ball, race = (np.broadcast_to(part.K_s / part.H, 2) for part in wearing)
         off_ball = float(state.per_wear[0] @ ball)
         off_races = state.per_wear[1] * race

@@ -61,17 +61,21 @@ class WornFilms:
         return 1.0 - np.maximum(on_race, cover(self.films.ball, ball_depth))
 
     def factors(
-        self, on_race: np.ndarray, race_depth: np.ndarray, ball_depth: float
+        self,
+        on_race: np.ndarray,
+        race_depth: np.ndarray,
+        ball_depth: float,
+        pressure: float = np.nan,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """K_s/H of ball and race at each place of a track [1/Pa].
+        """K_s/H of ball and race at each place of a track [1/Pa], under a mean pressure [Pa].
 
         As `films.worn_as`, in proportion to what each film still covers.
         """
         ball, race = self.films.ball, self.films.race
-        on_ball = cover(ball, ball_depth)
+        on_ball, pressed = cover(ball, ball_depth), self.films.pressed(pressure)
         return (
-            _factor(ball, race, ball_depth, on_ball, on_race),
-            _factor(race, ball, race_depth, on_race, on_ball),
+            _factor(ball, race, ball_depth, on_ball, on_race, pressed),
+            _factor(race, ball, race_depth, on_race, on_ball, pressed),
         )
 
     def left(self, race_depths: np.ndarray, ball_depth: float) -> np.ndarray:
@@ -80,10 +84,12 @@ class WornFilms:
         return np.array([*(race - race_depths), ball - ball_depth])
 
 
-def _factor(part: Surface, partner: Surface, depth, covered, partner_covered) -> np.ndarray:
+def _factor(
+    part: Surface, partner: Surface, depth, covered, partner_covered, pressed
+) -> np.ndarray:
     below = part.below_at(depth)
     found = below.K_s / below.H
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = share * film.K_s / film.H + (1.0 - share) * found
+            found = share * pressed * film.K_s / film.H + (1.0 - share) * found
     return np.asarray(found)

@@ -335,9 +335,11 @@ class WornBearing:
             if self.films is not None:
                 depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
                 covered = self.films.cover_of_race(depth, self.spread)
-                _, factor = self.films.factors(covered, depth, on_ball)
+                hertz = force.hertz
+                pressure = force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
+                _, factor = self.films.factors(covered, depth, on_ball, pressure)
                 covered = self.at_cells(covered, k, x, force.alpha, g)
-                there, _ = self.films.factors(covered, covered, on_ball)
+                there, _ = self.films.factors(covered, covered, on_ball, pressure)
                 qv = qv * (there / ball)
                 off_ball[k] *= qv.sum() / point.qv_along[k].sum()
             grooves[k] = g.n_balls * factor * along / (2.0 * np.pi * point.track[k])

@@ -91,6 +91,19 @@ class FilmFriction:
             "[0, 2]",
         ),
     ] = None
+    pressure_exponent: Annotated[
+        float | None,
+        Key(
+            "Power of the mean contact pressure, over reference_pressure_GPa, with which the film "
+            "wears, not in the dynamic model (none if left out)",
+            "1",
+            "[0, 10]",
+        ),
+    ] = None
+    reference_pressure_GPa: Annotated[
+        float | None,
+        Key("Mean pressure at which the film wears with its wear_coefficient", "GPa", "(0, 20]"),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,6 +179,13 @@ def check_films(scene: Scene) -> None:
             (f"materials.{b.race_material}.film",),
         )
     _check_wear_of_films(scene)
+    if given is not None:
+        names = ("pressure_exponent", "reference_pressure_GPa")
+        for name, other in (names, names[::-1]):
+            if getattr(given, name) is not None and getattr(given, other) is None:
+                raise SceneError(
+                    f"friction.film.{other}", f"got nothing with {name}, expected both", ()
+                )
 
 
 def _check_wear_of_films(scene: Scene) -> None:

@@ -28,6 +28,7 @@ from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.wear_path import KnownStates, WearPath
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.errors import SceneError
 
 S_0, ALPHA_S = 24.8e6, 0.001  # MoS2, Singer et al. (1990)
 STEEL = "materials.bearing_steel"
@@ -447,3 +448,37 @@ def test_reasons_name_the_film(scene):
     for text in ("friction: of a film", "film of the races", "running in of the balls"):
         assert text in reasons
     assert "film" not in " ".join(choice(scene("gyro_s1", HERTZ)).reasons)
+
+
+def test_wear_of_a_film_by_pressure(scene):
+    """As Spalvins' films: so many times the wear at so many times the pressure, in each contact."""
+    film = {"friction.ball_race": None, "uncertainty": None, "model.contact": "hertz"} | {
+        f"friction.film.{name}": value
+        for name, value in {
+            "shear_strength_MPa": 24.8, "thickness_um": 0.5, "wear_coefficient": 5e-6,
+        }.items()
+    }  # fmt: skip
+    by_pressure = {
+        "friction.film.pressure_exponent": 3.6,
+        "friction.film.reference_pressure_GPa": 1,
+    }
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
+    for load in (7.0, 28.0):
+        changes = film | end | {"operation.preload_N": load}
+        plain, pressed = (scene("gyro_s1", changes | more) for more in ({}, by_pressure))
+        without, with_it = solve(plain).values, solve(pressed).values
+        Q, a, b = (without[n] for n in ("contact_load", "semi_major_axis", "semi_minor_axis"))
+        expected = (1e-9 * Q / (np.pi * a * b)) ** 3.6
+        assert_allclose(
+            with_it["race_wear_rate"] / without["race_wear_rate"], expected.ravel(), rtol=0.05
+        )
+        ratio = life(plain).values["life"] / life(pressed).values["life"]
+        assert np.all((ratio > 0.9 * expected.min()) & (ratio < 1.1 * expected.max()))
+
+
+@pytest.mark.parametrize("name", ["pressure_exponent", "reference_pressure_GPa"])
+def test_wear_by_pressure_needs_both(scene, name):
+    changes = {"friction.ball_race": None, "uncertainty": None}
+    changes |= {"friction.film.shear_strength_MPa": 24.8, f"friction.film.{name}": 2.0}
+    with pytest.raises(SceneError, match=f"got nothing with {name}, expected both"):
+        scene("gyro_s1", changes)
