@@ -472,8 +472,9 @@ def test_wear_of_a_film_by_pressure(scene):
         assert_allclose(
             with_it["race_wear_rate"] / without["race_wear_rate"], expected.ravel(), rtol=0.05
         )
-        ratio = life(plain).values["life"] / life(pressed).values["life"]
-        assert np.all((ratio > 0.9 * expected.min()) & (ratio < 1.1 * expected.max()))
+        # counting balls and races: the balls alone lose as much only on bare races
+        ratio = life(plain).values["life"][1] / life(pressed).values["life"][1]
+        assert 0.95 * expected.min() < ratio < 1.05 * expected.max()
 
 
 @pytest.mark.parametrize("name", ["pressure_exponent", "reference_pressure_GPa"])
