@@ -6,6 +6,7 @@ from typing import Any
 SHARED = frozenset(
     {
         "system_axial_stiffness",
+        "system_quasistatic_axial_stiffness",
         "lift_off_force",
         "rotor_axial_shift",
         "natural_frequency",
@@ -19,6 +20,7 @@ SHARED = frozenset(
         "history_time",
         "groove_step",
         "history_system_axial_stiffness",
+        "history_system_quasistatic_axial_stiffness",
         "history_rotor_axial_shift",
     }
 )

@@ -49,6 +49,7 @@ class Tangent(NamedTuple):
     i11: float  # of the inner race's force on the ball, by the displacement of the race
     i12: float
     i21: float
+    i22: float
     det: float
 
 
@@ -82,7 +83,7 @@ def tangent_at(m, load, legs):
     k21, k22 = i21 + outer.k12 + t_o * outer.c * outer.c, i22 + outer.k22 - t_o * outer.s * outer.c
     k22 -= m * load.Omega * load.Omega
     det = k11 * k22 - k12 * k21
-    return Tangent(k11=k11, k12=k12, k21=k21, k22=k22, i11=i11, i12=i12, i21=i21, det=det)
+    return Tangent(k11=k11, k12=k12, k21=k21, k22=k22, i11=i11, i12=i12, i21=i21, i22=i22, det=det)
 
 
 @jit
@@ -160,6 +161,45 @@ def joined_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
 
 
 @jit
+def seated_legs(g, D, delta_a, state):
+    """The contacts of a ball in equilibrium, the race at `delta_a` [m]."""
+    A1, A2 = groove_distance(g, 0.0, delta_a, 0.0, 0.0, 0.0)
+    return legs_at(g, D, A1, A2, state.X1, state.X2, state.hertz_i, state.hertz_o)
+
+
+@jit
+def further_force(g, m, load, legs, X2, v):
+    """Axial and radial force on a ball by its orbit rate (v = 0), T_i (1) and T_o (2)."""
+    if v == 0:
+        return 0.0, 2.0 * m * (g.R_o + X2) * load.Omega
+    leg = legs.inner if v == 1 else legs.outer
+    return leg.c, -leg.s
+
+
+@jit
+def contact_rates(g, D, legs, dX1, dX2, d1, d2, rates):
+    """Changes of orbit radius [m], contact angles [rad] and loads [N] as ball and groove move.
+
+    Parameters
+    ----------
+    dX1, dX2, d1, d2 : float
+        Displacements of the ball's centre and of the inner groove's, axial and radial [m].
+    rates : ndarray (2, 3)
+        Filled, a row for each contact.
+    """
+    inner, outer = legs.inner, legs.outer
+    d1, d2 = d1 - dX1, d2 - dX2
+    turn_i = (inner.c * d1 - inner.s * d2) / legs.length_i
+    turn_o = (outer.c * dX1 - outer.s * dX2) / legs.length_o
+    stiff_i = contact_stiffness(inner.Q, legs.length_i - g.r_i + 0.5 * D)
+    stiff_o = contact_stiffness(outer.Q, legs.length_o - g.r_o + 0.5 * D)
+    rates[0, 0] = rates[1, 0] = dX2
+    rates[0, 1], rates[1, 1] = turn_i, turn_o
+    rates[0, 2] = stiff_i * (inner.s * d1 + inner.c * d2) + legs.follow_i * turn_i
+    rates[1, 2] = stiff_o * (outer.s * dX1 + outer.c * dX2) + legs.follow_o * turn_o
+
+
+@jit
 def load_rates(g, D, load, delta_a, constant_force, state, rates):
     """How a ball's contacts follow its orbit rate and its tractions.
 
@@ -172,28 +212,13 @@ def load_rates(g, D, load, delta_a, constant_force, state, rates):
     state : BallState
         Its equilibrium, both contacts closed.
     rates : ndarray (3, 2, 3)
-        Filled: derivatives by Omega, T_i and T_o, for each contact, of the orbit radius [m], the
-        contact angle [rad] and the load [N].
+        Filled: `contact_rates` by Omega, T_i and T_o.
     """
-    X1, X2, m = state.X1, state.X2, ball_mass(g.rho, D)
-    A1, A2 = groove_distance(g, 0.0, delta_a, 0.0, 0.0, 0.0)
-    legs = legs_at(g, D, A1, A2, X1, X2, state.hertz_i, state.hertz_o)
-    inner, outer = legs.inner, legs.outer
+    m = ball_mass(g.rho, D)
+    legs = seated_legs(g, D, delta_a, state)
     k = tangent_at(m, load, legs)
-    stiff_i = contact_stiffness(inner.Q, legs.length_i - g.r_i + 0.5 * D)
-    stiff_o = contact_stiffness(outer.Q, legs.length_o - g.r_o + 0.5 * D)
-    centrifugal = 2.0 * m * (g.R_o + X2) * load.Omega
     for v in range(3):
-        if v == 0:
-            dX1, dX2, step = joined_step(k, constant_force, 0.0, centrifugal, 0.0)
-        elif v == 1:
-            dX1, dX2, step = joined_step(k, constant_force, inner.c, -inner.s, -inner.c)
-        else:
-            dX1, dX2, step = joined_step(k, constant_force, outer.c, -outer.s, 0.0)
-        d1, d2 = step - dX1, -dX2
-        turn_i = (inner.c * d1 - inner.s * d2) / legs.length_i
-        turn_o = (outer.c * dX1 - outer.s * dX2) / legs.length_o
-        rates[v, 0, 0] = rates[v, 1, 0] = dX2
-        rates[v, 0, 1], rates[v, 1, 1] = turn_i, turn_o
-        rates[v, 0, 2] = stiff_i * (inner.s * d1 + inner.c * d2) + legs.follow_i * turn_i
-        rates[v, 1, 2] = stiff_o * (outer.s * dX1 + outer.c * dX2) + legs.follow_o * turn_o
+        P_1, P_2 = further_force(g, m, load, legs, state.X2, v)
+        P = -legs.inner.c if v == 1 else 0.0
+        dX1, dX2, step = joined_step(k, constant_force, P_1, P_2, P)
+        contact_rates(g, D, legs, dX1, dX2, step, 0.0, rates[v])

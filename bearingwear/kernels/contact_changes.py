@@ -4,7 +4,9 @@ The first four changes are by the motion (w_x, w_y, w_z, Omega); the friction's 
 over. Where the ball stands changes the slip too, and the load the size of the ellipse.
 """
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
+from bearingwear.kernels.contact import point_slip
+from bearingwear.kernels.friction import force_slope
 from bearingwear.kernels.profile import middle_height, profile
 from bearingwear.kernels.state import OMEGA, W_X, W_Y, W_Z
 
@@ -35,7 +37,8 @@ def gradient_changes(contact, R, c, gradient, even, H, L, change):
     """Derivatives (size, 7) of the friction of a contact, from those L of its slip coefficients.
 
     By its load, both semi-axes grow with its cube root: the points go out, and along the arc of
-    the surface down and up. What that does to the gyroscopic slip is left out.
+    the surface down and up. What that does to the gyroscopic slip is left out, and that the axes
+    follow the contact angle: `exact_changes` has both.
 
     Parameters
     ----------
@@ -57,3 +60,68 @@ def gradient_changes(contact, R, c, gradient, even, H, L, change):
         ) / contact.Q
     change[2, BY_LOAD] += 2.0 / 3.0 * (gradient[2] - middle * gradient[1]) / contact.Q
     change[3, BY_LOAD] += gradient[3] / (3.0 * contact.Q)
+
+
+@jit(fastmath=REORDER_SUMS)
+def add_axis_changes(contact, c, mu, R, v_r, points, by_a, by_b):
+    """Add how the gradient of Phi by c changes as the axes grow and take points along.
+
+    Parameters
+    ----------
+    points : tuple of 6 ndarray
+        t, weight, h, width, across, share, as in `traction.traction`.
+    by_a, by_b : ndarray (5,)
+        Derivatives by ln a and ln b, for each of its rows.
+    """
+    t, weight, h, width, across, share = points
+    p_R, v_r2, c_1, c_h, c_x = profile(contact.r_g, R, contact.a), v_r * v_r, c[0], c[2], c[3]
+    up = contact.a * contact.a * (1.0 / p_R.arc - 1.0 / p_R.ball)
+    a_1 = a_0 = a_h = a_x = a_t = b_1 = b_0 = b_h = b_x = b_t = 0.0
+    for k in range(t.size):
+        hk, x = h[k], contact.a * t[k]
+        higher = up - x * x / (hk + p_R.arc - p_R.ball)
+        gyroscopic, v2 = point_slip(c, hk, x)
+        by_1, by_2 = c_1 * higher, c_h * higher + c_x * x
+        for j in range(across.size):
+            y = width[k] * across[j]
+            v1, away = gyroscopic - c_x * y, -c_x * y
+            f, p_11, p_12, p_22 = force_slope(weight[k] * share[j], v1, v2, v_r2)
+            f1, f2 = p_11 * by_1 + p_12 * by_2, p_12 * by_1 + p_22 * by_2
+            a_1 += f1 * hk + f * v1 * higher
+            a_0 += f2
+            a_h += f2 * hk + f * v2 * higher
+            a_x += f2 * x - f1 * y + f * v2 * x
+            a_t += f1
+            f1, f2 = p_11 * away, p_12 * away
+            b_1 += f1 * hk
+            b_0 += f2
+            b_h += f2 * hk
+            b_x += f2 * x - f1 * y - f * v1 * y
+            b_t += f1
+    friction = mu * contact.Q
+    for k, (grown_a, grown_b) in enumerate(
+        ((a_1, b_1), (a_0, b_0), (a_h, b_h), (a_x, b_x), (a_t, b_t))
+    ):
+        by_a[k] += friction * grown_a
+        by_b[k] += friction * grown_b
+
+
+@jit
+def exact_changes(Q, axes, gradient, even, by_a, by_b, change):
+    """Make the columns of `gradient_changes` by angle and load exact.
+
+    Parameters
+    ----------
+    Q : float
+        Load [N].
+    axes : tuple of 2 floats
+        `hertz.axes_by_angle`.
+    gradient, even : ndarray
+        As in `gradient_changes`.
+    by_a, by_b : ndarray (5,)
+        Of `add_axis_changes`.
+    """
+    turn_a, turn_b = axes
+    for p in range(gradient.size):
+        change[p, BY_LOAD] = (gradient[p] + (by_a[p] + by_b[p] - even[p]) / 3.0) / Q
+        change[p, BY_ANGLE] += turn_a * (by_a[p] + even[p]) + turn_b * (by_b[p] + even[p])

@@ -28,11 +28,6 @@ from bearingwear.kernels.traction import traction, traction_slope
 
 LAST_BIT = 2.0**-50  # of the ball's speeds, with what the sums that make a slip of them add
 
-# The step in orbit rate that differentiates the centrifugal force, as a share of the speeds: small
-# enough to move the slip by this share of v_r, but above rounding.
-QUOTIENT_SLIP = 1e-2
-LARGEST_QUOTIENT, SMALLEST_QUOTIENT = 1e-6, 1e-9
-
 
 class Preload(NamedTuple):
     """How the inner race is held."""
@@ -72,8 +67,8 @@ class BalanceProblem(NamedTuple):
     even: np.ndarray  # (2, 4) or (2, 5), the part of `gradient` of a film that shears evenly
     even_hessian: np.ndarray  # (4, 4) or (5, 5)
     L: np.ndarray  # (2, 4, 6) see contact_changes.slip_changes
-    change: np.ndarray  # (2, 5, 7) with traction: see contact_changes.gradient_changes
-    rates: np.ndarray  # (3, 2, 3) with traction: see ball_response.load_rates
+    change: np.ndarray  # (2, 5, 7) see contact_changes.gradient_changes
+    rates: np.ndarray  # (3, 2, 3) see ball_response.load_rates
     residual: np.ndarray  # (k,) of the k = 4 unknowns, with traction 6
     shifted: np.ndarray  # (k,)
     jacobian: np.ndarray  # (k, k)
@@ -147,8 +142,7 @@ def orbit_equilibrium(bearing, Omega, near):
 @jit
 def motion_equilibrium(bearing, u, near):
     """Ball and race at the motion u (4,), or (6,) with its tractions, from the start `near`."""
-    T_i, T_o = (u[4], u[5]) if u.size > 4 else (0.0, 0.0)
-    return loaded_equilibrium(bearing, orbit_load(u[3], T_i, T_o), near)
+    return loaded_equilibrium(bearing, motion_load(u), near)
 
 
 @jit
@@ -268,11 +262,11 @@ def friction_balance(p, v_r, state, u, out, slope):
             )  # fmt: skip
         if slope:
             subtract_projected(L, p.hessian, J)
+            gradient_changes(contact, R, c, gradient, p.even[k], p.hessian, L, p.change[k])
         subtract_gradient(L, gradient, out)
         if u.size > 4:
             out[4 + k] = R * (gradient[4] - u[4 + k])
             if slope:
-                gradient_changes(contact, R, c, gradient, p.even[k], p.hessian, L, p.change[k])
                 J[4 + k, 4 + k] = -R
                 for j in range(4):
                     J[4 + k, j] += R * p.change[k, 4, j]
@@ -281,56 +275,56 @@ def friction_balance(p, v_r, state, u, out, slope):
 
 
 @jit
-def add_quotient(p, v_r, seat, u):
-    """Add to the Jacobian what the loads make of a change of the orbit rate, without traction.
+def add_friction_change(p, u, rates, J, column):
+    """Add to a column of J how the balance follows changes of the contacts, the motion held.
 
-    As a difference quotient, the equilibrium solved anew.
+    From the changes of the friction of both contacts that `friction_balance` has left in `p`.
+
+    Parameters
+    ----------
+    rates : ndarray (2, 3)
+        Of orbit radius, angle and load of each contact, see `ball_response.contact_rates`.
     """
-    op = p.bearing.op
-    scale = max(abs(u[3]), abs(op.omega_i), abs(op.omega_o))
-    if not scale > 0.0:
-        return
-    by_slip = QUOTIENT_SLIP * v_r / (scale * p.bearing.g.dm)
-    change = scale * min(LARGEST_QUOTIENT, max(SMALLEST_QUOTIENT, by_slip))
-    moved = orbit_equilibrium(p.bearing, u[3] + change, seat).state
-    if usable(moved) == OK and friction_balance(p, v_r, moved, u, p.shifted, False) == OK:
-        for i in range(u.size):
-            p.jacobian[i, 3] += (p.shifted[i] - p.residual[i]) / change
+    b, R, dr = p.bearing, 0.5 * p.bearing.D, rates[0, 0]
+    F_v, _ = drag_force(b.g, b.D, b.op.drag, u[3])
+    J[3, column] -= dr * F_v
+    for k in range(2):
+        L, G, dalpha = p.L[k], p.gradient[k], rates[k, 1]
+        for row in range(G.size):
+            by = 0.0
+            for q in range(3):
+                by += p.change[k, row, BY_RADIUS + q] * rates[k, q]
+            if row < 4:
+                for i in range(4):
+                    J[i, column] -= L[row, i] * by
+            else:
+                J[4 + k, column] += R * by
+        # the levers change as well: L turns with the contact, and its arm is the orbit
+        J[0, column] -= dalpha * (L[2, 2] * G[2] + L[3, 2] * G[3])
+        J[2, column] += dalpha * (L[2, 0] * G[2] + L[3, 0] * G[3])
+        J[3, column] -= dr * G[1]
 
 
 @jit
 def add_load_columns(p, seat, u):
-    """Add to the Jacobian what the loads make of the orbit rate and of the tractions.
+    """Add to the Jacobian what the loads make of the orbit rate and the tractions."""
+    b = p.bearing
+    place = seat.delta_a, b.preload.constant_force, seat.state
+    load_rates(b.g, b.D, motion_load(u), *place, p.rates)
+    for v in range(u.size - 3):
+        add_friction_change(p, u, p.rates[v], p.jacobian, 3 + v)
 
-    From the changes of the friction of both contacts that `friction_balance` has left in `p`.
-    """
-    b, J, R = p.bearing, p.jacobian, 0.5 * p.bearing.D
-    load = orbit_load(u[3], u[4], u[5])
-    load_rates(b.g, b.D, load, seat.delta_a, b.preload.constant_force, seat.state, p.rates)
-    F_v, _ = drag_force(b.g, b.D, b.op.drag, u[3])
-    for v in range(3):
-        column, dr = 3 + v, p.rates[v, 0, 0]
-        J[3, column] -= dr * F_v
-        for k in range(2):
-            L, G, dalpha = p.L[k], p.gradient[k], p.rates[v, k, 1]
-            for row in range(5):
-                by = 0.0
-                for q in range(3):
-                    by += p.change[k, row, BY_RADIUS + q] * p.rates[v, k, q]
-                if row < 4:
-                    for i in range(4):
-                        J[i, column] -= L[row, i] * by
-                else:
-                    J[4 + k, column] += R * by
-            # the levers change as well: L turns with the contact, and its arm is the orbit
-            J[0, column] -= dalpha * (L[2, 2] * G[2] + L[3, 2] * G[3])
-            J[2, column] += dalpha * (L[2, 0] * G[2] + L[3, 0] * G[3])
-            J[3, column] -= dr * G[1]
+
+@jit
+def motion_load(u):
+    """Load of a ball by its motion (4,), or (6,) with its tractions."""
+    T_i, T_o = (u[4], u[5]) if u.size > 4 else (0.0, 0.0)
+    return orbit_load(u[3], T_i, T_o)
 
 
 @jit
 def full_jacobian(p, v_r, seat, u):
-    """Residual and Jacobian into `p`, the loads following the orbit rate, and tractions.
+    """Residual and Jacobian into `p`, the loads following the orbit rate and the tractions.
 
     Returns
     -------
@@ -338,10 +332,8 @@ def full_jacobian(p, v_r, seat, u):
         As `friction_balance`.
     """
     status = friction_balance(p, v_r, seat.state, u, p.residual, True)
-    if status == OK and u.size > 4:
+    if status == OK:
         add_load_columns(p, seat, u)
-    elif status == OK:
-        add_quotient(p, v_r, seat, u)
     return status
 
 

@@ -9,10 +9,17 @@ from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.equilibrium import groove_distance
 from bearingwear.kernels.kinematics import rolling_orbit
+from bearingwear.kernels.linear_response import (
+    find_exact_changes,
+    linear_response,
+    quasistatic_stiffness,
+)
 from bearingwear.kernels.status import BELOW_ROUNDING, CONTACT_LOST, NOT_CONVERGED, OK, UNVERIFIED
 from bearingwear.kernels.steady_balance import (
+    add_load_columns,
     balance_problem,
-    full_jacobian,
+    friction_balance,
+    motion_load,
     rounding,
 )
 from bearingwear.kernels.steady_solver import steady_state, unknowns
@@ -55,7 +62,9 @@ class ThrustCase(NamedTuple):
     T_o: float
     r: float  # orbit radius [m]
     P_r: float  # centrifugal force [N]
-    S_xx: float  # axial stiffness of one ball's inner force [N/m]
+    S_xx: float  # axial stiffness of one ball's inner force, friction held [N/m]
+    S_quasistatic: float  # the same, motion and friction following the place [N/m]
+    response: np.ndarray  # (k + 2, k + 2) of k unknowns, see linear_response.py
     skid: float  # lag of the orbit behind pure rolling [1]
     branch: int
     iterations: int
@@ -181,6 +190,8 @@ def unsolved(p, s, u, contacts):
         r=p.bearing.g.R_o + state.X2,
         P_r=nan,
         S_xx=nan,
+        S_quasistatic=nan,
+        response=np.empty((0, 0)),
         skid=nan,
         branch=SKIDDING,
         iterations=s.iterations,
@@ -244,19 +255,25 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
         return unsolved(p, s, u, contacts)
     state = s.seat.state
     r = g.R_o + state.X2
-    full_jacobian(p, op.v_r, s.seat, u)
+    response = np.empty((u.size + 2, u.size + 2))
+    friction_balance(p, op.v_r, state, u, p.residual, True)
+    find_exact_changes(p, state, u, np.empty((2, 5)))
+    linear_response(p, s.seat, u, response)
+    add_load_columns(p, s.seat, u)
     contact_summary(g, D, op, state, u, r, rule, p, contacts, False)
     skid = skid_ratio(op, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
-    residuals = checked(p, s.seat, u, fine_rule)
+    residuals, load = checked(p, s.seat, u, fine_rule), motion_load(u)
     return ThrustCase(
         status=case_status(residuals),
         delta_a=s.seat.delta_a,
         u=u[:4].copy(),
-        T_i=u[4] if bearing.traction else 0.0,
-        T_o=u[5] if bearing.traction else 0.0,
+        T_i=load.T_i,
+        T_o=load.T_o,
         r=r,
         P_r=ball_mass(g.rho, D) * r * u[3] * u[3],
         S_xx=state.S_xx,
+        S_quasistatic=quasistatic_stiffness(p, response),
+        response=response,
         skid=skid,
         branch=branch_of(contacts, skid),
         iterations=s.iterations,

@@ -55,6 +55,7 @@ HISTORY = (
     "axial_displacement",
     "friction_used_by_gyroscopic_moment",
     "system_axial_stiffness",
+    "system_quasistatic_axial_stiffness",
     "rotor_axial_shift",
 )
 """Result variables of every state along a life."""

@@ -131,6 +131,7 @@ class SteadySide:
             status=case.status,
             force=axial_force(case, n),
             stiffness=float(n * case.S_xx),
+            quasistatic=float(n * case.S_quasistatic),
             place=case.delta_a,
             problem=problem,
             answer=case,
@@ -209,6 +210,7 @@ class RaceControlSide:
             status=values["status"],
             force=self.tandem * float(values["residual_preload"]),
             stiffness=self.tandem * float(values["axial_stiffness"]),
+            quasistatic=self.tandem * float(values["quasistatic_axial_stiffness"]),
             place=float(values["axial_displacement"]),
             problem=problem,
             answer=answer,
@@ -243,7 +245,8 @@ class PairState:
     status: int
     sides: tuple[SideState, ...] = ()
     shift: float = math.nan  # of the rotor from where it was mounted, towards +X [m]
-    stiffness: float = math.nan  # axial, of the arrangement [N/m]
+    stiffness: float = math.nan  # axial, of the arrangement, dynamic [N/m]
+    quasistatic: float = math.nan  # and quasi-static [N/m]
 
 
 @dataclass
@@ -329,14 +332,14 @@ class Pair:
             return PairState(lost)
         self.nearby.found(losses, at)
         states = found.states
-        stiffness = self.stiffness(states)
-        return PairState(worse_status(states), states, shift(states), stiffness)
+        dynamic = self.stiffness(*(one.stiffness for one in states))
+        quasistatic = self.stiffness(*(one.quasistatic for one in states))
+        return PairState(worse_status(states), states, shift(states), dynamic, quasistatic)
 
-    def stiffness(self, states: Sequence[SideState]) -> float:
-        """Axial stiffness of the arrangement [N/m]."""
+    def stiffness(self, k_1: float, k_2: float) -> float:
+        """Axial stiffness of the arrangement, from that of both sides [N/m]."""
         a = self.scene.pair
         assert a is not None
-        k_1, k_2 = states[0].stiffness, states[1].stiffness
         if a.kind == "rigid_pair":
             return k_1 + k_2
         k_s = a.spring_stiffness_N_um * N_UM

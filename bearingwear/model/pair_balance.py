@@ -27,7 +27,8 @@ class SideState:
 
     status: int
     force: float = math.nan  # axial, of its inner race on the balls [N]
-    stiffness: float = math.nan  # axial [N/m]
+    stiffness: float = math.nan  # axial, dynamic [N/m]
+    quasistatic: float = math.nan  # axial, quasi-static [N/m]
     place: float = math.nan  # axial displacement [m]
     problem: Any = None  # that was solved
     answer: Any = None

@@ -70,13 +70,13 @@ def _symmetric(scene: Scene, pair: Pair, alike: tuple[dict, dict]) -> tuple[Pair
         return PairState(values["status"]), ()
     if scene.thermal is not None:  # what the arrangement is, is that of the warm bearings
         pair.sides = [type(pair.sides[0])(_warm(side.scene, values)) for side in pair.sides]  # type: ignore[call-arg]
-    stiffness = float(values["axial_stiffness"])
-    if a.kind == "rigid_pair":
-        state = PairState(values["status"], shift=0.0, stiffness=2.0 * stiffness)
-    else:
-        shift = float(values["axial_displacement"]) - pair.sides[0].mounted
-        state = PairState(values["status"], shift=shift, stiffness=stiffness)
-    return state, (alike, alike)
+    rigid = a.kind == "rigid_pair"
+    shift = 0.0 if rigid else float(values["axial_displacement"]) - pair.sides[0].mounted
+    dynamic, quasistatic = (
+        (2.0 if rigid else 1.0) * float(values[name])
+        for name in ("axial_stiffness", "quasistatic_axial_stiffness")
+    )
+    return PairState(values["status"], (), shift, dynamic, quasistatic), (alike, alike)
 
 
 def _warm(scene: Scene, values: Mapping[str, Any]) -> Scene:
@@ -96,6 +96,7 @@ def system_values(
     assert a is not None
     values: dict[str, Any] = {
         "system_axial_stiffness": state.stiffness,
+        "system_quasistatic_axial_stiffness": state.quasistatic,
         "rotor_axial_shift": state.shift,
         "lift_off_force": pair.lift_off(pair.losses),
         "rotor_balance_residual": rotor_balance(scene, pair, each),

@@ -72,6 +72,7 @@ def pair_states(
             replace(
                 side.wear_state(one.loss, state),
                 system_stiffness=found.stiffness,
+                system_quasistatic=found.quasistatic,
                 shift=found.shift,
             )
             for side, one, state in each

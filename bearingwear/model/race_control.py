@@ -39,6 +39,7 @@ from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, 
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.outputs import contact_values, stiffness_matrix, wear_values
+from bearingwear.model.stiffness import race_control_matrix, radially_free
 from bearingwear.scene.scene import Scene
 
 LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced
@@ -95,17 +96,7 @@ class RaceControlProblem:
 
     def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
         """Equilibrium with the kinematics model of each ball (n,), of ORBIT at Omega [rad/s]."""
-        op = self.op
-        load = BallLoad(
-            kinematics_model=int(models[0]),
-            Omega=Omega,
-            omega_i=op.omega_i,
-            omega_o=op.omega_o,
-            P_x=0.0,
-            P_r=0.0,
-            T_i=0.0,
-            T_o=0.0,
-        )
+        op, load = self.op, self.load(models[0], Omega)
         if len(self.D) == 1:
             return self.thrust_balance(load)
         loads = np.zeros((len(self.D), LOAD_FIELDS))
@@ -129,6 +120,19 @@ class RaceControlProblem:
             states=states,
             stiffness=axial_stiffness(stiffness),
             race_residual=self.unbalanced(states),
+        )
+
+    def load(self, model: int, Omega: float = 0.0) -> BallLoad:
+        """Load of a ball by its kinematics model, of ORBIT at Omega [rad/s]."""
+        return BallLoad(
+            kinematics_model=int(model),
+            Omega=Omega,
+            omega_i=self.op.omega_i,
+            omega_o=self.op.omega_o,
+            P_x=0.0,
+            P_r=0.0,
+            T_i=0.0,
+            T_o=0.0,
         )
 
     def thrust_balance(self, load: BallLoad) -> Balance:
@@ -370,10 +374,15 @@ def solve_race_control(
     n = len(D)
     axial = np.array([state.F_ix for state in balance.states])
     values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
+    K = race_control_matrix(
+        g, D, map(problem.load, models), balance.states, balance.delta, problem.tilt
+    )
     values |= {
         "axial_displacement": balance.delta[0],
         "axial_stiffness": balance.stiffness,
         "stiffness_matrix": stiffness_matrix(g, D, rows),
+        "quasistatic_axial_stiffness": radially_free(K),
+        "quasistatic_stiffness_matrix": K,
         "shaft_torque": torque_of_heat(problem, rows),
         "drag_power": 0.0,
         "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,

@@ -97,6 +97,7 @@ def steady_wear_state(
         skid=case.skid,
         pressure=float(c[:, PRESSURE].max()),
         stiffness=float(g.n_balls * case.S_xx),
+        quasistatic=float(g.n_balls * case.S_quasistatic),
         friction_power=heat_of_case(problem, D[0], case).total,
         ball_rate=float(wear["ball_wear_rate"][0]),
         race_rate=wear["race_wear_rate"],
@@ -117,9 +118,14 @@ def in_half_of_pair(scene: Scene, mounted: float, state: WearState, **more: Any)
     `mounted` [m].
     """
     method = scene.operation.preload_method
-    stiffness = bearings_holding(method) * state.stiffness
-    shift = 0.0 if method == "fixed_position" else state.place - mounted
-    return replace(state, system_stiffness=stiffness, shift=shift, **more)
+    holding = bearings_holding(method)
+    return replace(
+        state,
+        system_stiffness=holding * state.stiffness,
+        system_quasistatic=holding * state.quasistatic,
+        shift=0.0 if method == "fixed_position" else state.place - mounted,
+        **more,
+    )
 
 
 def race_control_states(scene: Scene) -> StateAtLoss:
@@ -174,6 +180,7 @@ def race_control_wear_state(
         skid=np.nan,
         pressure=float(values["maximum_pressure"].max()),
         stiffness=float(values["axial_stiffness"]),
+        quasistatic=float(values["quasistatic_axial_stiffness"]),
         friction_power=float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
         ball_rate=float(values["ball_wear_rate"].mean()),
         race_rate=values["race_wear_rate"],

@@ -23,11 +23,13 @@ from bearingwear.model import parameters
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, summed
 from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.outputs import (
+    TURN,
     contact_values,
     diameter_loss_rates,
     stiffness_matrix,
     wear_rates,
 )
+from bearingwear.model.stiffness import quasistatic_matrix
 from bearingwear.scene.scene import Scene
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
@@ -233,6 +235,7 @@ def solve_steady(
         values |= {
             "fast_time_scale": 1.0 / np.abs(scales).max(),
             "slow_time_scale": 1.0 / np.abs(scales.real).min(),
+            "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
             "stable": int(stable[id(case)]),
             "steady_state_count": len(every),
             "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
@@ -317,7 +320,9 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         "shaft_torque": n * case.contacts[0, TORQUE],
         "drag_power": drag_power(problem, D, case),
         "axial_stiffness": n * case.S_xx,
+        "quasistatic_axial_stiffness": n * case.S_quasistatic,
         "stiffness_matrix": stiffness_matrix(g, np.array([D]), case.contacts[None]),
+        "quasistatic_stiffness_matrix": quasistatic_matrix(g, D, case),
         "centrifugal_force": np.array([case.P_r]),
         "skid_ratio": case.skid,
         "steady_state_branch": case.branch,

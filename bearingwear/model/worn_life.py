@@ -165,7 +165,7 @@ class WornLife:
             both = zip(self.sides, states, strict=True)
             states = tuple(side.with_stiffness(state) for side, state in both)
         if self.pair is not None:
-            stiffness = self.pair.stiffness(states)
+            stiffness = self.pair.stiffness(*(one.stiffness for one in states))
         made = []
         for side, state in zip(self.sides, states, strict=True):
             one = side.wear_state(0.0, state)

@@ -51,8 +51,12 @@ LIFE = table(
     Variable("history_friction_used_by_gyroscopic_moment", _STEP, "1",
         "gyroscopic moment over the moment mu (Q_i + Q_o) R that friction can hold"),
     Variable("history_system_axial_stiffness", _STEP, "N m-1",
-        "axial stiffness of the arrangement",
+        "dynamic axial stiffness of the arrangement",
         comment="a single bearing is the half of a symmetric pair"),
+    Variable("history_system_quasistatic_axial_stiffness", _STEP, "N m-1",
+        "quasi-static axial stiffness of the arrangement",
+        comment="a single bearing is the half of a symmetric pair; none in a dynamic life or one "
+        "that follows worn grooves"),
     Variable("history_rotor_axial_shift", _STEP, "m",
         "axial shift of the rotor from where it was mounted",
         comment="a single bearing is the half of a symmetric pair"),

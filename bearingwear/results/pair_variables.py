@@ -22,8 +22,12 @@ PAIR_COORDINATES = table(
 
 # fmt: off
 SYSTEM = table(
-    Variable("system_axial_stiffness", (), "N m-1", "axial stiffness of both bearings together",
-        label="stiffness of the pair"),
+    Variable("system_axial_stiffness", (), "N m-1",
+        "dynamic axial stiffness of both bearings together",
+        label="dynamic stiffness of the pair"),
+    Variable("system_quasistatic_axial_stiffness", (), "N m-1",
+        "quasi-static axial stiffness of both bearings together",
+        label="quasi-static stiffness of the pair"),
     Variable("lift_off_force", (), "N",
         "least axial force on the rotor that takes a bearing at rest out of contact",
         comment="either way; with the worn balls, and as warm as it runs", label="lift-off force"),

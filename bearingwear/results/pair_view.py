@@ -11,7 +11,12 @@ from bearingwear.results.pair_variables import MODES, OF_BEARING
 from bearingwear.results.rows import limits_of_rows, marked, mean_rows, row_of, values
 from bearingwear.results.sheet import Block, Row
 
-SYSTEM_ROWS = ("system_axial_stiffness", "rotor_axial_shift", "lift_off_force")
+SYSTEM_ROWS = (
+    "system_quasistatic_axial_stiffness",
+    "system_axial_stiffness",
+    "rotor_axial_shift",
+    "lift_off_force",
+)
 
 
 class OfBearing:

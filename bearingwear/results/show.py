@@ -60,7 +60,9 @@ CONTACT = (
 BEARING = (
     "residual_preload",
     "axial_displacement",
+    "quasistatic_axial_stiffness",
     "axial_stiffness",
+    "stiffness_transition_frequency",
     "orbit_speed",
     "skid_ratio",
     "friction_used_by_gyroscopic_moment",

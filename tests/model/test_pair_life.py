@@ -123,6 +123,8 @@ def test_functional_limits(lived, kind, limit, value, history, factor):
         return
     assert criterion(result) == limit
     found = factor * np.asarray(result.values[f"history_{history}"])
+    if history == "system_axial_stiffness":  # the lesser of the two
+        found = np.fmin(found, factor * result.values["history_system_quasistatic_axial_stiffness"])
     at_end = found[..., -1] if history != "gyroscopic_slip_share" else found[:, -1, :]
     # friction and slip share are met from below by the worse bearing
     assert_allclose(np.max(np.abs(at_end)), value, rtol=1e-5)
@@ -134,7 +136,8 @@ def test_single_bearing_is_half_of_a_pair(lived):
     end = {"wear.end_of_life": {"system_axial_stiffness_N_um": 8.0}}
     one, two = lived(POSITION | end), lived(RIGID | end)
     assert_allclose(one.values["life"], two.values["life"], rtol=1e-12)
-    assert_allclose(one.values["history_system_axial_stiffness"][-1], 8e6, rtol=1e-6)
+    both = ("history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness")
+    assert_allclose(min(one.values[name][-1] for name in both), 8e6, rtol=1e-6)
     assert_allclose(one.values["history_rotor_axial_shift"], 0.0)
 
 

@@ -380,7 +380,7 @@ def test_summary_of_a_case(case, tmp_path):
     assert "30000 r/min, constant force preload 7 N, friction 0.08" in text
     assert "model steady, status ok: solved and verified" in text
     assert re.search(r"^  QV +mW +615$", text, re.M)
-    assert "axial stiffness" not in text
+    assert "dynamic axial stiffness" not in text
 
 
 def test_summary_of_a_failed_case(tmp_path):

@@ -34,7 +34,7 @@ def test_a_case_says_what_was_solved(capsys):
         r"maximum pressure +MPa +980 +943",
         r"gyroscopic slip share +% +8\.49 +2\.29  limit 50",
         r"residual preload +N +7  limit 2\.8",
-        r"axial stiffness +N/um +4\.49",
+        r"dynamic axial stiffness +N/um +4\.49",
         r"shaft torque +uN m +15\.6",
         r"friction power +mW +48\.9",
         r"interference loss +um/1000 h +29\.7 +528",

@@ -1,0 +1,101 @@
+"""Quasi-static stiffness: slope of force over place where balls follow (theory.md section 2)."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.params import BallLoad, BallState, Geometry
+from bearingwear.kernels.place_tangent import place_tangent
+from bearingwear.kernels.stiffness import DOF
+from bearingwear.kernels.thrust import ThrustCase
+
+STANDING = 1e-6  # of the ball's speeds: an orbit rate below it does not turn
+
+
+def groove_maps(g: Geometry, psi: np.ndarray) -> np.ndarray:
+    """Axial and radial shift of each inner groove by the displacements of the race, (n, 2, DOF)."""
+    maps, s, c = np.zeros((len(psi), 2, DOF)), np.sin(psi), np.cos(psi)
+    maps[:, 0, 0] = 1.0
+    maps[:, 0, 3], maps[:, 0, 4] = g.R_i * c, g.R_i * s
+    maps[:, 1, 1], maps[:, 1, 2] = -s, c
+    return maps
+
+
+def azimuths(n: int) -> np.ndarray:
+    """Of n balls evenly spaced, the first at +Z [rad]."""
+    return 2.0 * np.pi * np.arange(n) / n
+
+
+def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
+    """Quasi-static stiffness (5, 5) of a steady state, as `stiffness_matrix` [N/m, N, N m].
+
+    Displacements across the axis are fixed in space: a ball meets them once an orbit, and answers
+    at that rate. NaN across the axis where the balls do not orbit.
+    """
+    k, N, m = len(case.response) - 2, g.n_balls, ball_mass(g.rho, D)
+    J, B = case.response[:k, :k], case.response[:k, k:]
+    C, S = case.response[k:, :k], case.response[k:, k:]
+    K = np.zeros((DOF, DOF))
+    K[0, 0] = N * case.S_quasistatic
+    Omega = case.u[3]
+    if not abs(Omega) > STANDING * np.abs(case.u).max():
+        K[1:, 1:] = np.nan
+        return K
+    inertia = np.zeros(k)
+    inertia[:3], inertia[3] = ball_inertia(m, D), m * case.r * case.r
+    motion = np.linalg.solve(1j * Omega * np.diag(inertia) - J, B)
+    force, lead = S + C @ motion, motion[3] / (1j * Omega)
+    # amplitudes of the groove's displacement by those of the race, over exp(i psi)
+    amplitude = np.array([[0.0, 0.0, g.R_i, -1j * g.R_i], [1j, 1.0, 0.0, 0.0]])
+    Q, alpha = case.contacts[0, :2]
+    steady = np.array(
+        [
+            Q * np.sin(alpha) + case.T_i * np.cos(alpha),
+            Q * np.cos(alpha) - case.T_i * np.sin(alpha),
+        ]
+    )
+    psi = azimuths(N)
+    maps, turned = groove_maps(g, psi)[..., 1:], groove_maps(g, psi + 0.5 * np.pi)[..., 1:]
+    turn = np.exp(1j * psi)
+    K[1:, 1:] = (
+        np.einsum("jdp,dq,j->pq", maps, force @ amplitude, turn)
+        + np.einsum("jdp,d,q,j->pq", turned, steady, lead @ amplitude, turn)
+    ).real
+    return K
+
+
+def race_control_matrix(
+    g: Geometry,
+    D: np.ndarray,
+    loads: Iterable[BallLoad],
+    states: Iterable[BallState],
+    delta: np.ndarray,
+    tilt: float,
+) -> np.ndarray:
+    """Quasi-static stiffness (5, 5) under race control, whose forces follow the place at once.
+
+    Parameters
+    ----------
+    D, loads, states
+        Of the n balls solved, one where it stands for all.
+    delta : ndarray (3,)
+        Displacement of the inner race [m].
+    """
+    psi = azimuths(g.n_balls)[: len(D)]
+    each = np.array(
+        [
+            place_tangent(g, d, load, at, tuple(delta), tilt, state)
+            if state.Q_i > 0.0
+            else (0.0, 0.0, 0.0, 0.0)
+            for d, load, at, state in zip(D, loads, psi, states, strict=True)
+        ]
+    ).reshape(-1, 2, 2)
+    maps = groove_maps(g, azimuths(g.n_balls))
+    tangents = np.broadcast_to(each, (g.n_balls, 2, 2))
+    return np.einsum("jdp,jde,jeq->pq", maps, tangents, maps)
+
+
+def radially_free(K: np.ndarray) -> float:
+    """Axial stiffness of a matrix (5, 5) with the race free to yield across the axis [N/m]."""
+    return float(K[0, 0] - K[0, 1:3] @ np.linalg.solve(K[1:3, 1:3], K[1:3, 0]))
