@@ -7,6 +7,7 @@ over. Where the ball stands changes the slip too, and the load the size of the e
 from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.contact import point_slip
 from bearingwear.kernels.friction import force_slope
+from bearingwear.kernels.linear import accumulate
 from bearingwear.kernels.profile import middle_height, profile
 from bearingwear.kernels.state import OMEGA, W_X, W_Y, W_Z
 
@@ -99,11 +100,8 @@ def add_axis_changes(contact, c, mu, R, v_r, points, by_a, by_b):
             b_x += f2 * x - f1 * y - f * v1 * y
             b_t += f1
     friction = mu * contact.Q
-    for k, (grown_a, grown_b) in enumerate(
-        ((a_1, b_1), (a_0, b_0), (a_h, b_h), (a_x, b_x), (a_t, b_t))
-    ):
-        by_a[k] += friction * grown_a
-        by_b[k] += friction * grown_b
+    accumulate(friction, (a_1, a_0, a_h, a_x, a_t), by_a)
+    accumulate(friction, (b_1, b_0, b_h, b_x, b_t), by_b)
 
 
 @jit

@@ -306,7 +306,7 @@ class Pair:
                 two.at_place(losses[1], two.mounted - x),
             )
             F_1, F_2 = (state.force for state in states)
-            slope = states[0].stiffness + states[1].stiffness
+            slope = states[0].slope + states[1].slope
             return RotorTrial(states, F_1 - F_2 - F_ext, slope, max(F_1, F_2, abs(F_ext)))
 
         x = self.nearby.at(losses) if self.nearby.known else self._start(losses, F_ext)
@@ -387,7 +387,7 @@ class Pair:
                 return code.LIFTED_OFF
             states = one.under(losses[0], F_1), two.under(losses[1], F_2)
             given = sum(s.place - side.mounted for s, side in zip(states, self.sides, strict=True))
-            soft = sum(k_s / state.stiffness for state in states if state.status in USABLE)
+            soft = sum(k_s / state.slope for state in states if state.status in USABLE)
             return RotorTrial(states, k_s * (e - given), k_s * (1.0 + soft), max(F_1, F_2))
 
         e = self.nearby.at(losses) if self.nearby.known else 0.0

@@ -12,7 +12,7 @@ from bearingwear.model.thermal import Warmed
 
 ROTOR_BALANCED = 1e-12  # force left on the rotor, over the larger one, where its place is found
 _MOST_STEPS = 40
-_STEEPER = 1e3  # a secant within this of the slope at held orbits is believed
+_STEEPER = 1e3  # a secant within this of the slope of a trial is believed
 _FASTER = 2.0  # steps of a rotor that runs away are so many times as long
 _NARROW = 1e-9  # of a place: a range in which a force does not change but jumps
 _STALLED = 3  # trials without gain after which it is rounding that is left, where that is
@@ -34,6 +34,11 @@ class SideState:
     answer: Any = None
     warmed: Warmed | None = None  # where a network finds the temperatures
 
+    @property
+    def slope(self) -> float:
+        """Of the force over the place, where it rises; NaN and falling ones are no use [N/m]."""
+        return self.quasistatic if self.quasistatic > 0.0 else self.stiffness
+
 
 @dataclass(frozen=True)
 class RotorTrial:
@@ -52,7 +57,7 @@ class Nearby:
     Attributes
     ----------
     steeper : float
-        Slope of what is left over that at held orbits.
+        Slope of what is left over that of a trial.
     """
 
     steeper: float = 1.0
@@ -85,8 +90,8 @@ class Nearby:
 class _Secants:
     """Steps of the rotor towards its balance.
 
-    The force left rises with the position of a rotor that stays. Orbits that follow the rotor make
-    it rise more steeply than held ones, or fall: the rotor then runs away, and so do the steps.
+    The force left rises with the position of a rotor that stays. Where it falls the rotor runs away,
+    and so do the steps.
     """
 
     nearby: Nearby

@@ -226,16 +226,16 @@ def _case_of(file: Any) -> list[Block]:
 
 
 def _stiffness_rows(file: Any) -> tuple[Row, ...]:
-    """Radial and tilting stiffness, each the mean of both directions."""
+    """Dynamic radial and tilting stiffness, each the mean of both directions."""
     if "stiffness_matrix" not in file.variables:
         return ()
     each = np.diagonal(values(file, "stiffness_matrix"))
     radial, tilting = (float(each[k : k + 2].mean()) for k in (1, 3))
     return tuple(
-        Row(label, unit.unit, (unit.of(value),), label.replace(" ", "_"))
+        Row(label, unit.unit, (unit.of(value),), label.removeprefix("dynamic ").replace(" ", "_"))
         for label, value, unit in (
-            ("radial stiffness", radial, display("N m-1", radial)),
-            ("tilting stiffness", tilting, display("N m rad-1", tilting)),
+            ("dynamic radial stiffness", radial, display("N m-1", radial)),
+            ("dynamic tilting stiffness", tilting, display("N m rad-1", tilting)),
         )
     )
 

@@ -192,7 +192,7 @@ STATE = ALWAYS | table(
     Variable("stiffness_transition_frequency", (), "Hz",
         "frequency that parts quasi-static and dynamic stiffness",
         comment="1/(2 pi slow_time_scale): slower changes let the spin axis settle",
-        label="the two part at"),
+        label="stiffness transition"),
     Variable("stiffness_matrix", ("dof", "dof_column"), "N m-1",
         "dynamic stiffness of the bearing, at constant speed and friction forces",
         comment="N m-1 between displacements, N between a displacement and a tilt, N m between "
