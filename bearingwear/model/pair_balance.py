@@ -90,8 +90,8 @@ class Nearby:
 class _Secants:
     """Steps of the rotor towards its balance.
 
-    The force left rises with the position of a rotor that stays. Where it falls the rotor runs away,
-    and so do the steps.
+    The force left rises with the position of a rotor that stays. Where it falls the rotor runs
+    away, and so do the steps.
     """
 
     nearby: Nearby
