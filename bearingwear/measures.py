@@ -42,9 +42,9 @@ class Measure:
     unit : str
         As shown; limits have the same one, but shares, which are plain numbers.
     variables : tuple of str
-        Result variables; the worst of them counts.
+        Result variables; the worst of those that a state has (others are NaN) counts.
     kinds : tuple of str
-        What each variable is, in a word, where there are several.
+        What each variable is, an adjective to `words`, where there are several.
     falls : bool
         Whether less is worse. Of others the magnitude counts.
     over_preload : bool
@@ -131,7 +131,8 @@ class Measure:
             (self.extreme(of(name) / preload_N if self.over_preload else of(name)), name)
             for name in self.variables
         ]
-        return min(found) if self.falls else max(found)
+        known = [one for one in found if one[0] == one[0]] or found
+        return min(known) if self.falls else max(known)
 
     def ratio(self, value: Any, limit: float) -> Any:
         """A value [SI] over a limit [as in its key]."""
@@ -150,15 +151,20 @@ class Measure:
         import numpy as np
 
         each = [self.margin(values[name], limit) for name in self.extremes]
-        return functools.reduce(np.minimum, each)
+        return functools.reduce(np.fmin, each)
 
     def worst(self, values: Any) -> Any:
         """The worst of all extremes in a map, or at a point of it [SI]."""
         import numpy as np
 
         return functools.reduce(
-            np.minimum if self.falls else np.maximum, [values[name] for name in self.extremes]
+            np.fmin if self.falls else np.fmax, [values[name] for name in self.extremes]
         )
+
+    def words_of(self, name: str) -> str:
+        """In words, which of its variables or extremes that is."""
+        kinds = dict(zip(self.variables, self.kinds, strict=True))
+        return f"{kinds.get(name, '')} {self.words}".strip()
 
     def shown(self, value: Any) -> Any:
         """A value [SI] in its unit."""
@@ -183,10 +189,10 @@ class Measure:
         """Whether a value [SI] is beyond a limit, by more than rounding."""
         return bool(self.margin(value, limit) < -_ROUNDING)
 
-    def passed(self, value: float, limit: float) -> str:
-        """A value [SI] at its limit or beyond, in words."""
+    def passed(self, value: float, limit: float, name: str) -> str:
+        """A value [SI] of one of its variables at its limit or beyond, in words."""
         side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
-        return f"{self.words} {self.text(value)} {side} {self.limit_text(limit)}"
+        return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
@@ -196,6 +202,8 @@ class Measure:
         """A limit [as in its key] with its unit."""
         return f"{self.shown_limit(limit):.3g} {self.unit}"
 
+
+_STIFFNESSES = "dynamic", "quasi-static"
 
 # fmt: off
 MEASURES = (
@@ -235,16 +243,18 @@ MEASURES = (
         limit=("Largest axial shift of the rotor from where it was mounted", "(0, inf)"),
         option="--shift", mark="<", letter="R"),
     Measure(key="system_axial_stiffness_N_um", words="axial stiffness of the arrangement",
-        label="stiffness, arrangement", unit="N/um", variables=("system_axial_stiffness",),
-        falls=True, advice="more preload, or a rigid pair",
+        label="stiffness, arrangement", unit="N/um",
+        variables=("system_axial_stiffness", "system_quasistatic_axial_stiffness"),
+        kinds=_STIFFNESSES, falls=True, advice="more preload, or a rigid pair",
         end=("Axial stiffness of the arrangement (a single bearing is half of a symmetric pair), "
             "at or below which life ends", "(0, 1e6]"),
         limit=("Least axial stiffness of the arrangement", "(0, inf)"),
         note="a single bearing is half of a symmetric pair, rigid at a fixed position",
         option="--stiffness", mark="d", letter="A", brief=True),
     Measure(key="axial_stiffness_N_um", words="axial stiffness of one bearing",
-        label="stiffness, one bearing", unit="N/um", variables=("axial_stiffness",), falls=True,
-        advice="more preload",
+        label="stiffness, one bearing", unit="N/um",
+        variables=("axial_stiffness", "quasistatic_axial_stiffness"),
+        kinds=_STIFFNESSES, falls=True, advice="more preload",
         limit=("Least axial stiffness of one bearing", "(0, inf)"),
         option="--bearing-stiffness", letter="S", brief=True),
     Measure(key="friction_used_by_gyroscopic_moment",

@@ -111,10 +111,11 @@ def _when_new(e: Evidence) -> Finding | None:
     if met is None:
         return None
     measure, limit = met
-    value = value_along(measure, e.life, 0, e.scene)
+    value, name = value_along(measure, e.life, 0, e.scene)
     new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
     excess = max(measure.excess(value, limit), JUST_MET)
-    return excess, {"said": measure.passed(value, limit), "new": new, "advice": measure.advice}
+    said = measure.passed(value, limit, name)
+    return excess, {"said": said, "new": new, "advice": measure.advice}
 
 
 def _limit_passed(e: Evidence) -> Finding | None:

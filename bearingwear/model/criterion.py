@@ -12,8 +12,10 @@ from bearingwear.scene.scene import Scene
 from bearingwear.sides import SHARED
 
 
-def value_along(measure: Measure, life: Mapping[str, Any], k: int, scene: Scene) -> float:
-    """A measure [SI] at a step of the histories of a life, of the worse bearing of a pair."""
+def value_along(
+    measure: Measure, life: Mapping[str, Any], k: int, scene: Scene
+) -> tuple[float, str]:
+    """A measure [SI] at a step of a life, of the worse bearing of a pair, and its variable."""
 
     def at_step(name: str) -> np.ndarray:
         history = np.asarray(life[f"history_{name}"])
@@ -21,7 +23,7 @@ def value_along(measure: Measure, life: Mapping[str, Any], k: int, scene: Scene)
         return history[:, k] if of_each else history[k]
 
     initial = np.array([side.operation.preload_N for side in scene.sides])
-    return measure.critical(at_step, initial)[0]
+    return measure.critical(at_step, initial)
 
 
 def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, float]:
@@ -63,5 +65,6 @@ def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
     if met is None:
         return {}
     measure, limit = met
-    said = measure.text(value_along(measure, values, -1, scene))
-    return {"ended_by": f"{measure.words} {said}, limit {measure.limit_text(limit)}"}
+    value, name = value_along(measure, values, -1, scene)
+    said = f"{measure.words_of(name)} {measure.text(value)}"
+    return {"ended_by": f"{said}, limit {measure.limit_text(limit)}"}

@@ -45,6 +45,8 @@ FIELDS = {
     "system_axial_stiffness": "system_stiffness",
     "rotor_axial_shift": "shift",
     "axial_stiffness": "stiffness",
+    "quasistatic_axial_stiffness": "quasistatic",
+    "system_quasistatic_axial_stiffness": "system_quasistatic",
     "greatest_depth": "depth",
     "film_worn_share": "film_worn",
     "lowest_frequency": "frequency",

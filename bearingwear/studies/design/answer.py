@@ -21,7 +21,7 @@ from bearingwear.results.quantiles import (
     spread_cells,
     spreads_of,
 )
-from bearingwear.results.units import digits, display, in_print
+from bearingwear.results.units import digits, in_print
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -52,10 +52,11 @@ from bearingwear.studies.design.tables import none_because
 from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
 from bearingwear.studies.design.words import (
     AS_LITTLE,
-    BRIEF_WORDS,
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
-    LIMIT_WORDS,
+    brief_cells,
+    brief_units,
+    held_words,
     limit_text,
 )
 
@@ -306,11 +307,15 @@ def _recommended(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]
         rows.append([f"life {HERTZIAN_LIFE_WORDS} (h)", *hours("hertzian_life", basis)])
     rows += [[label, *cells] for label, cells in spread_cells([*spread.values()]).items()]
     rows.append([f"life, counting {_COUNTED_WORDS[1 - basis]} (h)", *hours("life", 1 - basis)])
-    for name, (label, shown) in BRIEF_WORDS.items():
-        values = recommendation[name]
-        unit = display(values.attrs["units"], values, shown=shown)
-        rows.append([unit.label(label), *(unit.text(one[name]) for one in columns)])
-    rows.append(["held by", *(LIMIT_WORDS[ACTIVE[int(one["active_limit"])]] for one in columns)])
+    units = brief_units(recommendation)
+    cells = zip(*(brief_cells(units, one) for one in columns), strict=True)
+    rows += [[unit.label(label), *texts] for (label, unit), texts in zip(units, cells, strict=True)]
+    rows.append(
+        [
+            "held by",
+            *(held_words(ACTIVE[int(one["active_limit"])], one.__getitem__) for one in columns),
+        ]
+    )
     return AnswerTable(
         title="At the preload to take",
         columns=["", *(_words(recommendation, name) for name, _ in methods(recommendation))],
@@ -324,16 +329,13 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
     """Every preload of the map, by each method, at the scene's friction and speed."""
     line = at_scene(design)
     basis = counted(design)
-    shown = {
-        name: (label, display(line[name].attrs["units"], line[name], shown=as_))
-        for name, (label, as_) in BRIEF_WORDS.items()
-    }
+    units = brief_units(line)
     rows = [
         [
             f"{preload:g}",
             _words(design, method),
             digits(float(one["life"].isel(loss_basis=basis))),
-            *(unit.text(one[name]) for name, (_, unit) in shown.items()),
+            *brief_cells(units, one),
             passed(one),
         ]
         for k, preload in enumerate(line["preload"].values)
@@ -350,7 +352,7 @@ def _over_preload(design: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable
             "preload (N)",
             "preload method",
             "life (h)",
-            *(unit.label(label) for label, unit in shown.values()),
+            *(unit.label(label) for label, unit in units),
             "limits passed",
         ],
         rows=rows,

@@ -16,7 +16,7 @@ from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.answer import AnswerTable
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
@@ -26,7 +26,7 @@ from bearingwear.studies.dataset import LOSS_BASIS, coordinate, counted, dataset
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.map import IMPRACTICAL, followed_point, point_variables
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
-from bearingwear.studies.design.words import BRIEF_WORDS, LIMIT_WORDS
+from bearingwear.studies.design.words import LIMIT_WORDS, brief_cells, brief_units
 from bearingwear.studies.life_scene import life_scene
 
 _KIND = "beside"
@@ -96,17 +96,13 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
 def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
     """Lives at the recommended preloads, as studied and with other assumptions."""
     basis = counted(recommendation)
-    files = beside, recommendation
-    units = {
-        name: (label, display(beside[name].attrs["units"], *(f[name] for f in files), shown=as_))
-        for name, (label, as_) in BRIEF_WORDS.items()
-    }
+    units = brief_units(beside, recommendation)
     rows = [
         [
             words,
             method_words(scene_of(recommendation), method),
             digits(float(one["life"].isel(loss_basis=basis))),
-            *(unit.text(one[name]) for name, (_, unit) in units.items()),
+            *brief_cells(units, one),
             passed(one),
         ]
         for words, case in [("as above", recommendation), *assumptions_of(beside)]
@@ -119,7 +115,7 @@ def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
             "assumed",
             "preload method",
             "life (h)",
-            *(unit.label(label) for label, unit in units.values()),
+            *(unit.label(label) for label, unit in units),
             "limits passed",
         ],
         rows=rows,

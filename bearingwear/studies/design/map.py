@@ -91,7 +91,7 @@ POINT = table(
         "W",
         "power of friction and drag of the whole bearing when new",
     ),
-    Variable("axial_stiffness_at_start", (), "N m-1", "axial stiffness when new"),
+    Variable("axial_stiffness_at_start", (), "N m-1", "dynamic axial stiffness when new"),
     *_extremes(),
     Variable(
         "impractical",

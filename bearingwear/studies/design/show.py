@@ -24,11 +24,11 @@ from bearingwear.studies.design.words import (
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
     LIMIT_KEY,
-    LIMIT_WORDS,
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
     TRACK_WORDS,
     WHAT_LIMITS,
+    held_words,
     limit_text,
 )
 
@@ -213,7 +213,10 @@ def cliffs_told(file: Any) -> list[str]:
 
 def _held(file: Any) -> list[str]:
     names = file["active_limit"].flag_meanings.split()
-    return [LIMIT_WORDS[names[int(flag)]] for flag in values(file, "active_limit")]
+    return [
+        held_words(names[int(flag)], lambda name, k=k: float(values(file, name)[k]))  # type: ignore[misc]
+        for k, flag in enumerate(values(file, "active_limit"))
+    ]
 
 
 def _numbers(file: Any, name: str) -> tuple[float, ...]:

@@ -1,7 +1,12 @@
 """Limits of the design study and what holds a preload, in words."""
 
+from collections.abc import Callable
+from typing import Any
+
+import xarray as xr
+
 from bearingwear.measures import LIMITED, Measure
-from bearingwear.results.units import in_print
+from bearingwear.results.units import Display, display, in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "nothing: life is longest there",
@@ -13,6 +18,14 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "cliff": "a sudden fall of the life",
 }
 """What keeps a preload from one with a longer life."""
+
+
+def held_words(name: str, extremes: Callable[[str], Any]) -> str:
+    """What keeps a preload from a longer life, and which of its kinds by the extremes there."""
+    one = LIMITED.get(name)
+    if one is None or len(one.kinds) == 1:
+        return LIMIT_WORDS[name]
+    return one.words_of(one.critical(extremes)[1])
 
 
 def limit_text(name: str, value: float) -> str:
@@ -35,13 +48,26 @@ RECOMMENDED_WORDS = {
 } | _AT_END
 """Quantities beside a recommended life, and how they are shown where the unit does not say."""
 
-BRIEF_WORDS = {
-    name: (_label(one, k), one.shown_as)
-    for one in LIMITED.values()
-    if one.brief
-    for k, name in enumerate(one.extremes)
-} | _AT_END
-"""Those of them that stand in short tables."""
+
+BRIEF = [one for one in LIMITED.values() if one.brief]
+"""Measures in short tables, each by the worst of its kinds; the residual preload follows them."""
+
+
+def brief_units(*found: xr.Dataset) -> list[tuple[str, Display]]:
+    """Labels of the quantities in short tables, and the units for all that is found."""
+    units = [
+        (one.short, display(one.si_unit, *map(one.worst, found), shown=one.shown_as))
+        for one in BRIEF
+    ]
+    ((name, (label, _)),) = _AT_END.items()
+    return [*units, (label, display("N", *(each[name] for each in found)))]
+
+
+def brief_cells(units: list[tuple[str, Display]], one: xr.Dataset) -> list[str]:
+    """Their values at a point."""
+    numbers = [*(each.worst(one) for each in BRIEF), one["residual_preload_at_end"]]
+    return [unit.text(number) for (_, unit), number in zip(units, numbers, strict=True)]
+
 
 NONE_BECAUSE = "none_because"
 """Attribute of a recommendation: for each method without a preload, which limits none keeps to."""
