@@ -117,6 +117,10 @@ class Measure:
 
         return float(np.min(values) if self.falls else np.max(np.abs(values)))
 
+    def value(self, values: Any, preload_N: Any = 1.0) -> float:
+        """The worst of the values of one variable [SI]; `preload_N` as in `critical`."""
+        return self.extreme(values / preload_N if self.over_preload else values)
+
     def critical(self, of: Callable[[str], Any], preload_N: Any = 1.0) -> tuple[float, str]:
         """The worst value [SI], and the variable that has it.
 
@@ -127,10 +131,7 @@ class Measure:
         preload_N : float or array_like
             Initial, of each value of the residual preload.
         """
-        found = [
-            (self.extreme(of(name) / preload_N if self.over_preload else of(name)), name)
-            for name in self.variables
-        ]
+        found = [(self.value(of(name), preload_N), name) for name in self.variables]
         known = [one for one in found if one[0] == one[0]] or found
         return min(known) if self.falls else max(known)
 
@@ -150,16 +151,15 @@ class Measure:
         """The least `margin` of all extremes in a map, or at a point of it."""
         import numpy as np
 
-        each = [self.margin(values[name], limit) for name in self.extremes]
-        return functools.reduce(np.fmin, each)
+        known = [values[name] for name in self.extremes if name in values]
+        return functools.reduce(np.fmin, [self.margin(value, limit) for value in known])
 
     def worst(self, values: Any) -> Any:
         """The worst of all extremes in a map, or at a point of it [SI]."""
         import numpy as np
 
-        return functools.reduce(
-            np.fmin if self.falls else np.fmax, [values[name] for name in self.extremes]
-        )
+        known = [values[name] for name in self.extremes if name in values]
+        return functools.reduce(np.fmin if self.falls else np.fmax, known)
 
     def words_of(self, name: str) -> str:
         """In words, which of its variables or extremes that is."""

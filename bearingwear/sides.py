@@ -27,6 +27,13 @@ SHARED = frozenset(
 """What of a case or life both bearings have in common."""
 
 
+OF_ARRANGEMENT = {
+    "system_axial_stiffness": "axial_stiffness",
+    "system_quasistatic_axial_stiffness": "quasistatic_axial_stiffness",
+}
+"""What of the arrangement follows from that of one bearing, where both are alike."""
+
+
 def of_bearing(values: Mapping[str, Any], k: int) -> dict[str, Any]:
     """Values of one bearing of a pair and of both, from those of a result."""
     return {name: value if name in SHARED else value[k] for name, value in values.items()}

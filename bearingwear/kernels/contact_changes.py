@@ -64,15 +64,10 @@ def gradient_changes(contact, R, c, gradient, even, H, L, change):
 
 
 @jit(fastmath=REORDER_SUMS)
-def add_axis_changes(contact, c, mu, R, v_r, points, by_a, by_b):
-    """Add how the gradient of Phi by c changes as the axes grow and take points along.
+def axis_sums(contact, c, R, v_r, points):
+    """Derivatives of the gradient of Phi by c, over mu Q, by ln a and ln b, row by row.
 
-    Parameters
-    ----------
-    points : tuple of 6 ndarray
-        t, weight, h, width, across, share, as in `traction.traction`.
-    by_a, by_b : ndarray (5,)
-        Derivatives by ln a and ln b, for each of its rows.
+    The points go with the axes; other parameters as in `add_axis_changes`.
     """
     t, weight, h, width, across, share = points
     p_R, v_r2, c_1, c_h, c_x = profile(contact.r_g, R, contact.a), v_r * v_r, c[0], c[2], c[3]
@@ -99,9 +94,23 @@ def add_axis_changes(contact, c, mu, R, v_r, points, by_a, by_b):
             b_h += f2 * hk
             b_x += f2 * x - f1 * y - f * v1 * y
             b_t += f1
-    friction = mu * contact.Q
-    accumulate(friction, (a_1, a_0, a_h, a_x, a_t), by_a)
-    accumulate(friction, (b_1, b_0, b_h, b_x, b_t), by_b)
+    return (a_1, a_0, a_h, a_x, a_t), (b_1, b_0, b_h, b_x, b_t)
+
+
+@jit
+def add_axis_changes(contact, c, mu, R, v_r, points, by_a, by_b):
+    """Add how the gradient of Phi by c changes as the axes grow.
+
+    Parameters
+    ----------
+    points : tuple of 6 ndarray
+        t, weight, h, width, across, share, as in `traction.traction`.
+    by_a, by_b : ndarray (5,)
+        Derivatives by ln a and ln b, for each of its rows.
+    """
+    of_a, of_b = axis_sums(contact, c, R, v_r, points)
+    accumulate(mu * contact.Q, of_a, by_a)
+    accumulate(mu * contact.Q, of_b, by_b)
 
 
 @jit

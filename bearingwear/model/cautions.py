@@ -123,8 +123,8 @@ def _limit_passed(e: Evidence) -> Finding | None:
     found = [] if e.case is None else criteria_passed(e.scene, e.case)
     if not found:
         return None
-    said = ", ".join(measure.passed(value, limit) for measure, value, limit in found)
-    return found[0][0].excess(*found[0][1:]), {"said": said, "advice": found[0][0].advice}
+    said = ", ".join(one.words for one in found)
+    return found[0].excess, {"said": said, "advice": found[0].measure.advice}
 
 
 CAUTIONS = (

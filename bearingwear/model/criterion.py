@@ -1,7 +1,7 @@
 """What ended a life: the measure, its value and its limit."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from bearingwear.measures import ENDS, Measure
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import Scene
-from bearingwear.sides import SHARED
+from bearingwear.sides import OF_ARRANGEMENT, SHARED
 
 
 def value_along(
@@ -26,29 +26,49 @@ def value_along(
     return measure.critical(at_step, initial)
 
 
-def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, float]:
-    """The measure [SI] of each criterion of a scene that the values of a case hold."""
+def criteria_of_case(scene: Scene, case: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
+    """The measure [SI] of each criterion of a scene that a case holds, and its variable."""
     end, preload = scene.wear.end_of_life, scene.operation.preload_N
     held = dict(case)
-    if "system_axial_stiffness" not in held and "axial_stiffness" in held:
-        holding = bearings_holding(scene.operation.preload_method)
-        held["system_axial_stiffness"] = holding * np.asarray(held["axial_stiffness"])
+    for system, own in OF_ARRANGEMENT.items():
+        if system not in held and own in held:
+            holding = bearings_holding(scene.operation.preload_method)
+            held[system] = holding * np.asarray(held[own])
     return {
-        name: ENDS[name].critical(lambda one: np.asarray(held[one]), preload)[0]
+        name: ENDS[name].critical(lambda one: np.asarray(held.get(one, np.nan)), preload)
         for name in (end.criteria if end else ())
-        if held.keys() >= {*ENDS[name].variables} and (preload or not ENDS[name].over_preload)
+        if held.keys() & {*ENDS[name].variables} and (preload or not ENDS[name].over_preload)
     }
 
 
-def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[tuple[Measure, float, float]]:
-    """Measure, value [SI] and limit of each criterion that a case is beyond, the farthest first."""
+class Passed(NamedTuple):
+    """A criterion that a case is beyond."""
+
+    measure: Measure
+    value: float  # [SI]
+    limit: float
+    variable: str
+
+    @property
+    def excess(self) -> float:
+        """Of the value over the limit, or the reverse where less is worse."""
+        return self.measure.excess(self.value, self.limit)
+
+    @property
+    def words(self) -> str:
+        """Value and limit in words."""
+        return self.measure.passed(self.value, self.limit, self.variable)
+
+
+def criteria_passed(scene: Scene, case: Mapping[str, Any]) -> list[Passed]:
+    """Each criterion that a case is beyond, the farthest first."""
     end = scene.wear.end_of_life
     found = [
-        (ENDS[name], value, end.criteria[name])
-        for name, value in criteria_of_case(scene, case).items()
+        Passed(ENDS[name], value, end.criteria[name], variable)
+        for name, (value, variable) in criteria_of_case(scene, case).items()
         if end and ENDS[name].is_passed(value, end.criteria[name])
     ]
-    return sorted(found, key=lambda one: -one[0].excess(one[1], one[2]))
+    return sorted(found, key=lambda one: -one.excess)
 
 
 def criterion_met(scene: Scene, values: Mapping[str, Any]) -> tuple[Measure, float] | None:

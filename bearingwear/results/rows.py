@@ -150,7 +150,7 @@ def marked(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
     for row in rows:
         if row.limit is not None:
             measure, limit, preload = criteria[row.name]
-            value, _ = measure.critical(lambda name: values(file, name), preload)
+            value = measure.value(values(file, row.name), preload)
             row = row._replace(note="passed" if measure.is_passed(value, limit) else "")
         found.append(row)
     return tuple(found)

@@ -19,7 +19,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
-from bearingwear.studies.design.words import BRIEF_WORDS
+from bearingwear.studies.design.words import brief_numbers, brief_units
 from bearingwear.studies.pool import Tell
 
 
@@ -73,10 +73,9 @@ def _over_preload(design: xr.Dataset) -> list[Block]:
     blocks = []
     for method, one in methods(line):
         rows = [Row("life", "h", tuple(one["life"].isel(loss_basis=basis).values.tolist()), "life")]
-        for name, (label, shown) in BRIEF_WORDS.items():
-            unit = display(one[name].attrs["units"], one[name], shown=shown)
-            numbers = tuple(float(unit.of(number)) for number in one[name].values)
-            rows.append(Row(label, unit.unit, numbers, name))
+        for (label, unit), numbers in zip(brief_units(one), brief_numbers(one), strict=True):
+            shown = tuple(float(unit.of(number)) for number in numbers.values)
+            rows.append(Row(label, unit.unit, shown, str(numbers.name or "")))
         beyond = tuple("x" if number else "" for number in one["impractical"].values)
         rows.append(Row("nobody would build it", "", beyond, "impractical"))
         title = f"over the preload, {method_words(scene_of(design), method)}"

@@ -22,6 +22,7 @@ from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
 from bearingwear.scene.variant import variant
+from bearingwear.sides import OF_ARRANGEMENT
 from bearingwear.studies.dataset import stacked
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Case, Grid
@@ -74,9 +75,10 @@ def wear_life(scene_path: str | Path, study: xr.Dataset) -> xr.Dataset:
             solved.append(dataset(life(scene)))
             criteria = scene.wear.end_of_life.criteria if scene.wear.end_of_life else {}
             line = study.isel(preload_method=i, friction=j, drop=True)
-            if "system_axial_stiffness" not in line:
-                holding = bearings_holding(scene.operation.preload_method)
-                line["system_axial_stiffness"] = holding * line["axial_stiffness"]
+            for system, own in OF_ARRANGEMENT.items():
+                if system not in line and own in line:
+                    holding = bearings_holding(scene.operation.preload_method)
+                    line[system] = holding * line[own]
             unknown |= criteria.keys() - known_of(criteria, line).keys()
             interpolated.append(interpolated_life(line, criteria, scene.operation.preload_N))
     coords = axis_coordinates(grid)
@@ -184,7 +186,7 @@ def interpolated_life(
     if usable > 1 and losses[0] == 0.0:
         known = known_of(criteria, line)
         needed = {"residual_preload", "ball_diameter_loss_rate"}
-        needed |= {variable for name in known for variable in ENDS[name].variables}
+        needed |= {one for name in known for one in ENDS[name].variables if one in line}
         fine = (
             line[sorted(needed - set(line.coords))]
             .isel(ball_diameter_loss=slice(usable))
@@ -222,7 +224,7 @@ def known_of(criteria: Mapping[str, float], cases: xr.Dataset) -> dict[str, floa
     return {
         name: limit
         for name, limit in criteria.items()
-        if all(variable in cases.variables for variable in ENDS[name].variables)
+        if any(variable in cases.variables for variable in ENDS[name].variables)
     }
 
 
@@ -233,7 +235,8 @@ def _margins(fine: xr.Dataset, criteria: Mapping[str, float], preload_N: float) 
         measure = ENDS[name]
 
         def at(k: int, measure: Measure = measure) -> float:
-            return measure.critical(lambda one: fine[one].values[k], preload_N)[0]
+            values = {one: fine[one].values[k] for one in measure.variables if one in fine}
+            return measure.critical(lambda one: values.get(one, np.nan), preload_N)[0]
 
         along = np.array([at(k) for k in range(fine.sizes["ball_diameter_loss"])])
         found[name] = measure.margin(along, limit)
