@@ -25,7 +25,8 @@ def held_words(name: str, extremes: Callable[[str], Any]) -> str:
     one = LIMITED.get(name)
     if one is None or len(one.kinds) == 1:
         return LIMIT_WORDS[name]
-    return one.words_of(one.critical(extremes)[1])
+    value, which = one.critical(extremes)
+    return one.words_of(which) if value == value else one.words
 
 
 def limit_text(name: str, value: float) -> str:
