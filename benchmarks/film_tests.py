@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import sys
+import textwrap
 from pathlib import Path
 
 import bearingwear
@@ -47,7 +48,7 @@ def page() -> str:
     low, high = (rev * K / (wear.median * wear.factor**z) for z in (NINETY, -NINETY))
     bound, archard = K * rev / SEEN, 4.0 ** (2.0 / 3.0)
     _draw(rev, (low, high), archard)
-    return f"""\
+    text = f"""\
 # Films against tests
 
 <!-- made by `python benchmarks/film_tests.py docs` -->
@@ -58,8 +59,6 @@ fail with the middle of the table.
 
 ![Revolutions until a film is worn through; life against load](figures/film_tests.svg)
 
-| test | seen | program | off by | |
-| --- | --- | --- | --- | --- |
 | sputtered MoS2, 0.6 µm, angular-contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
 {SEEN:.3g} revolutions | {rev:.2g}, 90 % between {low:.1g} and {high:.1g} | {SEEN / rev:.2g} or \
 more | **fails** |
@@ -97,6 +96,16 @@ it.
 
 Of 1, 2, 3, 4 and 5 the abstracts were read.
 """
+    return "\n".join(_wrapped(line) for line in text.split("\n"))
+
+
+def _wrapped(line: str) -> str:
+    """A row `| test | seen | program | off by | verdict |` as an item of a list."""
+    if not line.startswith("| "):
+        return line
+    test, seen, program, off, verdict = (cell.strip() for cell in line.strip("|").split(" |"))
+    said = f"{test}: {seen}. Program: {program}{f', off by {off}' if off else ''}: {verdict}."
+    return textwrap.fill(said, 100, initial_indent="- ", subsequent_indent="  ")
 
 
 def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,9 +69,8 @@ MEASURED_WEAR = {
         wear=(NOT_SAID, NOT_SAID),
         friction=(0.8, 0.8),
         conditions="dry",
-        source="PTC Windchill, table of friction coefficients",
-        url="https://support.ptc.com/help/wrr/r12.0.0.0/en/wrr/ReferenceGuide/prediction/"
-        "friction_coefficients.html",
+        source="PTC Windchill, reference guide, prediction, friction_coefficients.html",
+        url="https://support.ptc.com/help/wrr/r12.0.0.0/en/",
         read="page",
     ),
     "two_discs": Measured(
@@ -138,8 +138,7 @@ MEASURED_WEAR = {
         friction=(0.11, 0.36),
         conditions="unfilled; 6.35 MPa, 50 mm/s, air; friction of all blends with PEEK",
         source="Burris and Sawyer, Wear 261 (2006) 410",
-        url="https://www.scribd.com/document/521472447/"
-        "Burris-und-Sawyer-2006-A-low-friction-and-ultra-low-wear-rate-PEEKPTFE-c",
+        url="https://www.scribd.com/document/521472447",
     ),
     "ptfe_peek": Measured(
         surface="PTFE with 20 % PEEK",
@@ -148,8 +147,7 @@ MEASURED_WEAR = {
         friction=(0.11, 0.36),
         conditions="as above",
         source="Burris and Sawyer, Wear 261 (2006) 410",
-        url="https://www.scribd.com/document/521472447/"
-        "Burris-und-Sawyer-2006-A-low-friction-and-ultra-low-wear-rate-PEEKPTFE-c",
+        url="https://www.scribd.com/document/521472447",
     ),
     "peek_eptfe": Measured(
         surface="PEEK with PTFE filaments",
@@ -319,7 +317,7 @@ _INTRODUCTION = """\
 <!-- made by `python -m bearingwear.scene.coefficients docs/coefficients.md` -->
 
 Volumes wear as K_s/H times load times slip. Papers give K_s/H in mm³/(N m), which is 1e-9 m²/N.
-Each row has a source that can be opened, and says what of it was read. Of lead films, of phenolic
+Each item has a source that can be opened, and says what of it was read. Of lead films, of phenolic
 cages and of silicon nitride on steel no number was found in the open: a scene that takes one calls
 it assumed.
 
@@ -344,38 +342,30 @@ _SCENES = """\
 
 def page_of_coefficients() -> str:
     """The page, in Markdown."""
-    head = "| row | wears | on | film | K_s/H, m²/N | friction | conditions | source (read) |"
     rows = [
-        f"| {name} | {m.surface} | {m.against} | {m.film or 'none'} | {_span(m.wear, M2_PER_N)} | "
-        f"{_span(m.friction)} | {m.conditions} | [{m.source}]({m.url}) ({m.read}) |"
+        f"**{name}**: {m.surface} on {m.against}{f', film {m.film}' if m.film else ''}. K_s/H "
+        f"{_span(m.wear, M2_PER_N)} m²/N, friction {_span(m.friction)}. {m.conditions}. "
+        f"[{m.source}]({m.url}), {m.read}."
         for name, m in MEASURED_WEAR.items()
     ]
     pairs = [
-        f"| {pair}, {film} | {one.wear.median:.2g} | {one.wear.factor:.2g} | "
-        f"{one.friction.median:.2g} | {one.friction.factor:.2g} | {', '.join(one.rows)} | "
-        f"{one.why} |"
+        f"**{pair}, film {film}**: K_s/H {one.wear.median:.2g} m²/N, factor {one.wear.factor:.2g}; "
+        f"friction {one.friction.median:.2g}, factor {one.friction.factor:.2g}. From "
+        f"{', '.join(one.rows)}: {one.why}."
         for (pair, film), one in RUBBING.items()
     ]
-    return (
-        "\n\n".join(
-            [
-                _INTRODUCTION,
-                "\n".join([head, "| --- " * 8 + "|", *rows]),
-                "## Pairs",
-                _TAKEN,
-                "\n".join(
-                    [
-                        "| pair, film | K_s/H, m²/N | factor | friction | factor | rows | why |",
-                        "| --- " * 7 + "|",
-                        *pairs,
-                    ]
-                ),
-                "## What the scenes take",
-                _SCENES,
-            ]
+    parts = [_INTRODUCTION, _items(rows), "## Pairs", _TAKEN, _items(pairs)]
+    return "\n\n".join([*parts, "## What the scenes take", _SCENES]) + "\n"
+
+
+def _items(texts: list[str]) -> str:
+    return "\n".join(
+        textwrap.fill(
+            text, 100, initial_indent="- ", subsequent_indent="  ",
+            break_long_words=False, break_on_hyphens=False,
         )
-        + "\n"
-    )
+        for text in texts
+    )  # fmt: skip
 
 
 def _span(ends: tuple[float, float], unit: float = 1.0) -> str:
