@@ -79,7 +79,6 @@ STATES = {
     "spring pair, lifted off": ("gyro_s1", SPRING | {"arrangement.external_axial_N": -7.0}),
     "tandem": ("gyro_s1", RIGID | LOADED | {"arrangement.tandem": [2, 1]}),
     "natural frequencies": ("gyro_s1", RIGID | ROTOR),
-    "micro-slip": ("gyro_s1_hertz", {"model.micro_slip": True}),
     "preload gone": ("gyro_s1", FIXED | {"wear.ball_diameter_loss_um": 2.0}),
     "at rest": ("gyro_s1", {"operation.shaft_speed_rpm": 0.0}),
 }
