@@ -144,8 +144,8 @@ MAPS = {
 }  # fmt: skip
 COMMANDS = {
     "recommend: gyro_s1": "recommend gyro_s1 --slip 0.3 --stiffness 3",
-    "recommend: gyro_s1_worn": "recommend gyro_s1_worn",
-    "recommend: turbopump": "recommend turbopump",
+    "recommend: gyro_s1_worn": "recommend gyro_s1_worn --slip 0.3",
+    "recommend: turbopump": "recommend turbopump --pressure 2.5",
     "uncertainty: gyro_s1": "uncertainty gyro_s1 --samples 16",
     "uncertainty: both methods": "uncertainty gyro_s1_hertz --samples 8 "
     "--method constant_force fixed_position",
