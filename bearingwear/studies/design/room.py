@@ -24,16 +24,16 @@ from bearingwear.studies.design.preload_line import PreloadLine, round_number
 from bearingwear.studies.design.search import GUIDED, WINDOW, Asking, Request, guide
 from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, WEAR_KEY
 
-FARTHEST = 10.0
+FARTHEST = 4.0
 """Largest factor by which a limit is moved either way."""
 
-CRITERIA_FARTHEST = 4.0
+CRITERIA_FARTHEST = 2.0
 """The same for an end of life and for friction."""
 
 FOUND_TO = 4e-3
 """Relative: to which an end of what holds is found."""
 
-_LIMITS, _CRITERIA, _FRICTIONS = 60, 8, 4  # steps to the farthest value
+_LIMITS, _CRITERIA, _FRICTIONS = 40, 6, 3  # steps to the farthest value
 _GUIDED_GAIN = 1.05  # of a life that the map may miss
 _GUIDED = 5  # of the steps of a limit, where quick lives show what the coarse map misses
 _NEAREST = 2e-3  # width in log preload, within which there is an exact life
