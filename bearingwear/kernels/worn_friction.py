@@ -42,7 +42,7 @@ OF_UNWORN, OF_WORN = range(2)
 # of the cell along the major axis, share of the friction, how many cells there are.
 CELL_X, CELL_WEIGHT, CELL_HEIGHT, CELL_WIDTH, CELL_COLUMN, CELL_FRICTION, CELL_COUNT = range(7)
 CELL_ROUNDING = 0.2  # of what slip changes by over a cell at the contact's edge
-THIN_PRESSURE = 0.05  # of Hertz' peak: cells with less count in proportion to the area in contact
+THIN_PRESSURE = 0.3  # of Hertz' peak: cells with less count in proportion to the area in contact
 
 
 class FrictionWork(NamedTuple):

@@ -122,9 +122,9 @@ def friction_of_cells(pressure, fresh, law, bare, without):
         for j in range(m):
             load += pressure[j, i]
             bare_load += uncovered * pressure[j, i]
-            filmed_area += (1.0 - uncovered) * min(20.0 * pressure[j, i], 1.0)
+            filmed_area += (1.0 - uncovered) * min(pressure[j, i] / 0.3, 1.0)
             old_load += fresh[j, i]
-            old_area += min(20.0 * fresh[j, i], 1.0)
+            old_area += min(fresh[j, i] / 0.3, 1.0)
     # Hertz' mean pressure, two thirds of the peak, is that over the unworn area.
     sheared = S / (2.0 / 3.0 * peak) * (filmed_area / old_area) * old_load
     return (constant * (load - bare_load) + sheared + without * bare_load) / load
