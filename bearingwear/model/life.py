@@ -263,6 +263,8 @@ def history_values(states: list[WearState]) -> dict:
     values: dict[str, Any] = {
         f"history_{name}": np.array([state[name] for state in states]) for name in HISTORY
     }
+    if not np.isfinite(states[0].system_quasistatic):  # with grooves as they wear, and in time
+        del values["history_system_quasistatic_axial_stiffness"]
     if np.isfinite(states[0].temperature).any():
         values["history_part_temperature"] = np.array([s.temperature for s in states])
         values["heat_flow_residual"] = max(s.heat_flow_residual for s in states)

@@ -97,5 +97,11 @@ def race_control_matrix(
 
 
 def radially_free(K: np.ndarray) -> float:
-    """Axial stiffness of a matrix (5, 5) with the race free to yield across the axis [N/m]."""
-    return float(K[0, 0] - K[0, 1:3] @ np.linalg.solve(K[1:3, 1:3], K[1:3, 0]))
+    """Axial stiffness of a matrix (5, 5) with the race free to yield across the axis [N/m].
+
+    A race that nothing holds across the axis, in a direction, yields the least there.
+    """
+    if not np.isfinite(K).all():
+        return float("nan")
+    yields, *_ = np.linalg.lstsq(K[1:3, 1:3], K[1:3, 0], rcond=None)
+    return float(K[0, 0] - K[0, 1:3] @ yields)
