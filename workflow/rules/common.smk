@@ -48,7 +48,11 @@ shell.prefix(
 )
 
 
+MADE = set()  # what this run is about to make
+
+
 onstart:
+    MADE.update(path for job in workflow.dag.needrun_jobs() for path in job.output)
     # A group of jobs that a cluster ends early is recorded as if each of them had ended, and an
     # outdated result of one that never began would then pass for new. A local run has no groups.
     if not (workflow.local_exec or workflow.touch):

@@ -63,8 +63,7 @@ rule verdict:
 
 # The last lines of a run that made the page: what was found, and where it stands.
 onsuccess:
-    made = {path for job in workflow.dag.needrun_jobs() for path in job.output}
-    if PAGE in made:
+    if PAGE in MADE:
         for study in STUDIES.values():
             for path in study.page_answers():
                 if path.endswith(".json"):
