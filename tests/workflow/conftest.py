@@ -168,7 +168,7 @@ def new_project(tmp_path_factory):
     def make() -> Project:
         root = tmp_path_factory.mktemp("project")
         no_caches = shutil.ignore_patterns("__pycache__")
-        for name in ("bearingwear", "config", "docs", "workflow"):
+        for name in ("bearingwear", "config", "docs", "workflow", "profiles"):
             shutil.copytree(ROOT / name, root / name, ignore=no_caches)
         shutil.copy2(ROOT / "Snakefile", root)
         project = Project(root)

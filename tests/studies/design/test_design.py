@@ -171,9 +171,10 @@ def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, cap
     assert main(["show", str(file)]) == 0
     text = capsys.readouterr().out
     assert re.search(
-        r"held by +axial stiffness of one bearing +no preload keeps to all limits\n", text
+        r"held by +dynamic axial stiffness of one bearing +no preload keeps to all limits\n", text
     )
-    assert re.search(r"least stiffness, one bearing +N/um +4\.6\d? +–\n", text)
+    assert re.search(r"least stiffness, one bearing, dynamic +N/um +4\.6\d? +–\n", text)
+    assert re.search(r"least stiffness, one bearing, quasi-static +N/um +4\.6\d? +–\n", text)
     # and so it is where a file is shown like any other
     several = sheet(file).text
     assert "there was none to solve" in several and "jammed" not in several

@@ -43,7 +43,7 @@ class MadeUp:
             "status": OK,
             "end_criterion": 0,
             "life": np.array([life, life]),
-            "axial_stiffness": stiffness,
+            **dict.fromkeys(LIMITED["axial_stiffness_N_um"].extremes, stiffness),
             "impractical": 0 if self.practical(preload) else 1,
         }
 
