@@ -47,6 +47,8 @@ class Measure:
         What each variable is, an adjective to `words`, where there are several.
     falls : bool
         Whether less is worse. Of others the magnitude counts.
+    signed : bool
+        Whether its sign, which limits leave out, says something: sheets keep it.
     over_preload : bool
         Whether its variable counts as a share of the initial preload.
     advice : str
@@ -69,6 +71,7 @@ class Measure:
     variables: tuple[str, ...]
     kinds: tuple[str, ...] = ("",)
     falls: bool = False
+    signed: bool = False
     over_preload: bool = False
     advice: str
     label: str = ""
@@ -219,7 +222,7 @@ MEASURES = (
         end=("Gyroscopic share of the slip in any contact, at or above which life ends", "(0, 1]"),
         limit=("Largest gyroscopic slip share in any contact", "(0, 1]"),
         option="--slip", mark="s", letter="G", brief=True),
-    Measure(key="skid_ratio", words="skid ratio", variables=("skid_ratio",),
+    Measure(key="skid_ratio", words="skid ratio", variables=("skid_ratio",), signed=True,
         advice="more preload, lower speed or less lubricant drag",
         end=("Lag of the orbit rate behind pure rolling, at or above which life ends", "(0, 1]"),
         mark="P"),

@@ -30,7 +30,8 @@ def test_data_belong_to_the_module_that_names_them():
     assert "page/page.html" in found("bearingwear.page.page")
     assert "plotting/style.mplstyle" in found("bearingwear.studies.grid.draw")
     assert "scene/new_scene.yaml.j2" in found("bearingwear.scene.new")
-    assert not [path for path in found(*SOLVER) if not path.endswith(".py")]
+    # a warning compares the speed with the limit of the bearing's maker
+    assert [p for p in found(*SOLVER) if not p.endswith(".py")] == ["scene/catalogue.csv"]
 
 
 def every_step():

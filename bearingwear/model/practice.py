@@ -42,7 +42,7 @@ LONGEST_LIFTED = 0.05
 LEAST_PRELOAD = 1.5e-3
 """Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa at rest in steel, assumed."""
 
-FRICTION = (1e-3, 1.0)
+USUAL_FRICTION = (1e-3, 1.0)
 """Friction coefficients in practice: superlubric MoS2 in ultra-high vacuum (Martin and others,
 Phys. Rev. B 48 (1993) 10583); clean metals, which seize (Bowden and Tabor 1950)."""
 
@@ -193,7 +193,7 @@ def tiny_preload(e: Evidence) -> Finding | None:
 
 
 def friction_beyond(e: Evidence) -> Finding | None:
-    value, (least, most) = e.scene.friction.ball_race, FRICTION
+    value, (least, most) = e.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
     if value > most:

@@ -156,20 +156,22 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
         if (limit := given.get(criterion)) is None:
             continue
 
-        def at(k: int, measure: Measure = measure) -> float:
-            found, _ = measure.critical(
-                lambda name: np.atleast_1d(values(file, f"history_{name}"))[k],
-                scene["operation"]["preload_N"],
-            )
-            return found
+        def at(k: int, measure: Measure = measure) -> tuple[float, float]:
+            """What counts, and what is shown."""
 
-        start, end = at(0), at(-1)
+            def of(name: str) -> np.ndarray:
+                return np.atleast_1d(values(file, f"history_{name}"))[k]
+
+            found, name = measure.critical(of, scene["operation"]["preload_N"])
+            return found, measure.shown(float(of(name)) if measure.signed else found)
+
+        (_, start), (end, shown) = at(0), at(-1)
         met = not is_pair(scene) or measure.margin(end, limit) < MET
         rows.append(
             Row(
                 measure.short,
                 measure.unit,
-                (measure.shown(start), measure.shown(end)),
+                (start, shown),
                 criterion,
                 measure.shown_limit(limit),
                 "ends the life" if criterion == ended and met else "",

@@ -397,7 +397,7 @@ def test_sheets_show_the_film(capsys, tmp_path):
     said = capsys.readouterr().out
     for text in ("friction, inner", "film, outer", "track without film", "worn through after"):
         assert text in said, text
-    assert "film worn share" in said
+    assert "ended by" in said and "share of a track without film 100 %, limit 50 %" in said
 
 
 def test_refused_where_it_cannot_be_followed(scene):

@@ -161,7 +161,7 @@ def test_time_scales_agree_with_integration(scene):
 
 @pytest.mark.parametrize(("mu", "v_r"), [(1e-6, 1e-8), (1e-6, 1e-6), (4.8e-6, 4e-6)])
 def test_slow_damping_that_few_points_miss(scene, mu, v_r):
-    """With 32 points a motion of minutes seems to grow; its rates converge to ones that decay."""
+    """With 32 points a motion seems to last minutes or hours; its rates converge to faster ones."""
     given = scene(
         "gyro_s1",
         {
@@ -175,14 +175,44 @@ def test_slow_damping_that_few_points_miss(scene, mu, v_r):
     D = float(ball_diameters(given)[0])
     few = ThrustProblem.of(given)
     case = few.solve(D)
-    assert few.time_scales(D, case).real.max() > 0.0
+    slowest = few.time_scales(D, case).real.max()
     rates = []
     for points in (512, 1024):
         many = replace(few, rule=ellipse_rule("split", points))
         rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
     assert np.all(rates[1] < 0.0)
     assert_allclose(*rates, rtol=0.1)
+    assert 5e-3 * rates[1].max() < slowest < 0.0
     assert few.stable(D, case) and solve(given).values["status"] == code.OK
+
+
+@pytest.mark.parametrize(
+    ("quadrature", "strips", "v_r"), [("gauss", 8, 1e-7), ("gauss", 4, 1e-8), ("strips", 4, 1e-8)]
+)
+def test_growth_that_many_points_do_not_have_is_none(scene, quadrature, strips, v_r):
+    """Few fixed points with traction: a motion seems to grow, with many all decay."""
+    given = scene(
+        "gyro_s1",
+        {
+            "operation.shaft_speed_rpm": 3500,
+            "friction.ball_race": 0.003,
+            "friction.slip_regularisation_m_s": v_r,
+            "model.normal_balance": "with_traction",
+            "model.quadrature": quadrature,
+            "model.strips": strips,
+        },
+    )
+    D = float(ball_diameters(given)[0])
+    few = ThrustProblem.of(given)
+    case = few.solve(D)
+    assert case.status == code.OK and few.time_scales(D, case).real.max() > 0.0
+    rates = []
+    for points in (512, 1024):
+        many = replace(few, rule=ellipse_rule("split", points))
+        rates.append(np.sort(many.time_scales(D, many.solve(D, start=case.u)).real))
+    assert np.all(rates[1] < 0.0)
+    assert_allclose(*rates, rtol=1e-3)
+    assert few.stable(D, case) and solve(given).values["stable"] == 1
 
 
 def test_undetermined_without_friction(scene):

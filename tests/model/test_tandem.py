@@ -81,7 +81,6 @@ def test_heaviest_share_limits(scene):
 def test_sheet_says_each_share(scene):
     found = sheet_of_result(solve(scene("gyro_s1", SPRING | {"arrangement.tandem": [2, 1]})))
     assert any("2 and 1 in tandem" in line for line in found.heading)
-    limits = [
-        row.limit for block in found.blocks for row in block.rows if row.name == "residual_preload"
-    ]
-    assert limits == pytest.approx([1.4, 2.8])
+    (row,) = [row for block in found.blocks for row in block.rows if row.name == "residual_preload"]
+    assert row.values == pytest.approx((3.5, 7.0))
+    assert row.note == "limits 1.4, 2.8"

@@ -39,6 +39,12 @@ SHOWN = {
     r"snakemake -n": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -j2 \w+": "tests/workflow/test_study.py::test_the_whole_study_is_planned",
     r"snakemake -f results": "tests/workflow/test_study.py::test_one_point_again",
+    r"bearingwear study (results|-n)": (
+        "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
+    ),
+    r"bearingwear study (results/\S+\.nc|-n)$": (
+        "tests/workflow/test_study.py::test_one_result_again_outside_a_clone"
+    ),
     r"snakemake --unlock": "tests/workflow/test_study.py::test_a_killed_run_goes_on",
     r"snakemake --report": "tests/workflow/test_study.py::test_the_report_of_the_jobs",
     r"snakemake --workflow-profile": "tests/workflow/test_slurm.py::test_a_study_on_slurm",

@@ -17,7 +17,7 @@ from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.plan import DesignLimits
 
 DIGITS = 3  # of a preload, at least
-STEEPEST_RISE = 1.5
+STEEPEST_LIFE = 1.5
 """How fast a life rises between two preloads at most, as a power, other than at a jump."""
 
 _SLACK = 0.4  # by which a slope inside an interval may differ from those outside of it
@@ -83,15 +83,15 @@ class Neighbours(NamedTuple):
         if not max(lives) > 0.0:
             return 0.0
         if self.jumps:
-            return max(lives) * math.exp(STEEPEST_RISE * width)
+            return max(lives) * math.exp(STEEPEST_LIFE * width)
         slack = _SLACK if width > _NEAR else 0.5 * _SLACK
         step = math.log(lives[1] / lives[0])
         if self.a.is_allowed(limits) != self.b.is_allowed(limits):
             end, share = self.limit_met(limits)
             rise = max(step if end is self.a else -step, 0.0) + slack * width
             return end.life * math.exp(rise * min(1.0, _SAFETY * share))
-        rise = min(_slope(self.before, self.a, STEEPEST_RISE) + slack, STEEPEST_RISE)
-        fall = max(_slope(self.b, self.after, -STEEPEST_RISE) - slack, -STEEPEST_RISE)
+        rise = min(_slope(self.before, self.a, STEEPEST_LIFE) + slack, STEEPEST_LIFE)
+        fall = max(_slope(self.b, self.after, -STEEPEST_LIFE) - slack, -STEEPEST_LIFE)
         if rise * width <= step or -fall * width <= -step:
             return max(lives)
         at = (step - fall * width) / (rise - fall)  # where both lines meet
@@ -103,7 +103,7 @@ class Neighbours(NamedTuple):
         lives = self.a.life, self.b.life
         if not min(lives) > 0.0:
             return True
-        return abs(math.log(lives[1] / lives[0])) > STEEPEST_RISE * self.width
+        return abs(math.log(lives[1] / lives[0])) > STEEPEST_LIFE * self.width
 
     def limit_met(self, limits: DesignLimits) -> tuple[Tried, float]:
         """The end within the limits, and which share of the width they are still kept."""
@@ -151,7 +151,7 @@ def _slope(a: Tried | None, b: Tried | None, unknown: float) -> float:
     if a is None or b is None or not min(a.life, b.life) > 0.0:
         return unknown
     slope = math.log(b.life / a.life) / math.log(b.preload / a.preload)
-    return slope if abs(slope) < STEEPEST_RISE else unknown
+    return slope if abs(slope) < STEEPEST_LIFE else unknown
 
 
 def _room(margins: Sequence[Any]) -> np.ndarray:

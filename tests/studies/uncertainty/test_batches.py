@@ -129,7 +129,7 @@ def test_page_and_sheet_tell_the_interval_and_its_causes():
         "90 % of bearings (h)": ["0.34 to 5.8", "0.34 to 5.8", "–"],
         "scatter within a batch (h)": ["1 to 2", "none", "–"],
         "unknown for a batch (h)": ["0.4 to 5", "0.4 to 5", "–"],
-        "L10 (h)": ["1.23", "–", "–"],
+        "L10 (h)": ["1.2", "–", "–"],
     }
     told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
     batch = "Brinell hardness, wear coefficient, friction of ball and race, drag density"
