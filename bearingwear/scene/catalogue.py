@@ -138,14 +138,8 @@ def entry_of(
     SceneError
         One line that lists those with a name alike.
     """
-    words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
-    if words and maker == "NSK":
-        words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
-    known: dict[str, list[CatalogueBearing]] = {}
-    for entry in bearings():
-        if entry.maker == maker:
-            known.setdefault(_plain(entry.designation), []).append(entry)
-    found, ignored = _longest(words, known)
+    known = _named(maker)
+    found, ignored = _found(maker, designation)
     if not found:
         start = _plain(designation)[:4]
         near = dict.fromkeys(e[0].designation for name, e in known.items() if name[:4] == start)
@@ -157,6 +151,28 @@ def entry_of(
     if angle is None:
         return found[0], ignored
     return min(found, key=lambda entry: abs(entry.angle - angle)), ignored
+
+
+def makers_with(designation: str) -> list[str]:
+    """The makers whose catalogue has a bearing of that designation."""
+    return [maker for maker in MAKERS if _found(maker, designation)[0]]
+
+
+def _named(maker: str) -> dict[str, list[CatalogueBearing]]:
+    """Bearings of a maker by their plain designations."""
+    known: dict[str, list[CatalogueBearing]] = {}
+    for entry in bearings():
+        if entry.maker == maker:
+            known.setdefault(_plain(entry.designation), []).append(entry)
+    return known
+
+
+def _found(maker: str, designation: str) -> tuple[list[CatalogueBearing], str]:
+    """A maker's bearings of a designation, and the suffixes that are not used."""
+    words = [word for word in re.split(r"[\s/_.-]+", designation.upper()) if word]
+    if words and maker == "NSK":
+        words[0] = re.sub(r"^719(?=\d\d)", "79", words[0])  # as other makers name series 79
+    return _longest(words, _named(maker))
 
 
 def _longest(

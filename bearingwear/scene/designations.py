@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from bearingwear.scene.catalogue import CatalogueBearing
+from bearingwear.scene.catalogue import CatalogueBearing, makers_with
 from bearingwear.scene.errors import SceneError, shown
 
 LONGEST_DESIGNATION = 40  # characters of a designation
@@ -189,4 +189,7 @@ def _size(series: str, code: str) -> tuple[float, float, float] | None:
 
 
 def _unknown(text: str, allowed: str) -> SceneError:
+    makers = makers_with(text)
+    if makers:
+        allowed = f"--maker {' or '.join(makers)} with this designation"
     return SceneError("", f"got {shown(text)}, expected {allowed}", source="designation")

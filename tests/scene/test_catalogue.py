@@ -8,6 +8,7 @@ from support import benchmark
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.scene.catalogue import MAKERS, bearings, entry_of
+from bearingwear.scene.designations import designation_of
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene
 
@@ -107,6 +108,12 @@ def test_names_that_are_not_there(text):
         with pytest.raises(SceneError, match="got .*, expected ") as error:
             entry_of(maker, text)
         assert "\n" not in str(error.value) and len(str(error.value)) < 320
+
+
+@pytest.mark.parametrize("text", ["SEA 60", "sea60 7CE1"])
+def test_designation_of_a_maker_without_its_name(text):
+    with pytest.raises(SceneError, match="got .*, expected --maker SNFA with this designation"):
+        designation_of(text)
 
 
 def test_bearings_of_one_name_differ_by_their_angle():
