@@ -16,12 +16,12 @@ from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
 from bearingwear.model import courses
 from bearingwear.model.criterion import criteria_of_case, end_attribute
 from bearingwear.model.life import margins
-from bearingwear.model.life_integrator import FIELDS, WearState
+from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.rows import limits_of_rows, marked, row_of
 from bearingwear.results.show_life import _criteria
 from bearingwear.results.variables import CASE
-from bearingwear.scene.blocks import CRITERIA, OF_CAGE, EndOfLife
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.records import parts
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
@@ -49,12 +49,15 @@ def at(measure: Measure, ratio: float) -> float:
     return measure.in_files(LIMIT, PRELOAD) * (1.0 / ratio if measure.falls else ratio)
 
 
-def states(measure: Measure, ratio: float, **more) -> WearState:
-    """A state whose measure is at that ratio; of all others little is known."""
-    known = {FIELDS.get(name, name): at(measure, ratio) for name in measure.variables}
-    of_races = known.keys() & {"share", "film_worn"}
-    known |= {name: np.array([0.1, 1.0]) * known[name] for name in of_races}
-    return WearState(**{"loss": 0.0, "status": OK} | known | more)
+OF_RACES = {"gyroscopic_slip_share", "film_worn_share"}
+
+
+def states(measure: Measure, ratio: float) -> State:
+    """A state whose measure is at that ratio; of all others next to nothing is known."""
+    known = {name: at(measure, ratio) for name in measure.variables}
+    known |= {name: np.array([0.1, 1.0]) * known[name] for name in OF_RACES & known.keys()}
+    of_contact = dict.fromkeys(OF_EACH_CONTACT, np.ones(2))
+    return State(OK, {"ball_diameter_loss": 0.0, **of_contact, **known})
 
 
 def ended_by(name: str):
@@ -119,12 +122,10 @@ def test_an_end_is_a_key(name):
 def test_an_end_has_a_margin(name):
     end = EndOfLife(**{name: LIMIT})
     for ratio, sign in ((0.9, 1.0), (1.1, -1.0)):
-        state = None if name in OF_CAGE else states(ENDS[name], ratio)
-        found = margins(state or WearState(0.0, OK), end, PRELOAD)
+        found = margins(states(ENDS[name], ratio), end, PRELOAD)
         k = CRITERIA.index(name)
-        assert np.isinf(np.delete(found, k)).all()
-        # a dynamic life has the clearances of a cage, no state of wear has them
-        assert np.isinf(found[k]) if name in OF_CAGE else np.sign(found[k]) == sign
+        assert np.isinf(np.delete(found, k)).all() and np.sign(found[k]) == sign
+    assert np.isinf(margins(State(OK, {}), end, PRELOAD)).all()
 
 
 @of_ends
@@ -250,9 +251,7 @@ def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
 
 @of_all
 def test_the_worse_bearing_of_a_pair_counts(measure, monkeypatch):
-    if measure.key in OF_CAGE:
-        return
-    lowest = lambda _, both: min(one.frequency for one in both)  # noqa: E731
+    lowest = lambda _, both: min(one["lowest_frequency"] for one in both)  # noqa: E731
     monkeypatch.setattr(courses, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
     near, far = states(measure, 1.2), states(measure, 0.3)

@@ -1,19 +1,18 @@
 """Many lives by the steady model, of a bearing or of the worse half of a pair."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bearingwear.measures import MEASURES, Measure
 from bearingwear.model.life import life_history, lives_along
-from bearingwear.model.life_integrator import FIELDS, LifeHistory, WearState
+from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.pair_life import pair_states
 from bearingwear.model.rotor import lowest_frequency
+from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.wear_path import Condition, KnownStates, States
-from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.scene import Scene
 
 WELL_BALANCED = 1e-7  # force left on a rotor, over the larger one: a tenth of a life's tolerance
@@ -62,31 +61,32 @@ class WearCourses:
         )
 
 
-def worse_halves(states: Iterable[States], scene: Scene) -> list[WearState]:
+def worse_halves(states: Iterable[States], scene: Scene) -> list[State]:
     """What limits look at in each state of a pair: of each measure the value of its worse bearing.
 
     The preload is that of the worse side, with all its bearings in tandem. Angles, loads and major
     axes are those of both bearings (2, 2).
     """
     assert scene.pair is not None
-    n_1, n_2 = scene.pair.tandem
     found = []
-    for one, other in states:
-        first = replace(one, preload=n_1 * one.preload)
-        second = replace(other, preload=n_2 * other.preload)
+    for both in states:
+        one, other = (
+            state.with_values({"residual_preload": n * state["residual_preload"]})
+            for n, state in zip(scene.pair.tandem, both, strict=True)
+        )
         worse = {
-            FIELDS.get(name, name): _worse(first[name], second[name], measure)
+            name: _worse(one[name], other[name], measure)
             for measure in MEASURES
             for name in measure.variables
-            if measure.key not in OF_CAGE
+            if name in one.values or name in other.values
         }
-        worse["frequency"] = lowest_frequency(scene, (one, other))
-        worse |= {name: np.stack([one[name], other[name]]) for name in ("angle", "major", "load")}
-        found.append(replace(first, **worse))
+        worse["lowest_frequency"] = lowest_frequency(scene, both)
+        worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
+        found.append(one.with_values(worse))
     return found
 
 
 def _worse(first: Any, second: Any, measure: Measure) -> Any:
-    """Of two values, or of each value of two arrays, the one closer to a limit."""
+    """Of two values, or of each value of two arrays, the one closer to a limit or known."""
     is_second = second < first if measure.falls else np.abs(second) > np.abs(first)
-    return np.where(is_second, second, first)[()]
+    return np.where(is_second | np.isnan(first), second, first)[()]

@@ -12,12 +12,13 @@ from bearingwear.model import parameters
 from bearingwear.model.dynamic_wear import DynamicCourse, DynamicWear
 from bearingwear.model.estimate import ROUNDING
 from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.life import history_values, life_history
-from bearingwear.model.life_integrator import CRITERIA, LifeHistory
+from bearingwear.model.life import life_history
+from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.stability import GROWTHS
 from bearingwear.model.start import thrust_alone
+from bearingwear.model.state import history_values
 from bearingwear.model.states_at_loss import steady_states
-from bearingwear.scene.blocks import OF_CAGE
+from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
 
 SCATTER = 2.0  # standard errors

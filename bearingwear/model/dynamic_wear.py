@@ -13,20 +13,21 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.measures import ENDS
 from bearingwear.model import parameters
 from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.heat import warmed_for, warmth_of
 from bearingwear.model.life import margins
-from bearingwear.model.life_integrator import CRITERIA, WearState
+from bearingwear.model.state import State, case_state
 from bearingwear.model.states_at_loss import in_half_of_pair
 from bearingwear.model.worn_parts import WornParts
-from bearingwear.scene.blocks import OF_CAGE
+from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
 _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 END = 1e-3  # of a step: tolerance of the end
 _MOST_TRIALS = 8  # runs to find the end
+_CLEARANCES = ("pocket_clearance", "guide_clearance")
+"""Of a cage, as `WornParts.clearances` gives them."""
 
 
 @dataclass
@@ -125,45 +126,17 @@ class DynamicWear:
             found.worn = last.worn + 0.5 * h * (last.rates + found.rates)
         return found
 
-    def state(self, node: Node) -> WearState:
-        """A node as a state of the steady life: means over the balls, the largest slip share."""
-        v, loss = node.values, float(self.parts.loss(node.worn).mean())
-        if node.status != code.OK:
-            nan = np.full(2, math.nan)
-            return WearState(
-                loss,
-                node.status,
-                nan,
-                load=nan,
-                angle=nan,
-                major=nan,
-                qv=nan,
-                share=nan,
-                race_rate=nan,
-            )
-        power = float(v["friction_heat"].sum()) + float(v["drag_power"])
-        state = WearState(
-            loss,
-            node.status,
-            v["ball_diameter_loss_rate"],
-            preload=float(v["residual_preload"]),
-            load=v["contact_load"].mean(axis=0),
-            angle=v["contact_angle"].mean(axis=0),
-            major=v["semi_major_axis"].mean(axis=0),
-            qv=v["qv"].mean(axis=0),
-            total_qv=float(v["total_qv"]),
-            share=v["gyroscopic_slip_share"].max(axis=0),
-            skid=float(v["skid_ratio"]),
-            pressure=float(v["maximum_pressure"].max()),
-            stiffness=float(v["axial_stiffness"]),
-            friction_power=power,
-            ball_rate=float(v["ball_wear_rate"].mean()),
-            race_rate=v["race_wear_rate"],
-            **node.warmth,
-            place=float(v["axial_displacement"]),
-            friction_used=float(np.max(v.get("friction_used_by_gyroscopic_moment", np.inf))),
-        )
-        return in_half_of_pair(self.scene, parameters.static_place(self.scene), state)
+    def state(self, node: Node) -> State:
+        """A node as a state of the steady life, with the clearances of the cage."""
+        loss = float(self.parts.loss(node.worn).mean())
+        state = case_state(loss, {"status": node.status, **node.values})
+        clearances = dict(zip(_CLEARANCES, self.parts.clearances(node.worn), strict=True))
+        if not state.is_solved:
+            return state.with_values(clearances)
+        heat = float(node.values["friction_heat"].sum()) + float(node.values["drag_power"])
+        more = {"friction_power": heat} | node.warmth | clearances
+        mounted = parameters.static_place(self.scene)
+        return in_half_of_pair(self.scene, mounted, state.with_values(more))
 
     def end_rate(self, node: Node, criterion: int) -> float:
         """Rate of what the criterion looks at: a clearance, else the mean loss [m/s]."""
@@ -175,13 +148,8 @@ class DynamicWear:
         return self.parts.clearances(node.rates)[OF_CAGE.index(name)] - nothing[OF_CAGE.index(name)]
 
     def margins(self, node: Node) -> np.ndarray:
-        """How far each criterion is from being met, as `life.margins`, and those of the cage."""
-        found = margins(self.state(node), self.end, self.scene.operation.preload_N)
-        of_cage = zip(OF_CAGE, self.limits, self.parts.clearances(node.worn), strict=True)
-        for name, limit, clearance in of_cage:
-            if limit is not None:
-                found[CRITERIA.index(name)] = ENDS[name].margin(clearance, limit)
-        return found
+        """How far each criterion is from being met, as `life.margins`."""
+        return margins(self.state(node), self.end, self.scene.operation.preload_N)
 
     def first_crossing(self, a: Node, b: Node) -> tuple[float, int, float] | None:
         """First criterion met between two nodes: time, index, loss of margin per second."""

@@ -5,23 +5,23 @@ from collections.abc import Sequence
 import numpy as np
 
 from bearingwear.model.films import Films
-from bearingwear.model.life_integrator import WearState
+from bearingwear.model.state import State, history_values
 from bearingwear.scene.scene import COUNTS, Scene
 
 
-def film_values(scene: Scene, states: Sequence[WearState], times: np.ndarray) -> dict:
+def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:
     """Friction coefficients, films left and when each is worn through; empty without any film."""
     films = Films.of(scene)
     values: dict = {}
     if scene.friction.film is not None:
-        values["history_friction_coefficient"] = np.array([s.friction for s in states])
+        values |= history_values(states, ["friction_coefficient"])
     if not films.wear_through:
         return values
-    left = np.array([s.film for s in states])  # (steps, 3)
+    left = np.array([state["film_left"] for state in states])  # (steps, 3)
     time = times[:, COUNTS.index(scene.wear.counts)]
     through = [_time_of_nothing(time, part) for part in left.T]
     left = np.maximum(left, 0.0)
-    values["history_film_worn_share"] = np.array([s.film_worn for s in states])
+    values |= history_values(states, ["film_worn_share"])
     if films.race.film is not None:
         values["history_race_film"] = left[:, :2]
         values["race_film_worn_through"] = np.array(through[:2])

@@ -129,7 +129,7 @@ def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:
     t = found.scene.temperature
     assert scene.thermal is not None and t is not None
     return {
-        "temperature": np.array(part_temperatures(found.scene)),
+        "part_temperature": np.array(part_temperatures(found.scene)),
         "heat_flow_residual": heat_flow_residual(scene.thermal, t, found.heat),
     }
 

@@ -3,6 +3,7 @@
 Contact state, slip and preload are solved anew at every loss that the integral needs.
 """
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,54 +24,29 @@ from bearingwear.model.life_integrator import (
     FIRST_STEP,
     LifeHistory,
     LifeIntegrator,
-    WearState,
 )
 from bearingwear.model.result import Result
 from bearingwear.model.solve import provenance
-from bearingwear.model.states_at_loss import (
-    StateAtLoss,
-    race_control_states,
-    steady_states,
-)
+from bearingwear.model.state import State, history_values
+from bearingwear.model.states_at_loss import StateAtLoss, race_control_states, steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.wear_path import KnownStates, PathLives, States, WearPath, path_lives
-from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
-HISTORY = (
-    "ball_diameter_loss",
-    "residual_preload",
-    "total_qv",
-    "qv",
-    "contact_angle",
-    "contact_load",
-    "semi_major_axis",
-    "maximum_pressure",
-    "gyroscopic_slip_share",
-    "skid_ratio",
-    "ball_diameter_loss_rate",
-    "ball_wear_rate",
-    "race_wear_rate",
-    "axial_displacement",
-    "friction_used_by_gyroscopic_moment",
-    "system_axial_stiffness",
-    "system_quasistatic_axial_stiffness",
-    "rotor_axial_shift",
-)
-"""Result variables of every state along a life."""
 
+def margins(state: State, end: EndOfLife, preload_N: float) -> np.ndarray:
+    """How far each criterion of `CRITERIA` is from being met.
 
-def margins(state: WearState, end: EndOfLife, preload_N: float) -> np.ndarray:
-    """How far each criterion of `CRITERIA` is from being met; those of the cage are not looked at.
-
-    Positive before, zero or below where it is met; infinite where it does not apply.
+    Positive before, zero or below where it is met; infinite where it is not asked for, or the state
+    does not know its measure.
     """
     found = np.full(len(ENDS), np.inf)
     for k, (name, measure) in enumerate(ENDS.items()):
         limit = getattr(end, name)
-        if limit is not None and name not in OF_CAGE:
-            found[k] = measure.margin(measure.critical(state.__getitem__, preload_N)[0], limit)
+        if limit is not None:
+            margin = measure.margin(measure.critical(state.__getitem__, preload_N)[0], limit)
+            found[k] = np.inf if math.isnan(margin) else margin
     return found
 
 
@@ -256,16 +232,3 @@ def life_values(scene: Scene, history: LifeHistory) -> dict:
         "history_time": np.array(history.times),
     }
     return values | history_values(states) | film_values(scene, states, np.array(history.times))
-
-
-def history_values(states: list[WearState]) -> dict:
-    """Result variables of the states along a life."""
-    values: dict[str, Any] = {
-        f"history_{name}": np.array([state[name] for state in states]) for name in HISTORY
-    }
-    if not np.isfinite(states[0].system_quasistatic):  # with grooves as they wear, and in time
-        del values["history_system_quasistatic_axial_stiffness"]
-    if np.isfinite(states[0].temperature).any():
-        values["history_part_temperature"] = np.array([s.temperature for s in states])
-        values["heat_flow_residual"] = max(s.heat_flow_residual for s in states)
-    return values

@@ -9,13 +9,13 @@ the states and differ in the clock.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
+from bearingwear.model.state import State
 from bearingwear.scene.blocks import CRITERIA
 
 FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
@@ -26,78 +26,6 @@ WELL_WITHIN = 0.02  # share of the allowed error below which the next step is tw
 ENOUGH = 1e3  # shortest steps; a step as short as this is taken whatever its error
 TINY_TIME = 1e-300  # [s], so that nothing is no scale
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
-
-
-FIELDS = {
-    "ball_diameter_loss": "loss",
-    "residual_preload": "preload",
-    "contact_angle": "angle",
-    "contact_load": "load",
-    "semi_major_axis": "major",
-    "maximum_pressure": "pressure",
-    "gyroscopic_slip_share": "share",
-    "skid_ratio": "skid",
-    "ball_diameter_loss_rate": "rate",
-    "ball_wear_rate": "ball_rate",
-    "race_wear_rate": "race_rate",
-    "axial_displacement": "place",
-    "friction_used_by_gyroscopic_moment": "friction_used",
-    "system_axial_stiffness": "system_stiffness",
-    "rotor_axial_shift": "shift",
-    "axial_stiffness": "stiffness",
-    "quasistatic_axial_stiffness": "quasistatic",
-    "system_quasistatic_axial_stiffness": "system_quasistatic",
-    "greatest_depth": "depth",
-    "film_worn_share": "film_worn",
-    "lowest_frequency": "frequency",
-}
-"""Of a `WearState`, by the names of result variables; others have these names already."""
-
-
-def pair():
-    """Default of a field of two numbers: zeros."""
-    return field(default_factory=lambda: np.zeros(2))
-
-
-@dataclass(frozen=True)
-class WearState:
-    """The bearing at one loss of ball diameter."""
-
-    loss: float  # [m]
-    status: int
-    rate: np.ndarray = pair()  # loss rate counting ball; ball and races [m/s]
-    preload: float = np.nan  # residual [N]
-    load: np.ndarray = pair()  # contact loads, inner and outer [N]
-    angle: np.ndarray = pair()  # contact angles [rad]
-    major: np.ndarray = pair()  # semi-major axes [m]
-    qv: np.ndarray = pair()  # of one ball [W]
-    total_qv: float = np.nan  # whole bearing [W]
-    share: np.ndarray = pair()  # gyroscopic slip shares [1]
-    skid: float = np.nan  # [1]
-    pressure: float = np.nan  # largest contact pressure [Pa]
-    depth: float = np.nan  # of the deepest groove, where grooves are followed [m]
-    stiffness: float = np.nan  # axial, dynamic [N/m]
-    quasistatic: float = np.nan  # axial, quasi-static [N/m]
-    friction_power: float = np.nan  # friction heat and drag, whole bearing [W]
-    ball_rate: float = np.nan  # wear of one ball [m3/s]
-    race_rate: np.ndarray = pair()  # wear of the whole races [m3/s]
-    temperature: np.ndarray = field(default_factory=lambda: np.full(5, np.nan))  # of parts [degC]
-    heat_flow_residual: float = np.nan  # where a network finds the temperatures [1]
-    place: float = np.nan  # axial displacement [m]
-    friction_used: float = np.nan  # by the gyroscopic moment [1]
-    system_stiffness: float = np.nan  # axial, of the arrangement, dynamic [N/m]
-    system_quasistatic: float = np.nan  # axial, of the arrangement, quasi-static [N/m]
-    shift: float = np.nan  # of the rotor from where it was mounted [m]
-    frequency: float = np.nan  # of the rotor, its lowest, where both bearings are known [Hz]
-    friction: np.ndarray = pair()  # coefficients of the contacts [1]
-    per_wear: np.ndarray = pair()  # (2, 2) see values.loss_per_wear
-    depth_rate: np.ndarray = pair()  # of both grooves, where films or running in ask for it [m/s]
-    film: np.ndarray = field(default_factory=lambda: np.full(3, np.nan))  # left, as `films.Cover`
-    film_worn: np.ndarray = pair()  # share of each track on which no film is left [1]
-
-    def __getitem__(self, name: str) -> Any:
-        """A value by the name of its result variable."""
-        return getattr(self, FIELDS.get(name, name))
 
 
 class Unsolved(ArithmeticError):
@@ -112,7 +40,7 @@ class Unsolved(ArithmeticError):
 class LifeHistory:
     """Wear states up to the end of life, and when they are reached."""
 
-    states: list[WearState]
+    states: list[State]
     times: list[np.ndarray]  # (2,) each [s]
     error: np.ndarray  # (2,) bound on the last time [s]
     criterion: int  # index into CRITERIA
@@ -123,13 +51,13 @@ class LifeHistory:
 class LifeIntegrator:
     """Adaptive Simpson integration of 1/rate over the loss, watching the criteria."""
 
-    def __init__(self, state: Callable[[float], WearState], margin, tolerance: float):
+    def __init__(self, state: Callable[[float], State], margin, tolerance: float):
         self._state = state
-        self._known: dict[float, WearState] = {}
+        self._known: dict[float, State] = {}
         self.margin = margin
         self.tolerance = tolerance
 
-    def at(self, loss: float) -> WearState:
+    def at(self, loss: float) -> State:
         if loss not in self._known:
             self._known[loss] = self._state(loss)
         return self._known[loss]
@@ -138,7 +66,7 @@ class LifeIntegrator:
     def solves(self) -> int:
         return len(self._known)
 
-    def crossing(self, a: WearState, b: WearState) -> tuple[float, int] | None:
+    def crossing(self, a: State, b: State) -> tuple[float, int] | None:
         """Loss and index of the first criterion met between two solved states, if any."""
         met = np.flatnonzero((self.margin(b) <= 0.0) & (self.margin(a) > 0.0))
         roots = []
@@ -153,7 +81,7 @@ class LifeIntegrator:
             )
         return min(roots, default=None)
 
-    def first_crossing(self, nodes: list[WearState]) -> tuple[float, int] | None:
+    def first_crossing(self, nodes: list[State]) -> tuple[float, int] | None:
         """The first criterion met along solved states in order of loss, if any."""
         for a, b in zip(nodes[:-1], nodes[1:], strict=True):
             if b.status != code.OK:
@@ -163,7 +91,7 @@ class LifeIntegrator:
                 return found
         return None
 
-    def step(self, x: float, h: float) -> tuple[list[WearState], np.ndarray, np.ndarray]:
+    def step(self, x: float, h: float) -> tuple[list[State], np.ndarray, np.ndarray]:
         """Five states over [x, x + h], the times from x to each (5, 2) and the error bound (2,)."""
         nodes = [self.at(x + 0.25 * k * h if k < 4 else x + h) for k in range(5)]
         if any(n.status != code.OK for n in nodes):

@@ -21,7 +21,6 @@ from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
 from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.heat import SteadyHeat, race_control_heat, warmth_of
-from bearingwear.model.life_integrator import WearState
 from bearingwear.model.pair_balance import (
     ROTOR_BALANCED,
     USABLE,
@@ -32,7 +31,8 @@ from bearingwear.model.pair_balance import (
     worse_status,
 )
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
-from bearingwear.model.states_at_loss import race_control_wear_state, steady_wear_state
+from bearingwear.model.state import State
+from bearingwear.model.states_at_loss import race_control_state, thrust_state
 from bearingwear.model.steady import ThrustProblem, axial_force, solve_steady
 from bearingwear.model.thermal import HEAT_BALANCED, HeatFlow, Warmed, warmed
 from bearingwear.scene.scene import Scene
@@ -79,7 +79,7 @@ class Side(Protocol):
         """Whether the motion of a case differs from that of the state; the next solve starts from
         it."""
 
-    def wear_state(self, loss: float, state: SideState) -> WearState:
+    def life_state(self, loss: float, state: SideState) -> State:
         """Values that a life needs."""
 
 
@@ -150,8 +150,8 @@ class SteadySide:
         self._u = u
         return True
 
-    def wear_state(self, loss: float, state: SideState) -> WearState:
-        made = steady_wear_state(self.scene, state.problem, loss, state.answer)
+    def life_state(self, loss: float, state: SideState) -> State:
+        made = thrust_state(self.scene, state.problem, loss, state.answer)
         return with_warmth(self.scene, state, made)
 
 
@@ -223,8 +223,8 @@ class RaceControlSide:
     def starts_from(self, state: SideState, values: Mapping[str, Any]) -> bool:
         return False  # there is one solution
 
-    def wear_state(self, loss: float, state: SideState) -> WearState:
-        made = race_control_wear_state(loss, self.problem, state.answer[0])
+    def life_state(self, loss: float, state: SideState) -> State:
+        made = race_control_state(loss, self.problem, state.answer[0])
         return with_warmth(self.scene, state, made)
 
 
@@ -233,9 +233,9 @@ def warm_scene(scene: Scene, state: SideState) -> Scene:
     return scene if state.warmed is None else state.warmed.scene
 
 
-def with_warmth(scene: Scene, state: SideState, made: WearState) -> WearState:
+def with_warmth(scene: Scene, state: SideState, made: State) -> State:
     """A state of a life with the temperatures and heat flows of a side that has a network."""
-    return made if state.warmed is None else replace(made, **warmth_of(scene, state.warmed))
+    return made if state.warmed is None else made.with_values(warmth_of(scene, state.warmed))
 
 
 @dataclass(frozen=True)
@@ -247,6 +247,15 @@ class PairState:
     shift: float = math.nan  # of the rotor from where it was mounted, towards +X [m]
     stiffness: float = math.nan  # axial, of the arrangement, dynamic [N/m]
     quasistatic: float = math.nan  # and quasi-static [N/m]
+
+    @property
+    def of_arrangement(self) -> dict[str, float]:
+        """Result variables of the arrangement."""
+        return {
+            "system_axial_stiffness": self.stiffness,
+            "system_quasistatic_axial_stiffness": self.quasistatic,
+            "rotor_axial_shift": self.shift,
+        }
 
 
 @dataclass

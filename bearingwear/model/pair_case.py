@@ -95,9 +95,7 @@ def system_values(
     a = scene.pair
     assert a is not None
     values: dict[str, Any] = {
-        "system_axial_stiffness": state.stiffness,
-        "system_quasistatic_axial_stiffness": state.quasistatic,
-        "rotor_axial_shift": state.shift,
+        **state.of_arrangement,
         "lift_off_force": pair.lift_off(pair.losses),
         "rotor_balance_residual": rotor_balance(scene, pair, each),
     }

@@ -1,7 +1,5 @@
 """Wear life of two bearings on a rotor: each has its own losses (theory.md section 19)."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bearingwear.kernels import status as code
@@ -10,15 +8,14 @@ from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.model.film_values import film_values
 from bearingwear.model.life import (
     error_estimate,
-    history_values,
     life_history,
     life_values,
     lives_along,
     wear_path,
 )
-from bearingwear.model.life_integrator import WearState
 from bearingwear.model.pair import Pair, SteadySide
 from bearingwear.model.pair_case import stacked_sides
+from bearingwear.model.state import State, history_values
 from bearingwear.model.states_at_loss import race_control_states, steady_states
 from bearingwear.model.wear_path import Condition, Course, KnownStates, States
 from bearingwear.scene.scene import COUNTS, Scene
@@ -66,15 +63,10 @@ def pair_states(
         first, second = (one.loss for one in conditions)
         found = pair.solve((first, second))
         if found.status != code.OK:
-            return tuple(WearState(one.loss, found.status) for one in conditions)
+            return tuple(State.unsolved(found.status, one.loss) for one in conditions)
         each = zip(pair.sides, conditions, found.sides, strict=True)
         return tuple(
-            replace(
-                side.wear_state(one.loss, state),
-                system_stiffness=found.stiffness,
-                system_quasistatic=found.quasistatic,
-                shift=found.shift,
-            )
+            side.life_state(one.loss, state).with_values(found.of_arrangement)
             for side, one, state in each
         )
 

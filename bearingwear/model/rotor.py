@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import eigh
 
-from bearingwear.model.life_integrator import WearState
 from bearingwear.model.mounted import MM, mounted_geometry
 from bearingwear.model.outputs import stiffness_of_loads
+from bearingwear.model.state import State
 from bearingwear.scene.scene import Arrangement, Scene
 
 MIRROR = np.diag([-1.0, 1.0, 1.0, -1.0, -1.0])
@@ -80,7 +80,7 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
     return np.sqrt(np.maximum(found, 0.0)) / (2.0 * math.pi)
 
 
-def lowest_frequency(scene: Scene, states: Sequence[WearState]) -> float:
+def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
     """Lowest natural frequency of the rotor in a state of a life; NaN without mass and span [Hz].
 
     A single bearing is half of a symmetric pair. The stiffness in other directions goes with the
@@ -89,7 +89,7 @@ def lowest_frequency(scene: Scene, states: Sequence[WearState]) -> float:
     Parameters
     ----------
     scene : Scene
-    states : sequence of WearState
+    states : sequence of State
         Of both bearings.
     """
     a = scene.arrangement
@@ -99,7 +99,12 @@ def lowest_frequency(scene: Scene, states: Sequence[WearState]) -> float:
     each = []
     for n, side, state in zip(a.tandem, sides, states, strict=True):
         g = mounted_geometry(side)
-        K = stiffness_of_loads(g, np.array([g.D0 - state.loss]), state.load, state.angle)
-        each.append(n * state.stiffness / K[0, 0] * K)
-    found = natural_frequencies(a, np.array(each), states[0].system_stiffness)
+        D, load, angle = (
+            np.array([g.D0 - state.loss]),
+            state["contact_load"],
+            state["contact_angle"],
+        )
+        K = stiffness_of_loads(g, D, load, angle)
+        each.append(n * state["axial_stiffness"] / K[0, 0] * K)
+    found = natural_frequencies(a, np.array(each), states[0]["system_axial_stiffness"])
     return math.nan if found is None else float(found.min())

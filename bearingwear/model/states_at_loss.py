@@ -11,25 +11,24 @@ from bearingwear.kernels.ball import ball_inertia, ball_mass
 from bearingwear.kernels.summary import ANGLE, FRICTION, LOAD, MAJOR, PRESSURE, QV, SHARE, TRACK
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
-from bearingwear.model.fidelity import NotAvailable
+from bearingwear.model.fidelity import NEEDS_SLIP, NotAvailable
 from bearingwear.model.films import COVERED, Bare
 from bearingwear.model.heat import SteadyHeat, heat_of_case, race_control_heat, warmth_of
-from bearingwear.model.life_integrator import (
-    WearState,
-)
 from bearingwear.model.outputs import friction_used, loss_per_wear, wear_values
 from bearingwear.model.race_control import RaceControlProblem, solve_race_control
+from bearingwear.model.state import State, case_state
 from bearingwear.model.steady import ThrustProblem, axial_force
 from bearingwear.model.thermal import HeatFlow, Warmed, warmed
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
+from bearingwear.sides import OF_ARRANGEMENT
 
 
 class StateAtLoss(Protocol):
     """Function from a loss of ball diameter [m] to the state, in some contacts without film."""
 
-    def __call__(self, loss: float, bare: Bare = COVERED) -> WearState: ...
+    def __call__(self, loss: float, bare: Bare = COVERED) -> State: ...
 
 
 def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAtLoss:
@@ -47,10 +46,10 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
     mounted = parameters.static_place(scene)
     solved: dict[tuple[float, Bare], tuple[np.ndarray, Warmed | None]] = {}
 
-    def state(loss: float, bare: Bare = COVERED) -> WearState:
+    def state(loss: float, bare: Bare = COVERED) -> State:
         like = covered.where_bare(scene, bare) if any(bare) else covered
         if like.undetermined() != code.OK:
-            return WearState(loss, like.undetermined())
+            return State.unsolved(like.undetermined(), loss)
         near = min(solved, key=lambda x: (x[1] != bare, abs(x[0] - loss)), default=None)
         u, found = (None, None) if near is None else solved[near]
         problem, warmth = like, dict[str, Any]()
@@ -60,72 +59,73 @@ def steady_states(scene: Scene, problem: ThrustProblem | None = None) -> StateAt
             solver = SteadyHeat(loss, like, u)
             found = warmed(scene, solver, found)
             if found.status != code.OK:
-                return WearState(loss, found.status)
+                return State.unsolved(found.status, loss)
             problem, case = solver.problem, solver.case
             warmth = warmth_of(scene, found)
         if case.status == code.OK:
             solved[loss, bare] = case.u, found
-        made = steady_wear_state(scene, problem, loss, case)
+        made = thrust_state(scene, problem, loss, case)
         return in_half_of_pair(scene, mounted, made, **warmth)
 
     return state
 
 
-def steady_wear_state(
-    scene: Scene, problem: ThrustProblem, loss: float, case: ThrustCase
-) -> WearState:
+def thrust_state(scene: Scene, problem: ThrustProblem, loss: float, case: ThrustCase) -> State:
     """Values of a steady state that a life needs, at a loss of ball diameter [m]."""
     if case.status != code.OK:
-        return WearState(loss, case.status)
+        return State.unsolved(case.status, loss)
     g, c = problem.g, case.contacts
     D = np.array([g.D0 - loss])
     worn_by = c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
-    films = changes_as_it_wears(scene)
     wear = wear_values(scene, D, *worn_by)
     gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
-    return WearState(
-        loss=loss,
-        status=case.status,
-        rate=wear["ball_diameter_loss_rate"],
-        preload=axial_force(case, g.n_balls),
-        load=c[:, LOAD],
-        angle=c[:, ANGLE],
-        major=c[:, MAJOR],
-        qv=c[:, QV],
-        total_qv=float(g.n_balls * c[:, QV].sum()),
-        share=c[:, SHARE],
-        skid=case.skid,
-        pressure=float(c[:, PRESSURE].max()),
-        stiffness=float(g.n_balls * case.S_xx),
-        quasistatic=float(g.n_balls * case.S_quasistatic),
-        friction_power=heat_of_case(problem, D[0], case).total,
-        ball_rate=float(wear["ball_wear_rate"][0]),
-        race_rate=wear["race_wear_rate"],
-        place=case.delta_a,
-        friction_used=float(
+    values = {
+        "ball_diameter_loss": loss,
+        "ball_diameter_loss_rate": wear["ball_diameter_loss_rate"],
+        "residual_preload": axial_force(case, g.n_balls),
+        "contact_load": c[:, LOAD],
+        "contact_angle": c[:, ANGLE],
+        "semi_major_axis": c[:, MAJOR],
+        "qv": c[:, QV],
+        "total_qv": float(g.n_balls * c[:, QV].sum()),
+        "gyroscopic_slip_share": c[:, SHARE],
+        "skid_ratio": case.skid,
+        "maximum_pressure": float(c[:, PRESSURE].max()),
+        "axial_stiffness": float(g.n_balls * case.S_xx),
+        "quasistatic_axial_stiffness": float(g.n_balls * case.S_quasistatic),
+        "friction_power": heat_of_case(problem, D[0], case).total,
+        "ball_wear_rate": float(wear["ball_wear_rate"][0]),
+        "race_wear_rate": wear["race_wear_rate"],
+        "axial_displacement": case.delta_a,
+        "friction_used_by_gyroscopic_moment": float(
             friction_used(c[None, :, FRICTION], D, gyroscopic, c[None, :, LOAD])[0]
         ),
-        friction=c[:, FRICTION],
-        **({"per_wear": loss_per_wear(g.n_balls, D, *worn_by)} if films else {}),
-    )
+        "friction_coefficient": c[:, FRICTION],
+    }
+    if changes_as_it_wears(scene):
+        values["loss_per_wear"] = loss_per_wear(g.n_balls, D, *worn_by)
+    return State(case.status, values)
 
 
-def in_half_of_pair(scene: Scene, mounted: float, state: WearState, **more: Any) -> WearState:
+def in_half_of_pair(scene: Scene, mounted: float, state: State, **more: Any) -> State:
     """A state with its values in a symmetric pair, of which the bearing is one half, and `more`.
 
     At a fixed position both bearings hold the rotor, and it stays where it is. A spring has
     no stiffness here, and the rotor goes where the bearing lets it from the axial displacement
     `mounted` [m].
     """
+    if not state.is_solved:
+        return state
     method = scene.operation.preload_method
     holding = bearings_holding(method)
-    return replace(
-        state,
-        system_stiffness=holding * state.stiffness,
-        system_quasistatic=holding * state.quasistatic,
-        shift=0.0 if method == "fixed_position" else state.place - mounted,
-        **more,
-    )
+    values = {
+        system: holding * state[own]
+        for system, own in OF_ARRANGEMENT.items()
+        if own in state.values
+    }
+    place = state["axial_displacement"]
+    values["rotor_axial_shift"] = 0.0 if method == "fixed_position" else place - mounted
+    return state.with_values(values | more)
 
 
 def race_control_states(scene: Scene) -> StateAtLoss:
@@ -135,7 +135,7 @@ def race_control_states(scene: Scene) -> StateAtLoss:
     known: dict[tuple[float, Bare], Warmed] = {}
     mounted = parameters.static_place(scene)
 
-    def state(loss: float, bare: Bare = COVERED) -> WearState:
+    def state(loss: float, bare: Bare = COVERED) -> State:
         worn = tuple(fresh + (loss - first) / parameters.UM)
         now = replace(scene, wear=replace(scene.wear, ball_diameter_loss_um=worn))
         warmth: dict[str, Any] = {}
@@ -148,48 +148,28 @@ def race_control_states(scene: Scene) -> StateAtLoss:
 
             found = warmed(now, heat, None if near is None else known[near])
             if found.status != code.OK:
-                return WearState(loss, found.status)
+                return State.unsolved(found.status, loss)
             known[loss, bare] = found
             now, warmth = found.scene, warmth_of(scene, found)
         problem = RaceControlProblem.of(now).where_bare(now, bare)
         values, _ = solve_race_control(now, problem)
-        made = race_control_wear_state(loss, problem, values)
+        made = race_control_state(loss, problem, values)
         return in_half_of_pair(scene, mounted, made, **warmth)
 
     return state
 
 
-def race_control_wear_state(
+def race_control_state(
     loss: float, problem: RaceControlProblem, values: Mapping[str, Any]
-) -> WearState:
-    """Values of a race-control solution that a life needs, at a loss of ball diameter [m]."""
-    if values["status"] != code.OK:
-        return WearState(loss, values["status"])
-    op = problem.op
-    return WearState(
-        loss=loss,
-        status=values["status"],
-        rate=values["ball_diameter_loss_rate"],
-        preload=float(values["residual_preload"]),
-        load=values["contact_load"].mean(axis=0),
-        angle=values["contact_angle"].mean(axis=0),
-        major=values["semi_major_axis"].mean(axis=0),
-        qv=values["qv"].mean(axis=0),
-        total_qv=float(values["total_qv"]),
-        share=np.full(2, np.nan),  # race control knows neither
-        skid=np.nan,
-        pressure=float(values["maximum_pressure"].max()),
-        stiffness=float(values["axial_stiffness"]),
-        quasistatic=float(values["quasistatic_axial_stiffness"]),
-        friction_power=float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
-        ball_rate=float(values["ball_wear_rate"].mean()),
-        race_rate=values["race_wear_rate"],
-        place=float(values["axial_displacement"]),
-        friction_used=float(np.max(values.get("friction_used_by_gyroscopic_moment", np.inf))),
-        friction=np.mean(values.get("friction_coefficient", (np.nan, np.nan)), axis=0),
-        per_wear=loss_per_wear(
-            problem.g.n_balls,
-            problem.D,
-            *(values[name] for name in ("qv", "semi_major_axis", "contact_track_radius")),
-        ),
-    )
+) -> State:
+    """A race-control solution as a life needs it, at a loss of ball diameter [m]."""
+    known = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
+    state, op = case_state(loss, known), problem.op
+    if not state.is_solved:
+        return state
+    worn_by = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
+    more = {
+        "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
+        "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *worn_by),
+    }
+    return state.with_values(more)

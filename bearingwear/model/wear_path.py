@@ -10,7 +10,7 @@ counting wear takes its own path.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -25,9 +25,9 @@ from bearingwear.model.life_integrator import (
     ROOT,
     SHORTEST_STEP,
     Unsolved,
-    WearState,
 )
 from bearingwear.model.mounted import MM, UM
+from bearingwear.model.state import State
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, Scene
@@ -39,7 +39,7 @@ _MOST_STEPS = 2000
 _NO_CRITERION = len(CRITERIA) - 1
 _FIRST_FILM = _NO_CRITERION + 1  # in the margins, behind the criteria and the room left
 
-States = tuple[WearState, ...]
+States = tuple[State, ...]
 
 
 class Condition(NamedTuple):
@@ -87,11 +87,11 @@ class EvenWear:
     def condition(self, worn: np.ndarray, counts: int) -> Condition:
         return Condition(float(worn[0]))
 
-    def state(self, state: WearState, worn: np.ndarray) -> WearState:
+    def state(self, state: State, worn: np.ndarray) -> State:
         """The state of a condition, with what depends on how deep the surfaces are worn."""
         return state
 
-    def rates(self, state: WearState, counts: int) -> np.ndarray:
+    def rates(self, state: State, counts: int) -> np.ndarray:
         """What is worn off per second [m/s]."""
         return state.rate[counts : counts + 1]
 
@@ -128,24 +128,25 @@ class FilmWear(EvenWear):
         race, ball = self.films.race.thickness, self.films.ball.thickness
         return np.where(self.cover, [race, race, ball], 0.0)
 
-    def state(self, state: WearState, worn: np.ndarray) -> WearState:
-        pressed = self.films.pressed(mean_pressure(self.scene, state.major))
+    def state(self, state: State, worn: np.ndarray) -> State:
+        pressed = self.films.pressed(mean_pressure(self.scene, state["semi_major_axis"]))
         wearing = self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
         ball, race = (np.broadcast_to(part.K_s / part.H, 2) for part in wearing)
-        off_ball = float(state.per_wear[0] @ ball)
-        off_races = state.per_wear[1] * race
-        return replace(
-            state,
-            rate=np.array([off_ball, off_ball + off_races.sum()]),
-            ball_rate=float(state.qv @ ball),
-            race_rate=self.n_balls * race * state.qv,
-            depth_rate=off_races,
-            film=np.maximum(self.thickness - self.depths(worn), 0.0),
-            film_worn=np.array(self.films.bare(self.cover), dtype=float),
+        of_ball, of_races = state["loss_per_wear"]
+        off_ball, off_races = float(of_ball @ ball), of_races * race
+        return state.with_values(
+            {
+                "ball_diameter_loss_rate": np.array([off_ball, off_ball + off_races.sum()]),
+                "ball_wear_rate": float(state["qv"] @ ball),
+                "race_wear_rate": self.n_balls * race * state["qv"],
+                "groove_depth_rate": off_races,
+                "film_left": np.maximum(self.thickness - self.depths(worn), 0.0),
+                "film_worn_share": np.array(self.films.bare(self.cover), dtype=float),
+            }
         )
 
-    def rates(self, state: WearState, counts: int) -> np.ndarray:
-        return np.array([state.rate[0], *state.depth_rate])
+    def rates(self, state: State, counts: int) -> np.ndarray:
+        return np.array([state.rate[0], *state["groove_depth_rate"]])
 
     def film_left(self, worn: np.ndarray) -> np.ndarray:
         covered = self.thickness > 0.0
@@ -262,7 +263,7 @@ class WearPath:
         except Unsolved as failure:
             course.status = failure.status
             if not course.states:
-                lost = (WearState(one.present, failure.status) for one in self.wear)
+                lost = (State.unsolved(failure.status, one.present) for one in self.wear)
                 course.states.append(tuple(lost))
                 course.times.append(0.0)
         return course

@@ -10,10 +10,11 @@ from bearingwear.kernels import status as code
 from bearingwear.model import parameters
 from bearingwear.model.heat import SteadyHeat
 from bearingwear.model.life import margins
-from bearingwear.model.life_integrator import LifeHistory, WearState
+from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.outputs import wear_values
 from bearingwear.model.pair import Pair
 from bearingwear.model.pair_balance import SideState
+from bearingwear.model.state import State
 from bearingwear.model.states_at_loss import in_half_of_pair
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import warmed
@@ -53,7 +54,7 @@ class Instant:
     status: int
     wears: Wears
     sides: tuple[SideState, ...] = ()
-    states: tuple[WearState, ...] = ()
+    states: tuple[State, ...] = ()
 
     @property
     def points(self) -> list[WornPoint]:
@@ -168,11 +169,12 @@ class WornLife:
             stiffness = self.pair.stiffness(*(one.stiffness for one in states))
         made = []
         for side, state in zip(self.sides, states, strict=True):
-            one = side.wear_state(0.0, state)
+            one = side.life_state(0.0, state)
             if self.pair is None:
                 one = in_half_of_pair(self.scene, side.mounted, one)
             else:
-                one = replace(one, system_stiffness=stiffness, shift=shift)
+                of_both = {"system_axial_stiffness": stiffness, "rotor_axial_shift": shift}
+                one = one.with_values(of_both)
             made.append(one)
         return Instant(status, wears, states, tuple(made))
 
@@ -244,7 +246,7 @@ class WornLife:
         for scene in scenes:
             loss = float(scene.wear.ball_diameter_loss_um[0]) * parameters.UM
             history = LifeHistory(
-                states=[WearState(loss, status)],
+                states=[State.unsolved(status, loss)],
                 times=[np.zeros(2)],
                 error=np.zeros(2),
                 criterion=len(CRITERIA) - 1,
@@ -325,21 +327,24 @@ def _after(wears: Wears, dt: float, rates: Wears) -> Wears:
 
 
 def _with_rates(
-    side: WornSide, points: Sequence[WornPoint], states: Sequence[WearState], times: np.ndarray
-) -> list[WearState]:
+    side: WornSide, points: Sequence[WornPoint], states: Sequence[State], times: np.ndarray
+) -> list[State]:
     """States of a bearing, with the rate at which its even loss grows."""
     loss = np.array([s.loss for s in states])
     if len(states) < 2:
         p, first = points[0], states[0]
-        wear = wear_values(
-            side.scene, np.array([p.D]), first.qv[None], first.major[None], p.track[None]
-        )
-        return [replace(first, rate=wear["ball_diameter_loss_rate"])]
+        worn_by = first["qv"][None], first["semi_major_axis"][None], p.track[None]
+        wear = wear_values(side.scene, np.array([p.D]), *worn_by)
+        return [_losing(first, wear["ball_diameter_loss_rate"])]
     # A last step that is short says nothing of a rate.
     steps = np.diff(times)
     n = len(times) - (len(times) > 2 and steps[-1] < _SHORT * steps[-2])
     rates = np.gradient(loss[:n], times[:n], edge_order=2 if n > 2 else 1)
     rates = np.append(rates, rates[-1:])[: len(times)]
-    return [
-        replace(s, rate=np.array([np.nan, rate])) for s, rate in zip(states, rates, strict=True)
-    ]
+    each = zip(states, rates, strict=True)
+    return [_losing(state, np.array([np.nan, rate])) for state, rate in each]
+
+
+def _losing(state: State, rate: np.ndarray) -> State:
+    """A state with the rate of its loss, by both ways of counting [m/s]."""
+    return state.with_values({"ball_diameter_loss_rate": rate})

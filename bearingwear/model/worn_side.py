@@ -14,10 +14,10 @@ from bearingwear.kernels.profile import contact_approach, semi_axis
 from bearingwear.kernels.thrust import ThrustCase, skid_ratio
 from bearingwear.model import parameters
 from bearingwear.model.heat import NOTHING
-from bearingwear.model.life_integrator import WearState
 from bearingwear.model.outputs import friction_used
 from bearingwear.model.pair import SteadySide, with_warmth
 from bearingwear.model.pair_balance import SideState
+from bearingwear.model.state import State
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import HeatFlow, warmed
 from bearingwear.model.worn_depths import WornDepths, WornPoint
@@ -73,7 +73,7 @@ class WornSide(SteadySide):
         self._stiffness = float(problem.g.n_balls * case.S_xx)
         self._offset: float | None = None  # of the even loss, at the start [m]
         self._ahead = 0.0  # of the last even loss to that of the approaches, over the approaches
-        self._states: dict[int, tuple[WornPoint, WearState]] = {}
+        self._states: dict[int, tuple[WornPoint, State]] = {}
 
     @property
     def progress(self) -> float:
@@ -178,14 +178,14 @@ class WornSide(SteadySide):
         axial = inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)
         return float(point.problem.g.n_balls * axial)
 
-    def wear_state(self, loss: float, state: SideState) -> WearState:
+    def life_state(self, loss: float, state: SideState) -> State:
         """A point as the other lives have it; the rate of loss is not known from it alone."""
         point = state.answer
         known = self._states.get(id(point))
         if known is None or known[0] is not point:
-            made = replace(self._wear_state(point), stiffness=state.stiffness / self.tandem)
-            made = replace(made, **self._of_films(point))
-            known = point, with_warmth(self.scene, state, made)
+            values = self._values(point) | self._of_films(point)
+            values["axial_stiffness"] = state.stiffness / self.tandem
+            known = point, with_warmth(self.scene, state, State(point.status, values))
             self._states[id(point)] = known
         return known[1]
 
@@ -211,13 +211,13 @@ class WornSide(SteadySide):
         ring = 2.0 * np.pi * np.cos(self.bearing.latitude) * (0.5 * D) ** 2
         bands = float((rate.band * ring).sum() * self.bearing.band_step)
         return {
-            "ball_rate": 0.5 * np.pi * D * D * rate.ball + bands,
-            "race_rate": 2.0 * np.pi * point.track * area,
-            "film": films.left(point.wear.grooves.max(axis=1), 0.5 * point.wear.ball),
-            "film_worn": np.array(shares),
+            "ball_wear_rate": 0.5 * np.pi * D * D * rate.ball + bands,
+            "race_wear_rate": 2.0 * np.pi * point.track * area,
+            "film_left": films.left(point.wear.grooves.max(axis=1), 0.5 * point.wear.ball),
+            "film_worn_share": np.array(shares),
         }
 
-    def _wear_state(self, point: WornPoint) -> WearState:
+    def _values(self, point: WornPoint) -> dict[str, Any]:
         g, op, D = point.problem.g, point.problem.op, point.D
         forces, r = self.bearing.forces(point), g.R_o + point.seat.X2
         alpha = np.array([f.alpha for f in forces])
@@ -225,27 +225,26 @@ class WornSide(SteadySide):
         ball, race = self.factors
         moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
         load = np.array([f.Q for f in forces])
-        return WearState(
-            loss=self.even_loss(point),
-            status=point.status,
-            rate=np.full(2, np.nan),
-            preload=self.preload(point),
-            load=load,
-            angle=alpha,
-            major=np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]),
-            qv=qv,
-            total_qv=float(g.n_balls * qv.sum()),
-            share=share,
-            skid=skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
-            pressure=max(f.peak for f in forces),
-            depth=float(point.wear.grooves.max()),
-            friction_power=heat_of_point(point).total,
-            ball_rate=float(ball * qv.sum()),
-            race_rate=g.n_balls * race * qv,
-            place=point.seat.delta_a,
-            friction_used=float(friction_used(mu[None], np.array([D]), moment, load[None])[0]),
-            friction=mu,
-        )
+        used = friction_used(mu[None], np.array([D]), moment, load[None])
+        return {
+            "ball_diameter_loss": self.even_loss(point),
+            "residual_preload": self.preload(point),
+            "contact_load": load,
+            "contact_angle": alpha,
+            "semi_major_axis": np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]),
+            "qv": qv,
+            "total_qv": float(g.n_balls * qv.sum()),
+            "gyroscopic_slip_share": share,
+            "skid_ratio": skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
+            "maximum_pressure": max(f.peak for f in forces),
+            "greatest_depth": float(point.wear.grooves.max()),
+            "friction_power": heat_of_point(point).total,
+            "ball_wear_rate": float(ball * qv.sum()),
+            "race_wear_rate": g.n_balls * race * qv,
+            "axial_displacement": point.seat.delta_a,
+            "friction_used_by_gyroscopic_moment": float(used[0]),
+            "friction_coefficient": mu,
+        }
 
 
 def heat_of_point(point: WornPoint) -> HeatFlow:

@@ -21,8 +21,8 @@ from bearingwear.kernels.verification import friction_check
 from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.model.films import Cover, Films
 from bearingwear.model.life import life
-from bearingwear.model.life_integrator import WearState
 from bearingwear.model.solve import solve
+from bearingwear.model.state import State
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.wear_path import KnownStates, WearPath
@@ -201,12 +201,12 @@ def test_time_to_wear_through_is_thickness_over_rate(scene):
     """While wear is even: of a film so thin that nothing else changes."""
     given = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
     state = steady_states(given)(0.0)
-    rate = state.per_wear[1] * 1e-6 / 6.6e9
+    rate = state["loss_per_wear"][1] * 1e-6 / 6.6e9
     first, later = np.argsort(-rate)
     found = through(life(given))
     assert found[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
     # then one track is bare, and the other slips as it did not before
-    after = steady_states(given)(1e-11, (first == 0, first == 1)).per_wear[1] * 1e-6 / 6.6e9
+    after = steady_states(given)(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
     rest = (1e-11 - found[first] * rate[later]) / after[later]
     assert found[later] == pytest.approx(found[first] + rest, rel=1e-4)
 
@@ -323,7 +323,9 @@ def even(scene, **changes):
     per_wear = np.array([[2.0e6, 3.0e6], [4.0e7, 5.0e7]])  # [m Pa/s]
 
     def state(loss, bare):
-        return WearState(loss, code.OK, per_wear=per_wear, qv=np.array([1e-2, 2e-2]), preload=7.0)
+        values = {"ball_diameter_loss": loss, "residual_preload": 7.0, "loss_per_wear": per_wear}
+        values |= {"qv": np.array([1e-2, 2e-2]), "semi_major_axis": np.array([1e-4, 1e-4])}
+        return State(code.OK, values)
 
     def margins(states):
         left = np.full(len(CRITERIA) - 1, np.inf)
@@ -354,7 +356,7 @@ def test_wear_through_in_closed_form(scene):
     K_f, K, h = 1e-6 / 6.6e9, 5e-6 / 6.6e9, 0.05e-6
     t_i, t_o = h / (K_f * per_wear[1])
     assert t_o < t_i
-    film = np.array([s.film for (s,) in path.states])
+    film = np.array([s["film_left"] for (s,) in path.states])
     times = np.array(path.times)
     assert times[np.argmax(film[:, 1] <= 0.0)] == pytest.approx(t_o, rel=1e-7)
     assert times[np.argmax(film[:, 0] <= 0.0)] == pytest.approx(t_i, rel=1e-7)

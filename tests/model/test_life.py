@@ -33,8 +33,10 @@ def test_against_adaptive_quadrature(scene, changes):
     state, end = steady_states(s), s.wear.end_of_life
     name = CRITERIA[v["end_criterion"]]
     beyond = {
-        "preload_fraction": lambda x: state(x).preload - 7.0 * end.preload_fraction,
-        "gyroscopic_slip_share": lambda x: state(x).share.max() - end.gyroscopic_slip_share,
+        "preload_fraction": lambda x: state(x)["residual_preload"] - 7.0 * end.preload_fraction,
+        "gyroscopic_slip_share": lambda x: (
+            state(x)["gyroscopic_slip_share"].max() - end.gyroscopic_slip_share
+        ),
     }
     if name in beyond:
         last = brentq(beyond[name], 0.0, 0.7e-6, xtol=1e-18)
@@ -133,5 +135,4 @@ def test_race_control_life(scene):
     assert result.attrs["fidelity"] == "race_control"
     thrust = life(scene("gyro_s1")).values["life"]
     assert_allclose(result.values["life"], thrust, rtol=0.1)
-    assert np.isnan(result.values["history_gyroscopic_slip_share"]).all()
-    assert np.isnan(result.values["history_skid_ratio"]).all()
+    assert not {"history_gyroscopic_slip_share", "history_skid_ratio"} & result.values.keys()

@@ -41,10 +41,12 @@ def worn(scene):
                 return np.interp(LOSSES, loss, values)
 
             known[method, mu] = (
-                at([s.total_qv for s in states]),
-                at([s.preload for s in states]),
-                np.array([at([s.qv[k] for s in states]) for k in (INNER, OUTER)]),
-                np.array([at([s.share[k] for s in states]) for k in (INNER, OUTER)]),
+                at([s["total_qv"] for s in states]),
+                at([s["residual_preload"] for s in states]),
+                np.array([at([s["qv"][k] for s in states]) for k in (INNER, OUTER)]),
+                np.array(
+                    [at([s["gyroscopic_slip_share"][k] for s in states]) for k in (INNER, OUTER)]
+                ),
             )
         return known[method, mu]
 

@@ -80,7 +80,7 @@ def test_limits_without_film(marched, changes):
 def test_unworn_friction_is_that_of_hertz(scene, marched):
     hertz = solve(scene("gyro_s1", FILM | {"model.contact": "hertz"})).values
     first = marched(FILM).history.states[0]
-    assert_allclose(first.friction, hertz["friction_coefficient"][0], rtol=1e-6)
+    assert_allclose(first["friction_coefficient"], hertz["friction_coefficient"][0], rtol=1e-6)
 
 
 def test_friction_of_a_film_rises_as_the_contact_widens(marched):
@@ -94,8 +94,10 @@ def test_friction_of_a_film_rises_as_the_contact_widens(marched):
         load = worn.sum() / cells.sum()
         force = found.bearing.forces(found.points[-1])[k]
         hertz = 24.8e6 * np.pi * force.a * force.b / (force.Q / load)
-        assert last.friction[k] == pytest.approx(hertz * area / load + 0.001, rel=0.03)
-        assert last.friction[k] > 1.05 * first.friction[k]
+        assert last["friction_coefficient"][k] == pytest.approx(
+            hertz * area / load + 0.001, rel=0.03
+        )
+        assert last["friction_coefficient"][k] > 1.05 * first["friction_coefficient"][k]
 
 
 def test_check_has_its_own_sums(marched):
@@ -123,8 +125,10 @@ def test_volume_of_the_film_is_what_archard_takes(marched):
         off = rate.grooves[k].sum() * found.bearing.arc_step[k] * 2.0 * np.pi * point.track[k]
         assert off == pytest.approx(9 * K_H * point.slip[k, 0], rel=1e-9)
         state = found.history.states[1]
-        assert state.race_rate[k] == pytest.approx(off, rel=1e-12)
-        assert state.film[k] == pytest.approx(0.3e-6 - point.wear.grooves[k].max(), rel=1e-12)
+        assert state["race_wear_rate"][k] == pytest.approx(off, rel=1e-12)
+        assert state["film_left"][k] == pytest.approx(
+            0.3e-6 - point.wear.grooves[k].max(), rel=1e-12
+        )
 
 
 def test_wear_by_place(scene):
@@ -162,10 +166,10 @@ def test_worn_through_place_by_place(scene):
     given = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
     found = WornLife(given).march()[0]
     assert CRITERIA[found.history.criterion] == "film_worn_share"
-    share = np.array([s.film_worn for s in found.history.states])
+    share = np.array([s["film_worn_share"] for s in found.history.states])
     assert share[-1].max() == pytest.approx(0.1, rel=1e-2)
     assert np.all(share[0] == 0.0)
-    left = np.array([s.film for s in found.history.states])[:, :2]
+    left = np.array([s["film_left"] for s in found.history.states])[:, :2]
     assert np.all(np.diff(left, axis=0) <= 0.0) and left[-1].min() < 0.2 * FILM_EDGE * 1e-6
 
 
@@ -182,7 +186,7 @@ def test_a_groove_goes_bare_with_ten_times_the_friction(scene, bearing, bare, me
     held = {"operation.preload_method": method}
     found = WornLife(scene("gyro_s1", film | thin | inside | end | held)).march()[0]
     assert found.history.status == code.OK
-    assert found.history.states[-1].friction.min() > 0.6 * bare
+    assert found.history.states[-1]["friction_coefficient"].min() > 0.6 * bare
 
 
 def test_mos2_scene_follows_its_grooves(scene):

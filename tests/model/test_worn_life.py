@@ -48,16 +48,16 @@ def test_a_groove_without_wear_is_hertz(method, balance):
     (point,), (state,) = now.points, now.states
     case, bearing = side.bearing.case, side.bearing
     assert point.status == code.OK
-    assert state.load == pytest.approx(case.contacts[:, LOAD], rel=1e-9)
-    assert state.angle == pytest.approx(case.contacts[:, ANGLE], rel=1e-9)
-    assert state.qv == pytest.approx(case.contacts[:, QV], rel=1e-9)
-    assert state.pressure == pytest.approx(case.contacts[:, PRESSURE].max(), rel=1e-9)
-    assert state.share == pytest.approx(case.contacts[:, SHARE], rel=1e-9)
+    assert state["contact_load"] == pytest.approx(case.contacts[:, LOAD], rel=1e-9)
+    assert state["contact_angle"] == pytest.approx(case.contacts[:, ANGLE], rel=1e-9)
+    assert state["qv"] == pytest.approx(case.contacts[:, QV], rel=1e-9)
+    assert state["maximum_pressure"] == pytest.approx(case.contacts[:, PRESSURE].max(), rel=1e-9)
+    assert state["gyroscopic_slip_share"] == pytest.approx(case.contacts[:, SHARE], rel=1e-9)
     assert point.u == pytest.approx(case.u, abs=1e-9 * np.abs(case.u).max())
     assert point.seat.delta_a == pytest.approx(case.delta_a, rel=1e-9)
     stiffness = bearing.problem.g.n_balls * case.S_xx
-    assert state.stiffness == pytest.approx(stiffness, rel=1e-3)  # by differences
-    assert state.skid == pytest.approx(case.skid, abs=1e-12)
+    assert state["axial_stiffness"] == pytest.approx(stiffness, rel=1e-3)  # by differences
+    assert state["skid_ratio"] == pytest.approx(case.skid, abs=1e-12)
     assert abs(side.approach_loss(point)) < 1e-9 * UM
     assert abs(state.loss) < 1e-6 * UM
 
@@ -113,9 +113,9 @@ def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
     assert even.history.status == hertz.status == code.OK
     loss = np.array([s.loss for s in hertz.states])
     reached = even.approach_loss  # at the end it is a little more than the even loss
-    for name, tolerance in (("preload", 1e-3), ("total_qv", 2e-3)):
-        found = [getattr(s, name) for s in even.history.states]
-        expected = CubicSpline(loss, [getattr(s, name) for s in hertz.states])
+    for name, tolerance in (("residual_preload", 1e-3), ("total_qv", 2e-3)):
+        found = [s[name] for s in even.history.states]
+        expected = CubicSpline(loss, [s[name] for s in hertz.states])
         assert found == pytest.approx(expected(reached), rel=tolerance)
     times = CubicSpline(loss, [t[1] for t in hertz.times])
     assert [t[1] for t in even.history.times[1:]] == pytest.approx(times(reached[1:]), rel=1e-3)
@@ -156,7 +156,7 @@ def test_the_numbers_of_other_programs(row):
     def when(values):
         return CubicSpline(at, np.array(values))(0.7)
 
-    assert 1e3 * when([s.qv.sum() for s in states]) == pytest.approx(qv, rel=2e-2)
+    assert 1e3 * when([s["qv"].sum() for s in states]) == pytest.approx(qv, rel=2e-2)
     new = found.bearing.case.contacts[:, PRESSURE]
     peaks = [[f.peak for f in found.bearing.forces(p)] for p in points]
     found_pressures = [np.interp(0.7, at, np.array(peaks)[:, k]) / new[k] for k in range(2)]
@@ -164,7 +164,7 @@ def test_the_numbers_of_other_programs(row):
     halves = np.array([half_lengths(p) for p in points]) / found.bearing.major
     assert [np.interp(0.7, at, halves[:, k]) for k in range(2)] == pytest.approx(lengths, rel=5e-2)
     if method == "fixed_position":
-        left = np.array([s.preload for s in states])
+        left = np.array([s["residual_preload"] for s in states])
         assert np.interp(-0.4 * 7.0, -left, hours) == pytest.approx(1.3280, rel=1e-2)
         assert np.interp(0.7, at, left) == pytest.approx(1.927, rel=1e-2)
 
@@ -183,7 +183,7 @@ def test_the_numbers_of_other_programs_for_even_wear(method, times, fraction):
     loss = np.array([s.loss for s in history.states]) / UM
     assert CubicSpline(loss, hours)([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-3)
     if fraction is not None:
-        left = np.array([s.preload for s in history.states])
+        left = np.array([s["residual_preload"] for s in history.states])
         assert CubicSpline(-left, hours)(-0.4 * 7.0) == pytest.approx(fraction, rel=1e-3)
 
 

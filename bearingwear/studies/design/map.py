@@ -20,9 +20,9 @@ from bearingwear.measures import LIMITED
 from bearingwear.model.cautions import CAUTIONS
 from bearingwear.model.courses import WearCourses
 from bearingwear.model.fidelity import choice_for_life
-from bearingwear.model.life import history_values
-from bearingwear.model.life_integrator import LifeHistory, WearState
+from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.rotor import lowest_frequency
+from bearingwear.model.state import State, history_values
 from bearingwear.model.warned import warnings_of
 from bearingwear.model.worn_courses import first_met, worn_history
 from bearingwear.results.entries import common_attributes
@@ -198,18 +198,18 @@ def _times_to_share(
     return np.array([ball, first_met(history, share, 1.0) if largest >= limit else np.inf])
 
 
-def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, Any]:
+def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
     """What limits look at, of the states of a life."""
     new, worn = states[0], states[-1]
     found: dict[str, Any] = {
-        "residual_preload_at_start": new.preload,
-        "residual_preload_at_end": worn.preload,
+        "residual_preload_at_start": new["residual_preload"],
+        "residual_preload_at_end": worn["residual_preload"],
         "loss_at_end": worn.loss,
-        "friction_power_at_start": new.friction_power,
-        "axial_stiffness_at_start": new.stiffness,
+        "friction_power_at_start": new["friction_power"],
+        "axial_stiffness_at_start": new["axial_stiffness"],
         "impractical": _impractical(scene, [new, worn]),
     }
-    along = [replace(state, frequency=_frequency(scene, state)) for state in states]
+    along = [state.with_values({"lowest_frequency": _frequency(scene, state)}) for state in states]
     for one in LIMITED.values():
         for name, variable in zip(one.extremes, one.variables, strict=True):
             extreme = one.extreme([state[variable] for state in along])
@@ -217,7 +217,7 @@ def gone_through(scene: Scene, states: Sequence[WearState]) -> dict[str, Any]:
     return found
 
 
-def _impractical(scene: Scene, states: Sequence[WearState]) -> int:
+def _impractical(scene: Scene, states: Sequence[State]) -> int:
     """Number of a warning in `IMPRACTICAL`, from one; zero without any.
 
     States of a pair stand for its worse bearing.
@@ -228,10 +228,10 @@ def _impractical(scene: Scene, states: Sequence[WearState]) -> int:
     return next((IMPRACTICAL.index(one["id"]) + 1 for one in warned if one["impractical"]), 0)
 
 
-def _frequency(scene: Scene, state: WearState) -> float:
+def _frequency(scene: Scene, state: State) -> float:
     """From a state that has it, or from one that stands for both bearings."""
-    known = math.isfinite(state.frequency)
-    return state.frequency if known else lowest_frequency(scene, (state, state))
+    found = state["lowest_frequency"]
+    return found if math.isfinite(found) else lowest_frequency(scene, (state, state))
 
 
 def scene_at(scene: Scene, method: str, mu: float, speed_rpm: float, preload_N: float) -> Scene:

@@ -7,7 +7,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.measures import MEASURES
 from bearingwear.model.courses import WearCourses
-from bearingwear.model.life_integrator import WearState
+from bearingwear.model.state import State
 from bearingwear.model.worn_courses import worn_history
 from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.pair_variables import method_words
@@ -54,7 +54,7 @@ def recommended_sheet(
         if one["status"] == OK
         for when, state in zip(("new", "worn"), _states(scene, method, one), strict=True)
     ]
-    rows = [_row("residual preload", "N", [state.preload for _, state in states])]
+    rows = [_row("residual preload", "N", [state["residual_preload"] for _, state in states])]
     for one in (one for one in MEASURES if one.brief):
         numbers = [one.critical(state.__getitem__)[0] for _, state in states]
         rows.append(_row(one.short, one.si_unit, numbers, one.shown_as))
@@ -88,7 +88,7 @@ def _row(label: str, units: str, numbers: list[float], shown: str = "") -> Row:
     return Row(label, unit.unit, tuple(float(unit.of(number)) for number in numbers))
 
 
-def _states(scene: Scene, method: str, one: xr.Dataset) -> list[WearState]:
+def _states(scene: Scene, method: str, one: xr.Dataset) -> list[State]:
     """The bearing at the recommended preload when new, and at the end of its life."""
     at_preload = held_by(scene, method, float(one["preload"]))
     history = worn_history(at_preload, quick=False) or WearCourses(at_preload)(at_preload)

@@ -97,7 +97,11 @@ def preload_loss(scene: Scene, stated: Statements) -> float:
     """Share of the initial preload that the stated wear takes, fixed position; NaN if unsolved."""
     given = running(scene, "fixed_position", stated.high_friction)
     state = steady_states(given)(stated.preload_loss_at_um * parameters.UM)
-    return 1.0 - state.preload / scene.operation.preload_N if state.status == OK else np.nan
+    return (
+        1.0 - state["residual_preload"] / scene.operation.preload_N
+        if state.status == OK
+        else np.nan
+    )
 
 
 def angles_of(scene: Scene, plan: IdentifyPlan) -> list[float]:
@@ -130,7 +134,9 @@ def spins_outside(scene: Scene, stated: Statements) -> int:
             return STATE_NOT_SOLVED
         if mu == stated.high_friction and case.branch != OUTER_SPIN:
             return SPINS_INSIDE
-        share.append(steady_states(running(scene, "fixed_position", mu))(0.0).share.max())
+        share.append(
+            steady_states(running(scene, "fixed_position", mu))(0.0)["gyroscopic_slip_share"].max()
+        )
     return FITS if share[1] > share[0] else NO_SLIP
 
 
@@ -143,12 +149,12 @@ def qv_fits(scene: Scene, drag: float, stated: Statements) -> tuple[bool, float]
     states = [solve(loss * parameters.UM) for loss in QV_LOSSES_UM]
     if any(state.status != OK for state in states):
         return False, np.nan
-    qv = np.array([state.total_qv for state in states])
+    qv = np.array([state["total_qv"] for state in states])
     least = int(np.argmin(qv))
     low, high = stated.qv_least_um
     later = float(np.interp(stated.qv_rise_at_um, QV_LOSSES_UM, qv))
     fits = low <= QV_LOSSES_UM[least] <= high and later >= (1.0 + stated.qv_rise) * qv[least]
-    return fits, max(abs(state.skid) for state in states)
+    return fits, max(abs(state["skid_ratio"]) for state in states)
 
 
 def member(scene: Scene, plan: IdentifyPlan) -> dict[str, Any]:

@@ -30,7 +30,11 @@ def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
     """New, the lowest of what a case of the pair has."""
     made = held_by(scene("gyro_s1", changes), method)
     new = WearCourses(made)(made).states[0]
-    found = new.frequency if np.isfinite(new.frequency) else lowest_frequency(made, (new, new))
+    found = (
+        new["lowest_frequency"]
+        if np.isfinite(new["lowest_frequency"])
+        else lowest_frequency(made, (new, new))
+    )
     case = solve(made).values
     assert_allclose(found, case["natural_frequency"].min(), rtol=1e-5)
     assert life_point(made, None)["lowest_frequency"] <= found * (1.0 + 1e-12)

@@ -1,0 +1,128 @@
+"""A solved bearing as a life knows it: values by the names of result variables."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+
+HISTORY = (
+    "ball_diameter_loss",
+    "residual_preload",
+    "total_qv",
+    "qv",
+    "contact_angle",
+    "contact_load",
+    "semi_major_axis",
+    "maximum_pressure",
+    "gyroscopic_slip_share",
+    "skid_ratio",
+    "ball_diameter_loss_rate",
+    "ball_wear_rate",
+    "race_wear_rate",
+    "axial_displacement",
+    "friction_used_by_gyroscopic_moment",
+    "system_axial_stiffness",
+    "system_quasistatic_axial_stiffness",
+    "rotor_axial_shift",
+    "part_temperature",
+)
+"""Result variables of every state along a life that the states have."""
+
+OF_EACH_CONTACT = ("contact_load", "contact_angle", "semi_major_axis")
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A bearing with some wear, solved or not.
+
+    Attributes
+    ----------
+    status : int
+    values : mapping
+        By the names of result variables [SI]. One number, or one of each race, stands for all
+        balls. A name that is not known is not there.
+    answer : Any
+        Of the solver, where the next solve starts from it.
+    """
+
+    status: int
+    values: Mapping[str, Any]
+    answer: Any = None
+
+    @classmethod
+    def unsolved(cls, status: int, loss: float) -> "State":
+        """Of a loss of ball diameter [m], why there is none."""
+        return cls(status, {"ball_diameter_loss": loss})
+
+    @property
+    def is_solved(self) -> bool:
+        return self.status == code.OK
+
+    @property
+    def loss(self) -> float:
+        """Of ball diameter, as counted [m]."""
+        return self.values["ball_diameter_loss"]
+
+    @property
+    def rate(self) -> np.ndarray:
+        """Of the loss by both ways of counting (2,) [m/s]."""
+        return self.values["ball_diameter_loss_rate"]
+
+    def __getitem__(self, name: str) -> Any:
+        """A value by its name; NaN where it is not known."""
+        return self.values.get(name, math.nan)
+
+    def with_values(self, values: Mapping[str, Any]) -> "State":
+        """With other or further values."""
+        return replace(self, values={**self.values, **values})
+
+
+def case_state(loss: float, values: Mapping[str, Any]) -> State:
+    """State of a solved case: means over its balls, of what may end a life their worst.
+
+    Parameters
+    ----------
+    loss : float
+        Of ball diameter, as counted [m].
+    values : mapping
+        Of the case.
+    """
+    status = int(values["status"])
+    if status != code.OK:
+        return State.unsolved(status, loss)
+    found = {name: _over_balls(name, values[name]) for name in _OF_A_CASE if name in values}
+    # without any friction, none holds the moment
+    found.setdefault("friction_used_by_gyroscopic_moment", math.inf)
+    return State(status, found | {"ball_diameter_loss": loss})
+
+
+_MEANS = {*OF_EACH_CONTACT, "qv", "ball_wear_rate", "friction_coefficient"}
+_LARGEST = {"maximum_pressure", "friction_used_by_gyroscopic_moment"}
+_OF_A_CASE = {*HISTORY, "axial_stiffness", "quasistatic_axial_stiffness", "friction_coefficient"}
+_OF_A_CASE -= {"ball_diameter_loss"}
+
+
+def _over_balls(name: str, values: Any) -> Any:
+    """One value for all balls."""
+    if name in _LARGEST:
+        return float(np.max(values))
+    if name == "gyroscopic_slip_share":
+        return np.max(values, axis=0)
+    return np.mean(values, axis=0) if name in _MEANS else values
+
+
+def history_values(states: Sequence[State], names: Iterable[str] = HISTORY) -> dict[str, Any]:
+    """Result variables along a life; NaN where a state lacks one that others have."""
+    found: dict[str, Any] = {}
+    for name in names:
+        known = [state.values[name] for state in states if name in state.values]
+        if known:
+            missing = np.full(np.shape(known[0]), math.nan)
+            column = [state.values.get(name, missing) for state in states]
+            found[f"history_{name}"] = np.array(column)
+    residuals = [s["heat_flow_residual"] for s in states if "heat_flow_residual" in s.values]
+    return found | ({"heat_flow_residual": max(residuals)} if residuals else {})
