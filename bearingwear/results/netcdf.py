@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,11 +18,8 @@ from bearingwear.results.entries import (
     SOURCE,
     Entry,
     entries_of,
-    require_known,
-    stored_data,
 )
 from bearingwear.results.labels import named
-from bearingwear.results.variable import Variable
 from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
 
 if TYPE_CHECKING:
@@ -139,34 +136,6 @@ def _contents(variable: xr.Variable) -> tuple[Any, ...]:
     """Key of a variable, for look-up."""
     attrs = ((name, np.asarray(value).tobytes()) for name, value in variable.attrs.items())
     return variable.dims, variable.dtype.str, variable.values.tobytes(), *attrs
-
-
-def data_array(variable: Variable, values: Any, along: Sequence[str] = ()) -> xr.DataArray:
-    """Values of a variable [SI], repeated along further dimensions that come first.
-
-    Whole numbers must have no gaps.
-    """
-    import xarray as xr
-
-    data = stored_data(variable, values)
-    return xr.DataArray(data, dims=(*along, *variable.dims), attrs=variable.attributes)
-
-
-def dataset_of(
-    table: Mapping[str, Variable], values: Mapping[str, Any], along: Sequence[str] = ()
-) -> xr.Dataset:
-    """A dataset of all that has values, in the order of the table.
-
-    Raises
-    ------
-    KeyError
-        Values of what is not in the table.
-    """
-    import xarray as xr
-
-    require_known(values, table)
-    arrays = {n: data_array(v, values[n], along) for n, v in table.items() if n in values}
-    return xr.Dataset(arrays)
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:

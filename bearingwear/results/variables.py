@@ -4,12 +4,11 @@ Inside the program all values are SI and radians; `scale` takes them to the unit
 `results/units.py` says in which a person reads them. What has no unit has flags.
 
 A study describes its own variables with the same `Variable`, in a `table` of its own, and makes
-datasets with `bearingwear.results.netcdf.data_array` or `dataset_of`. Their dimensions are then
-those of one solve; the dimensions along which a study repeats it are given with the values:
+datasets with `bearingwear.studies.dataset.filled`. Their dimensions are then those of one solve;
+the axes along which a study repeats it are given with the values, a row for each solve:
 
     POWERS = table(Variable("drag", (), "W", "power of the drag"), Variable("heat", ...), ...)
-    data_array(POWERS["drag"], values, along=("shaft_speed", "preload"))
-    dataset_of(POWERS, {"drag": values, "heat": ...}, along=("shaft_speed", "preload"))
+    filled(POWERS, {SPEED: speeds, PRELOAD: preloads}, [{"drag": 0.1, "heat": 0.3}, ...])
 """
 
 from __future__ import annotations

@@ -1,7 +1,9 @@
 """Datasets of studies: many solves side by side along new dimensions, and in one file."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +11,78 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.atomic import whole_file
-from bearingwear.results.netcdf import CaseFileError, data_array, load
+from bearingwear.results.entries import common_attributes, require_known, stored_data
+from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import Variable
-from bearingwear.scene.scene import COUNTS
+from bearingwear.scene.scene import COUNTS, Scene
 
 LOSS_BASIS = Variable(
     "loss_basis", ("loss_basis",), "", "what wear counts as loss", "i1", flags=COUNTS
 )
+
+
+def filled(
+    table: Mapping[str, Variable],
+    axes: Mapping[Any, Any],
+    rows: Sequence[Mapping[str, Any]],
+    **attributes: Any,
+) -> xr.Dataset:
+    """A dataset of rows along axes.
+
+    Parameters
+    ----------
+    table : mapping
+        Variables of the dataset, in their order.
+    axes : mapping
+        Values of each coordinate, a Variable, or None for all of its flags; the length of a
+        dimension without one, a name. The rows lie along those that are no dimension of a variable.
+    rows : sequence of mapping
+        Values [SI] by the names of the table, in C order. What a row lacks is NaN, also of whole
+        numbers and flags.
+    attributes
+        Of the dataset, after those of every file; `scene` may be a Scene.
+
+    Raises
+    ------
+    KeyError
+        Values of what is not in the table.
+    ValueError
+        Shapes that differ, or not as many rows as places.
+    """
+    coords: dict[str, xr.Variable] = {}
+    sizes: dict[str, int] = {}
+    for axis, values in axes.items():
+        if isinstance(axis, str):
+            sizes[axis] = values
+        else:
+            coords |= coordinate(axis, values)
+            sizes[axis.name] = coords[axis.name].size
+    inner = {dim for variable in table.values() for dim in variable.dims}
+    along = {name: size for name, size in sizes.items() if name not in inner}
+    if len(rows) != math.prod(along.values()):
+        raise ValueError(f"got {len(rows)} rows, expected {along}")
+    require_known({name for row in rows for name in row}, table)
+    variables = {}
+    for name, variable in table.items():
+        data = _column(variable, [row.get(name) for row in rows], sizes)
+        data = data.reshape((*along.values(), *data.shape[1:]))
+        variables[name] = xr.Variable((*along, *variable.dims), data, variable.attributes)
+    if isinstance(attributes.get("scene"), Scene):
+        attributes["scene"] = json.dumps(attributes["scene"].to_dict())
+    return xr.Dataset(variables, coords, common_attributes() | attributes)
+
+
+def _column(variable: Variable, found: Sequence[Any], sizes: Mapping[str, int]) -> np.ndarray:
+    """Values of a variable in all rows, NaN where one has none."""
+    shapes = {np.shape(value) for value in found if value is not None}
+    if len(shapes) > 1 or any(len(shape) != len(variable.dims) for shape in shapes):
+        raise ValueError(f"{variable.name}: got shapes {shapes}, expected {variable.dims}")
+    shape = shapes.pop() if shapes else tuple(sizes[dim] for dim in variable.dims)
+    missing = np.full(shape, np.nan)
+    gaps = any(value is None for value in found)
+    as_stored = replace(variable, dtype="f8") if gaps and variable.dtype != "O" else variable
+    column = stored_data(as_stored, [missing if value is None else value for value in found])
+    return column.reshape((len(found), *shape))
 
 
 def stacked(
@@ -108,17 +175,8 @@ def coordinate(variable: Variable, values: Any = None) -> dict[str, xr.Variable]
     """A coordinate by its name; without values it has all of its flags."""
     if values is None:
         values = np.arange(len(variable.flags or ()))
-    return {variable.name: data_array(variable, values).variable}
-
-
-def dataset_with(
-    variables: Mapping[str, xr.DataArray],
-    coords: Mapping[str, xr.Variable],
-    attributes: Mapping[str, Any],
-) -> xr.Dataset:
-    """A dataset whose variables, then coordinates, are in the order given."""
-    plain = {name: array.variable for name, array in variables.items()}
-    return xr.Dataset(plain, dict(coords), dict(attributes))
+    data = stored_data(variable, values)
+    return {variable.name: xr.Variable(variable.dims, data, variable.attributes)}
 
 
 def loaded(path: str | Path, **axes: Sequence[float]) -> xr.Dataset:

@@ -17,7 +17,7 @@ from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.kernels.thrust import BRANCH_NAMES
 from bearingwear.model.result import Result
 from bearingwear.results import netcdf, variables
-from bearingwear.results.netcdf import CaseFileError, dataset, dataset_of, load, write_result
+from bearingwear.results.netcdf import CaseFileError, dataset, load, write_result
 from bearingwear.results.rows import VARIABLES
 from bearingwear.results.show import BEARING, CAGE_MEANS, CONTACT, LOSSES, RUN, sheet
 from bearingwear.results.show_life import LIVES, STEADY_LIFE, WORN_OF_EACH, WORN_WHOLE
@@ -244,32 +244,6 @@ def test_everything_shown_has_a_label():
         assert variable.label and (
             variable.units in SCALES or variable.units in ("N", "h", "degree")
         )
-
-
-# datasets of studies
-
-SHEAR = variables.Variable("shear", ("race",), "h", "time", scale=0.5, comment="a comment")
-SIDE = variables.Variable("side", (), "", "a side", "i1", flags=("left", "right"))
-SIDES = variables.table(SIDE, SHEAR)
-
-
-def test_a_dataset_of_a_study():
-    times = [[1.0, 2.0], [np.nan, 4.0], [5.0, 6.0]]
-    found = dataset_of(SIDES, {"shear": times, "side": [0, 1, 1]}, along=("point",))
-    assert list(found) == ["side", "shear"]
-    assert found["shear"].dims == ("point", "race") and found["side"].dims == ("point",)
-    np.testing.assert_array_equal(found["shear"], 0.5 * np.array(times))
-    assert found["side"].dtype == np.int8 and found["shear"].dtype == np.float64
-    assert found["shear"].attrs == {"long_name": "time", "units": "h", "comment": "a comment"}
-    assert list(found["side"].attrs) == ["long_name", "flag_values", "flag_meanings"]
-    assert list(found["side"].attrs["flag_values"]) == [0, 1]
-    assert found["side"].attrs["flag_values"].dtype == np.int8
-
-
-def test_a_dataset_of_a_study_takes_what_has_values():
-    assert list(dataset_of(SIDES, {"side": 1})) == ["side"]
-    with pytest.raises(KeyError, match="top"):
-        dataset_of(SIDES, {"side": 1, "top": 1})
 
 
 # bad files

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,13 +17,12 @@ from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.start import start_of
 from bearingwear.model.time_run import wear_per_joule
-from bearingwear.results.entries import common_attributes
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
 from bearingwear.studies.cage.motion import MOTIONS, CagePath, begins, path_of
 from bearingwear.studies.cage.plan import CAGE_STARTS
-from bearingwear.studies.dataset import coordinate, dataset_with
+from bearingwear.studies.dataset import filled
 
 START_FROM = Variable("start", ("start",), "", "where the cage starts", "i1", flags=CAGE_STARTS)
 ACROSS = Variable("across", ("across",), "", "direction across the shaft", "i1", flags=("Y", "Z"))
@@ -139,21 +137,12 @@ def motions_from_starts(
         if row["status"] != OK:
             sys.stderr.write(f"{scene}: the run that starts {start} was not solved\n")
     stretches = round(solved.model.simulated_turns) // stretch_turns
-    missing = {"stretch": (stretches,), ACROSS.name: (2,)}
-    variables = {}
-    for name, variable in CAGE_RUN.items():
-        shape = missing[variable.dims[0]] if variable.dims else ()
-        column = [row.get(name, np.full(shape, np.nan)) for row in rows]
-        array = xr.DataArray(
-            np.array(column, dtype=float if variable.flags else variable.dtype),
-            dims=(*START_FROM.dims, *variable.dims),
-            attrs=variable.attributes,
-        )
-        variables[name] = array.astype(variable.dtype) if array.notnull().all() else array
     codes = [CAGE_STARTS.index(start) for start in starts]
-    return dataset_with(
-        variables,
-        {**coordinate(START_FROM, codes), **coordinate(ACROSS)},
-        common_attributes()
-        | {"title": "Motions of a cage", "kind": "cage", "scene": json.dumps(solved.to_dict())},
+    return filled(
+        CAGE_RUN,
+        {START_FROM: codes, ACROSS: None, "stretch": stretches},
+        rows,
+        title="Motions of a cage",
+        kind="cage",
+        scene=solved,
     )

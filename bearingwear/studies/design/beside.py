@@ -19,12 +19,11 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant
-from bearingwear.studies.dataset import LOSS_BASIS, coordinate, counted, dataset_with
+from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import limit_margins, limits_of
-from bearingwear.studies.design.map import IMPRACTICAL, followed_point, point_variables
+from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
 from bearingwear.studies.design.words import LIMIT_WORDS, brief_cells, brief_units
 from bearingwear.studies.life_scene import life_scene
@@ -32,8 +31,6 @@ from bearingwear.studies.life_scene import life_scene
 _KIND = "beside"
 _WORDS = "words"
 """Attribute: the other assumption of each of them, in words."""
-
-_NONE = {"status": -1, "end_criterion": len(CRITERIA) - 1, "solves": 0, "failed_solves": 0}
 
 
 def lives_beside(
@@ -57,24 +54,20 @@ def lives_beside(
         ):
             held = held_by(other, PRELOAD_METHODS[int(flag)], float(np.nan_to_num(preload)))
             known = math.isfinite(preload)
-            points.append(followed_point(held, limits.gyroscopic_slip_share) if known else _NONE)
+            points.append(followed_point(held, limits.gyroscopic_slip_share) if known else {})
     names = Variable(
         _KIND, (_KIND,), "", "what is assumed otherwise", dtype="i1", flags=tuple(cases)
     )
-    sizes = {_KIND: len(cases), "preload_method": found.sizes["preload_method"]}
-    return dataset_with(
-        point_variables(points, sizes),
-        {
-            **{name: found[name].variable for name in ("preload_method", *LOSS_BASIS.dims)},
-            **coordinate(names),
-        },
-        {key: found.attrs[key] for key in found.attrs if key not in ("warnings", "none_because")}
-        | {
-            "kind": _KIND,
-            "title": "Lives at the recommended preloads with other assumptions",
-            _WORDS: json.dumps([case["words"] for case in cases.values()]),
-        },
-    )
+    methods = {MAP_AXES["preload_method"]: found["preload_method"].values}
+    made = filled_points({names: None, **methods, LOSS_BASIS: None}, points)
+    made.attrs = {
+        key: value for key, value in found.attrs.items() if key not in ("warnings", "none_because")
+    } | {
+        "kind": _KIND,
+        "title": "Lives at the recommended preloads with other assumptions",
+        _WORDS: json.dumps([case["words"] for case in cases.values()]),
+    }
+    return made
 
 
 def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -25,14 +26,12 @@ from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.state import State, history_values
 from bearingwear.model.warned import warnings_of
 from bearingwear.model.worn_courses import first_met, worn_history
-from bearingwear.results.entries import common_attributes
-from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
-from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.life_scene import life_scene
 
 SLIP_SHARE = "gyroscopic_slip_share"
@@ -122,6 +121,10 @@ POINT = table(
 
 Numbers are NaN where the life was not solved.
 """
+
+NO_LIFE: dict[str, Any] = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
+NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
+"""What a point has of whole numbers before any solve."""
 
 
 def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
@@ -293,48 +296,24 @@ def part_of(
     points: Sequence[Mapping[str, Any]],
 ) -> xr.Dataset:
     """`map_part` from what `followed_point` gives for its scenes."""
-    coords = {
-        **coordinate(MAP_AXES["preload_method"], [PRELOAD_METHODS.index(method)]),
-        **coordinate(MAP_AXES["friction"], [friction]),
-        **coordinate(MAP_AXES["shaft_speed"], shaft_speed_rpm),
-        **coordinate(MAP_AXES["preload"], preload_N),
-        **coordinate(LOSS_BASIS),
-    }
-    sizes = {"preload_method": 1, "friction": 1}
-    sizes |= {"shaft_speed": len(shaft_speed_rpm), "preload": len(preload_N)}
-    return dataset_with(
-        point_variables(points, sizes),
-        coords,
-        common_attributes()
-        | {
-            "title": f"Design map of {base.name}",
-            "kind": "design map",
-            "scene": json.dumps(base.to_dict()),
-            "limits": json.dumps({} if slip_limit is None else {SLIP_SHARE: slip_limit}),
-        },
+    values = [PRELOAD_METHODS.index(method)], [friction], shaft_speed_rpm, preload_N
+    return filled_points(
+        {**dict(zip(MAP_AXES.values(), values, strict=True)), LOSS_BASIS: None},
+        points,
+        title=f"Design map of {base.name}",
+        kind="design map",
+        scene=base,
+        limits=json.dumps({} if slip_limit is None else {SLIP_SHARE: slip_limit}),
     )
 
 
-def point_variables(
-    points: Sequence[Mapping[str, Any]], sizes: Mapping[str, int]
-) -> dict[str, xr.DataArray]:
-    """Variables of a file from what `followed_point` gives.
-
-    Parameters
-    ----------
-    points : sequence of mapping
-        In C order.
-    sizes : mapping
-        Lengths of the dimensions along which they lie.
-    """
-    variables = {}
+def filled_points(
+    axes: Mapping[Any, Any],
+    points: Sequence[Mapping[str, Any]],
+    more: Mapping[str, Variable] = MappingProxyType({}),
+    **attributes: Any,
+) -> xr.Dataset:
+    """`filled` with what `followed_point` gives, and further variables."""
     timed = any("time_to_slip_limit" in point for point in points)
-    for name, variable in POINT.items():
-        if name == "time_to_slip_limit" and not timed:
-            continue
-        inner = (2,) * len(variable.dims)
-        missing = np.full(inner, np.nan if variable.dtype == "f8" else 0)
-        values = np.array([point.get(name, missing) for point in points])
-        shape = (*sizes.values(), *inner)
-        variables[name] = data_array(variable, values.reshape(shape), tuple(sizes))
-    return variables
+    known = {name: one for name, one in POINT.items() if timed or name != "time_to_slip_limit"}
+    return filled({**known, **more}, axes, [{**NO_LIFE, **point} for point in points], **attributes)

@@ -19,13 +19,12 @@ import xarray as xr
 
 from bearingwear.model.life import life
 from bearingwear.model.worn_outputs import grooves_followed
-from bearingwear.results.netcdf import CaseFileError, data_array, load
+from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.dataset import LOSS_BASIS, counted, dataset_with
+from bearingwear.studies.dataset import LOSS_BASIS, counted
 from bearingwear.studies.design.choice import (
     ACTIVE,
     ACTIVE_LIMIT,
@@ -42,10 +41,11 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.map import (
     HERTZIAN_GROOVE,
+    MAP_AXES,
     POINT,
+    filled_points,
     followed_point,
     part_of,
-    point_variables,
     scenes_of_part,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
@@ -358,25 +358,18 @@ def held_back_by(line: PreloadLine, found: Found, limits: DesignLimits) -> int:
 
 
 def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
-    along = ("preload_method",)
-    unknown: dict[str, Any] = {"end_criterion": len(CRITERIA) - 1, "preload": math.nan}
-    unknown |= {"life_error_estimate": NO_ERRORS}
-    rows = [unknown | row for row in rows]
-    variables = point_variables(rows, {"preload_method": len(rows)})
-    variables["status"].attrs["missing"] = "-1: there was none to solve"
-    for variable in (
+    more = table(
         RECOMMENDED_PRELOAD,
         replace(ACTIVE_LIMIT, long_name="what keeps it from a longer life"),
         LIFE_ERROR,
         *CLIFF.values(),
-    ):
-        column = np.array([row.get(variable.name, math.nan) for row in rows])
-        variables[variable.name] = data_array(variable, column, along)
-    return dataset_with(
-        variables,
-        {name: lines[name].variable for name in ("preload_method", "loss_basis")},
-        lines.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"},
     )
+    axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
+    known = [{name: row[name] for name in row if name != "warnings"} for row in rows]
+    made = filled_points(axes, known, more)
+    made["status"].attrs["missing"] = "-1: there was none to solve"
+    made.attrs = lines.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"}
+    return made
 
 
 def recommended_for(scene: Scene, recommendation: xr.Dataset | None) -> xr.Dataset:

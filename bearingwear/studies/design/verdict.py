@@ -10,10 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import BALL_TRACKS
-from bearingwear.studies.dataset import coordinate
+from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.room import Assumption, longer
 
 CLAIMED = 0.05
@@ -72,10 +71,7 @@ def verdict_on(
 def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Dataset:
     """How far a choice holds, as variables of a file over `assumption` and `ball_track`."""
     columns = {"holds_from": "low", "assumed": "now", "holds_to": "high"}
-    values = {
-        name: np.array([getattr(one, of) for one in room], float) for name, of in columns.items()
-    }
-    values |= {"life_by_ball_track": tracks, "verdict": np.array(said)}
+    values = {name: [getattr(one, of) for one in room] for name, of in columns.items()}
     names = tuple(one.name for one in room)
     number = Variable(
         "assumption", ("assumption",), "", "what was assumed", dtype="i1", flags=names
@@ -83,5 +79,5 @@ def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Datase
     track = Variable(
         "ball_track", ("ball_track",), "", "track of a ball", dtype="i1", flags=BALL_TRACKS
     )
-    arrays = {name: data_array(variable, values[name]) for name, variable in HELD.items()}
-    return xr.Dataset(arrays, {**coordinate(number), **coordinate(track)})
+    row = {**values, "life_by_ball_track": tracks, "verdict": said}
+    return filled(HELD, {number: None, track: None}, [row])

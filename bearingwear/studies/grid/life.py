@@ -15,7 +15,7 @@ import xarray as xr
 from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, Measure
 from bearingwear.model.life import life
-from bearingwear.results.netcdf import dataset, dataset_of, load
+from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.arrangement import bearings_holding
@@ -23,7 +23,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS
 from bearingwear.scene.variant import variant
 from bearingwear.sides import OF_ARRANGEMENT
-from bearingwear.studies.dataset import stacked
+from bearingwear.studies.dataset import filled, stacked
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Case, Grid
 
@@ -215,7 +215,7 @@ def interpolated_life(
         "interpolated_history_time": time,
         "interpolated_history_residual_preload": preload,
     }
-    found = dataset_of(INTERPOLATED, values)
+    found = filled(INTERPOLATED, {}, [values])
     return found.assign_coords(counts=np.arange(len(COUNTS), dtype=np.int8))
 
 

@@ -22,14 +22,12 @@ from bearingwear.model import parameters
 from bearingwear.model.life import life_history
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.results.entries import common_attributes
-from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls
-from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.identify.plan import IdentifyPlan, Statements
 
 CANDIDATES = "candidates"
@@ -72,11 +70,10 @@ CANDIDATE = table(
 )
 """Results for a candidate; NaN for those after the first failure."""
 
+MARK = "mark_"
+MARKED_KEYS = ("pitch_diameter_mm", "contact_angle_deg", "ball_count", "inner_groove_factor")
 MARKED = table(
-    Variable("pitch_diameter_mm", (), "", "pitch_diameter_mm of a marked scene"),
-    Variable("contact_angle_deg", (), "", "contact_angle_deg of a marked scene"),
-    Variable("ball_count", (), "", "ball_count of a marked scene"),
-    Variable("inner_groove_factor", (), "", "inner_groove_factor of a marked scene"),
+    *(Variable(f"{MARK}{key}", (), "", f"{key} of a marked scene") for key in MARKED_KEYS)
 )
 """Values of the marked scenes."""
 
@@ -218,25 +215,23 @@ def identified(scene: Path, marks: Sequence[Path], plan: Mapping[str, Any]) -> x
     checked = record(IdentifyPlan, plan, "config/identify.yaml")
     base = load_scene(scene)
     rows = candidates(base, checked)
-    variables: dict[str, xr.DataArray] = {}
-    for name, variable in CANDIDATE.items():
-        missing = np.full((2,) * len(variable.dims), np.nan)
-        column = [row.get(name, missing) for row in rows]
-        variables[name] = data_array(variable, column, ("candidate",))
     bearings = [load_scene(path).bearing for path in marks]
-    for name, variable in MARKED.items():
-        values = [float(getattr(bearing, name)) for bearing in bearings]
-        variables[f"mark_{name}"] = data_array(variable, values, ("mark",))
-    return dataset_with(
-        variables,
-        {**coordinate(STUDY_COORDINATES["preload_method"]), **coordinate(LOSS_BASIS)},
-        common_attributes()
-        | {
-            "title": "Bearings that fit what is stated",
-            "kind": CANDIDATES,
-            "scene": json.dumps(base.to_dict()),
-            "marks": " ".join(checked.marks),
-            "statements": json.dumps(asdict(checked.statements)),
-            "comment": "A fit to a text, no validation.",
+    marked = [
+        {f"{MARK}{key}": float(getattr(bearing, key)) for key in MARKED_KEYS}
+        for bearing in bearings
+    ]
+    return filled(
+        CANDIDATE,
+        {
+            "candidate": len(rows),
+            STUDY_COORDINATES["preload_method"]: None,
+            LOSS_BASIS: None,
         },
-    )
+        rows,
+        title="Bearings that fit what is stated",
+        kind=CANDIDATES,
+        scene=base,
+        marks=" ".join(checked.marks),
+        statements=json.dumps(asdict(checked.statements)),
+        comment="A fit to a text, no validation.",
+    ).merge(filled(MARKED, {"mark": len(marked)}, marked), combine_attrs="override")

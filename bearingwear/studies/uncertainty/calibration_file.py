@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,12 +10,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm
 
-from bearingwear.results.entries import common_attributes
-from bearingwear.results.netcdf import data_array
 from bearingwear.results.variable import Variable, table
 from bearingwear.scene.calibrated import SEEN, SEEN_TORQUE
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.dataset import coordinate, dataset_with
+from bearingwear.studies.dataset import filled
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest
 from bearingwear.studies.uncertainty.posterior import LogModel, Normal, Observation, Posterior
 
@@ -123,25 +120,21 @@ def calibration_dataset(
         (after.mean - prior.mean) / prior.deviation if prior.deviation else 0.0
         for prior, after in zip((x, y), normal[1], strict=True)
     ]
-    coords = {
-        **coordinate(_STAGE),
-        **coordinate(_LIFE_PROBABILITY, LIFE_PROBABILITIES),
-        **coordinate(_BATCH, (_ENDS[0], 0.5, _ENDS[1])),
-    }
-    for name, at in axes.items():
-        coords |= coordinate(CALIBRATION_VARIABLES[name], at)
-    variables = {
-        name: data_array(CALIBRATION_VARIABLES[name], np.asarray(value))
-        for name, value in found.items()
-    }
-    attributes = {
-        "title": f"Calibration of {scene.name}",
-        "kind": CALIBRATION_KIND,
-        "scene": json.dumps(scene.to_dict()),
-        "friction_moved": moved[0],
-        "wear_moved": moved[1],
-    }
-    return dataset_with(variables, coords, common_attributes() | attributes)
+    return filled(
+        {name: one for name, one in CALIBRATION_VARIABLES.items() if name in found},
+        {
+            _STAGE: None,
+            _LIFE_PROBABILITY: LIFE_PROBABILITIES,
+            _BATCH: (_ENDS[0], 0.5, _ENDS[1]),
+            **{CALIBRATION_VARIABLES[name]: at for name, at in axes.items()},
+        },
+        [found],
+        title=f"Calibration of {scene.name}",
+        kind=CALIBRATION_KIND,
+        scene=scene,
+        friction_moved=moved[0],
+        wear_moved=moved[1],
+    )
 
 
 def _of_stages(

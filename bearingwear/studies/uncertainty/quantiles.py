@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,14 +16,13 @@ import xarray as xr
 from scipy import stats
 
 from bearingwear.kernels.status import OK
-from bearingwear.results.entries import common_attributes
-from bearingwear.results.netcdf import CaseFileError, data_array, load
+from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.studies.dataset import coordinate, dataset_with
+from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import SAMPLES, Sampling
@@ -46,11 +46,11 @@ from bearingwear.studies.uncertainty.sample import (
     with_preload,
 )
 from bearingwear.studies.uncertainty.variables import (
-    ALONG,
     ANALYSED,
     BASIS,
     BATCH,
     CHOICE,
+    INDEX,
     INPUTS,
     METHOD,
     PROBABILITY,
@@ -80,12 +80,13 @@ def quantiles_and_indices(
     found = _parts(parts, of, plan)
     methods = list(dict.fromkeys(method for method, _ in found))
     table = [
-        [_analysed(of, method, found[method, choice], plan) for choice in PRELOAD_CHOICES]
+        _analysed(of, method, found[method, choice], plan)
         for method in methods
+        for choice in PRELOAD_CHOICES
     ]
     names = tuple(of.uncertainty or {})
     quantity = Variable("quantity", ("quantity",), "", "uncertain value", dtype="i1", flags=names)
-    return _dataset(of, plan, methods, PRELOAD_CHOICES, table).assign_coords(coordinate(quantity))
+    return _dataset(of, plan, methods, PRELOAD_CHOICES, table, {quantity: None})
 
 
 def _parts(
@@ -213,7 +214,7 @@ def _quantiles_at(
             "groove_error": found.groove_error,
             **_of_batches(of, plan, workers, tell),
         }
-        table.append([analysed | _quantiles_of(np.array(hours), found.wear_factor[1:])])
+        table.append(analysed | _quantiles_of(np.array(hours), found.wear_factor[1:]))
     return _dataset(scene, plan, list(preloads), [choice], table)
 
 
@@ -222,38 +223,29 @@ def _dataset(
     plan: Sampling,
     methods: Sequence[str],
     choices: Sequence[str],
-    table: Sequence[Sequence[Mapping[str, Any]]],
+    table: Sequence[Mapping[str, Any]],
+    more: Mapping[Variable, Any] = MappingProxyType({}),
 ) -> xr.Dataset:
-    """What was found, by method and choice of preload, as a file."""
-    coords = {
-        **coordinate(
-            UNCERTAINTY_AXES[METHOD], [PRELOAD_METHODS.index(method) for method in methods]
-        ),
-        **coordinate(UNCERTAINTY_AXES[CHOICE], [PRELOAD_CHOICES.index(one) for one in choices]),
-        **coordinate(UNCERTAINTY_AXES[BASIS]),
-        **coordinate(UNCERTAINTY_AXES[INPUTS]),
-        **coordinate(UNCERTAINTY_AXES[PROBABILITY], PROBABILITIES),
-        **coordinate(UNCERTAINTY_AXES[BATCH], BATCH_PROBABILITIES),
+    """What was found, by method and choice of preload, and further axes, as a file."""
+    axes: dict[str, Any] = {
+        METHOD: [PRELOAD_METHODS.index(method) for method in methods],
+        CHOICE: [PRELOAD_CHOICES.index(one) for one in choices],
+        BASIS: None,
+        INPUTS: None,
+        PROBABILITY: PROBABILITIES,
+        BATCH: BATCH_PROBABILITIES,
     }
-    # nothing where no method has a preload
-    known = {name for row in table[:1] for name in row[0]}
-    variables = {
-        name: data_array(variable, [[one[name] for one in row] for row in table], ALONG)
-        for name, variable in ANALYSED.items()
-        if name in known
-    }
-    return dataset_with(
-        variables,
-        coords,
-        common_attributes()
-        | {
-            "title": f"Uncertainty of the life of {scene.name}",
-            "kind": KIND,
-            "scene": json.dumps(scene.to_dict()),
-            "samples": np.int64(plan.samples),
-            "seed": np.int64(plan.seed),
-            "confidence": CONFIDENCE,
-        },
+    known = {name: one for name, one in ANALYSED.items() if any(name in row for row in table)}
+    return filled(
+        known,
+        {UNCERTAINTY_AXES[name]: values for name, values in axes.items()} | dict(more),
+        table,
+        title=f"Uncertainty of the life of {scene.name}",
+        kind=KIND,
+        scene=scene,
+        samples=np.int64(plan.samples),
+        seed=np.int64(plan.seed),
+        confidence=CONFIDENCE,
     )
 
 
@@ -261,15 +253,7 @@ def _analysed(
     scene: Scene, method: str, parts: Sequence[xr.Dataset], plan: Sampling
 ) -> dict[str, Any]:
     """`ANALYSED` of one method at one preload; NaN where there is no preload or nothing solved."""
-    count = len(scene.uncertainty or {})
-    sizes = {name: len(axis.flags) for name, axis in UNCERTAINTY_AXES.items() if axis.flags}
-    sizes |= {PROBABILITY: len(PROBABILITIES), "end": 2, "quantity": count}
-    sizes |= {"member": 2 * plan.samples, BATCH: len(BATCH_PROBABILITIES)}
-    found: dict[str, Any] = {
-        name: np.full([sizes[dim] for dim in variable.dims], np.nan)
-        for name, variable in ANALYSED.items()
-    }
-    found["preload"], found["evaluations"] = float(parts[0].attrs["preload_N"]), 0
+    found: dict[str, Any] = {"preload": float(parts[0].attrs["preload_N"]), "evaluations": 0}
     if "life" not in parts[0]:
         return found
     whole = xr.concat(parts, "base")
@@ -283,6 +267,10 @@ def _analysed(
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
     found |= _quantiles_of(*(np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)))
+    shape = 2, len(scene.uncertainty or {}), 2
+    for name, variable in ANALYSED.items():
+        if variable.dims == INDEX:
+            found[name] = np.full(shape, np.nan)
     for k, one in enumerate((life, life / factor[..., None])):  # as `uncertain_inputs`
         for c in range(2):
             y = np.log(one[usable, :, c])

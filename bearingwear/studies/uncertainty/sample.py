@@ -5,7 +5,6 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,15 +17,14 @@ from scipy import stats
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.model.courses import WearCourses
-from bearingwear.results.entries import common_attributes
-from bearingwear.results.netcdf import CaseFileError, data_array, load
+from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, key_of_scene
 from bearingwear.scene.uncertain import uncertain_key
-from bearingwear.studies.dataset import LOSS_BASIS, coordinate, dataset_with
+from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell, told_in_lines
 from bearingwear.studies.sampling import Sampling
@@ -235,10 +233,10 @@ def sample_part(
     """One part of the sampled lives; empty where there is no preload to take."""
     preload = preload_at(scene, method, choice, recommendation)
     base = np.array_split(np.arange(plan.samples), plan.chunks)[chunk]
-    attributes = common_attributes() | {
+    attributes: dict[str, Any] = {
         "title": f"Sampled lives of {scene.name}: {method}, {choice} preload",
         "kind": PART_KIND,
-        "scene": json.dumps(scene.to_dict()),
+        "scene": scene,
         "preload_method": method,
         PRELOAD_CHOICE: choice,
         "samples": np.int64(plan.samples),
@@ -248,18 +246,16 @@ def sample_part(
         "preload_N": np.float64(preload),
     }
     if np.isnan(preload):
-        return xr.Dataset(attrs=attributes)
+        return filled({}, {}, [{}], **attributes)
     at_preload = with_preload(scene, method, preload)
     rows = sample(at_preload, plan)[base]
     found = lives(at_preload, rows.reshape(-1, rows.shape[-1]))
-    along, shape = ("base", "row"), rows.shape[:2]
-    attributes |= {
-        "followed_lives": np.int64(found.followed),
-        "groove_error": np.float64(found.groove_error),
-    }
-    variables = {}
-    for name, variable in SAMPLED.items():
-        values = getattr(found, name)
-        variables[name] = data_array(variable, values.reshape(*shape, *values.shape[1:]), along)
-    coords = {**coordinate(BASE, base), **coordinate(LOSS_BASIS)}
-    return dataset_with(variables, coords, attributes)
+    columns = (getattr(found, name) for name in SAMPLED)
+    return filled(
+        SAMPLED,
+        {BASE: base, "row": rows.shape[1], LOSS_BASIS: None},
+        [dict(zip(SAMPLED, values, strict=True)) for values in zip(*columns, strict=True)],
+        **attributes,
+        followed_lives=np.int64(found.followed),
+        groove_error=np.float64(found.groove_error),
+    )
