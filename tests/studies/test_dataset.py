@@ -58,6 +58,7 @@ def test_names_shapes_and_numbers_of_rows_are_checked():
         filled(SIDES, {"row": 2, "race": 2}, [{}])
 
 
-def test_a_scene_stands_as_text(s1):
+def test_a_scene_stands_as_text(scene):
+    s1 = scene("gyro_s1")
     found = filled({}, {}, [{}], scene=s1)
     assert json.loads(found.attrs["scene"]) == s1.to_dict()
