@@ -25,7 +25,7 @@ SOLVER = (
 
 @functools.cache
 def sources(*modules: str) -> tuple[Path, ...]:
-    """Files of the package that modules import, directly or through each other, and their data.
+    """Our files that modules import, directly or through each other, and their data.
 
     Imports inside functions count, those for the type checker alone do not. A file that is not
     Python (a template, a style) belongs to the module beside it that names it.
@@ -33,7 +33,7 @@ def sources(*modules: str) -> tuple[Path, ...]:
     Parameters
     ----------
     *modules : str
-        Dotted names of modules of the package; they count themselves.
+        Dotted names of modules of the package, or of `workflow/studies`; they count themselves.
     """
     found: dict[str, Path] = {}
     waiting = list(modules)
@@ -61,7 +61,8 @@ def _not_python(folder: Path) -> tuple[Path, ...]:
 
 @functools.cache
 def _file(module: str) -> Path:
-    path = PACKAGE.joinpath(*module.split(".")[1:])
+    top, *rest = module.split(".")
+    path = (PACKAGE if top == "bearingwear" else PACKAGE.parent / top).joinpath(*rest)
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
@@ -72,7 +73,8 @@ def _is_module(name: str) -> bool:
 
 # The text is searched, not parsed: a command shall not spend a tenth of a second on naming sources.
 _IMPORT = re.compile(
-    r"^ *(?:from (bearingwear[\w.]*) import (?:\(([^)]*)\)|(.*))|import (bearingwear\.[\w.]+))",
+    r"^ *(?:from ((?:bearingwear|workflow\.)[\w.]*) import (?:\(([^)]*)\)|(.*))"
+    r"|import ((?:bearingwear|workflow)\.[\w.]+))",
     re.M,
 )
 _FOR_THE_TYPE_CHECKER = re.compile(r"^if TYPE_CHECKING:\n(?:[ ].*\n|\n)*", re.M)
@@ -91,7 +93,7 @@ def _imported(path: Path) -> tuple[str, ...]:
             inner = f"{module}.{name}"
             names[inner if module and _is_module(inner) else module] = None
     # the package itself imports its Python interface only where somebody asks for it
-    return tuple(name for name in names if name.startswith("bearingwear."))
+    return tuple(name for name in names if name.startswith(("bearingwear.", "workflow.")))
 
 
 def contents_hash(paths: Iterable[str | Path]) -> str:
@@ -116,7 +118,7 @@ def _file_hash(path: str) -> bytes:
 def sources_hash(*modules: str) -> str:
     """Hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
-    names = "\n".join(path.relative_to(PACKAGE).as_posix() for path in paths)
+    names = "\n".join(os.path.relpath(path, PACKAGE) for path in paths)
     return hashlib.sha256(f"{names}\n{contents_hash(paths)}".encode()).hexdigest()[:16]
 
 

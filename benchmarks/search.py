@@ -30,8 +30,8 @@ from bearingwear.model.steady import SAME_STATE, ThrustProblem, is_new
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import SceneError
-from bearingwear.studies.robustness.draw import drawn_scene
-from bearingwear.studies.robustness.plan import RobustnessPlan, drawn, draws
+from workflow.studies.robustness.draw import drawn_scene
+from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
 
 CONFIG = Path(__file__).resolve().parents[1] / "config"
 STARTS, SETTLED, MOST_STEPS = 4, 1e-9, 300

@@ -10,6 +10,7 @@ import pytest
 import bearingwear
 
 PACKAGE = Path(bearingwear.__file__).parent
+ROOT = PACKAGE.parent
 
 # A part may import itself and what is listed; `__init__` is the package itself.
 SOLVING = {"model", "scene", "kernels", "provenance", "sides", "measures"}
@@ -22,6 +23,7 @@ MAY_IMPORT = {
     "plotting": READING,
     "studies": {"plotting", "console"} | READING,
     "page": {"plotting"} | READING,
+    "workflow": {"studies", "plotting", "console"} | READING,
     "provenance": set(),
     "sides": set(),
     "measures": set(),
@@ -68,18 +70,21 @@ LIBRARIES = {
 
 
 def modules():
-    for path in sorted(PACKAGE.rglob("*.py")):
+    """Files from the root of the repository on: those of the package, and studies beside it."""
+    for path in sorted([*PACKAGE.rglob("*.py"), *ROOT.glob("workflow/studies/*/*.py")]):
         if "__pycache__" not in path.parts:
-            yield path.relative_to(PACKAGE)
+            yield path.relative_to(ROOT)
 
 
 def part_of(module: Path) -> str:
-    return module.parts[0] if len(module.parts) > 1 else module.stem
+    """Folder of the package, or module of it, or `workflow`."""
+    top, *rest = module.with_suffix("").parts
+    return rest[0] if top == "bearingwear" else top
 
 
 def imported(module: Path):
     """Dotted names a module imports, anywhere in it."""
-    for node in ast.walk(ast.parse((PACKAGE / module).read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse((ROOT / module).read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -95,32 +100,34 @@ def test_imports_point_downward(module):
     part = part_of(module)
     for name in imported(module):
         top, _, rest = name.partition(".")
-        if top == "bearingwear":
+        if top == "workflow":
+            assert part == top, f"{module} imports {name}"
+        elif top == "bearingwear":
             first = rest.split(".")[0]
             where = first if first in MAY_IMPORT else "__init__"
             assert where == part or where in MAY_IMPORT[part], f"{module} imports {name}"
         elif top == "numba":
-            assert module.parent == Path("kernels/build"), f"{module} imports {name}"
+            assert module.parent == Path("bearingwear/kernels/build"), f"{module} imports {name}"
         elif top not in sys.stdlib_module_names and part in LIBRARIES:
             assert top in LIBRARIES[part], f"{module} imports {name}"
 
 
 @pytest.mark.parametrize(
-    "module", [m for m in modules() if m.parts[0] == "studies" and len(m.parts) == 3], ids=str
+    "module", [m for m in modules() if m.parts[1] == "studies" and len(m.parts) == 4], ids=str
 )
 def test_a_study_stands_alone(module):
     """A new one, or one less, changes no other."""
-    own = module.parts[1]
+    own = module.parts[2]
     for name in imported(module):
-        study, _, rest = name.removeprefix("bearingwear.studies.").partition(".")
-        if name.startswith("bearingwear.studies.") and (PACKAGE / "studies" / study).is_dir():
+        _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
+        if studies == "studies" and ROOT.joinpath(*name.split(".")[:3]).is_dir() and study:
             allowed = BETWEEN_STUDIES.get(own, set())
-            assert study == own or f"{study}.{rest}" in allowed, f"{module} imports {name}"
+            assert study == own or f"{study}.{rest[0]}" in allowed, f"{module} imports {name}"
 
 
 @pytest.mark.parametrize("module", [m for m in modules() if part_of(m) == "studies"], ids=str)
 def test_what_studies_share_knows_none_of_them(module):
-    if len(module.parts) == 2:
+    if len(module.parts) == 3:
         for name in imported(module):
             folder = PACKAGE.joinpath(*name.split(".")[1:3])
             if name.startswith("bearingwear.studies.") and folder.is_dir():

@@ -10,9 +10,18 @@ from support import ROOT
 from bearingwear import provenance, studies
 from bearingwear.provenance import PACKAGE, SOLVER, result_hash, sources, sources_hash
 
+OURS = "bearingwear.", "workflow."
+
 
 def found(*modules) -> set[str]:
-    return {path.relative_to(PACKAGE).as_posix() for path in sources(*modules)}
+    """Files from the package, or from `workflow`, on."""
+    folders = PACKAGE, ROOT / "workflow"
+    return {
+        path.relative_to(folder).as_posix()
+        for path in sources(*modules)
+        for folder in folders
+        if path.is_relative_to(folder)
+    }
 
 
 def test_sources_of_the_solver():
@@ -58,12 +67,12 @@ def test_every_step_has_a_function_and_sources_of_its_own_study():
 
 def test_imports_are_found_as_python_finds_them():
     """They are searched for in the text, which takes a tenth of the time of parsing it."""
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in sorted([*PACKAGE.rglob("*.py"), *ROOT.glob("workflow/studies/*/*.py")]):
         assert set(provenance._imported(path)) == parsed_imports(path), path
 
 
 def parsed_imports(path):
-    """Modules of the package that a file imports, by its syntax tree."""
+    """Modules of ours that a file imports, by its syntax tree."""
     tree = ast.parse(path.read_bytes())
     unread = {
         inner
@@ -78,9 +87,9 @@ def parsed_imports(path):
         elif isinstance(node, ast.ImportFrom) and node.module:
             for alias in node.names:
                 module = f"{node.module}.{alias.name}"
-                is_file = module.startswith("bearingwear.") and provenance._file(module).is_file()
+                is_file = module.startswith(OURS) and provenance._file(module).is_file()
                 names.add(module if is_file else node.module)
-    return {name for name in names if name.startswith("bearingwear.")}
+    return {name for name in names if name.startswith(OURS)}
 
 
 @pytest.mark.parametrize("path", sorted(PACKAGE.glob("studies/*/*.py")), ids=lambda p: p.name)

@@ -99,9 +99,7 @@ def renewed(text: str) -> str:
 
     def made(match: re.Match[str]) -> str:
         begin, module, name, end = match.groups()
-        record_type = (
-            getattr(importlib.import_module(f"bearingwear.{module}"), name) if module else Scene
-        )
+        record_type = getattr(importlib.import_module(module), name) if module else Scene
         return f"{begin}{key_list(record_type)}\n{end}"
 
     return KEY_LISTS.sub(made, text)

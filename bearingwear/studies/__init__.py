@@ -1,11 +1,15 @@
 """The studies: each is a folder with a plan, steps, figures and tables; this is their registry.
 
+Those that bearings are designed with are in this package, those that need the repository in
+`workflow/studies`.
+
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
 from __future__ import annotations
 
 import importlib
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +17,23 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bearingwear.studies.protocol import Study
 
-NAMES = ("grid", "uncertainty", "lives", "design", "identify", "cage", "accuracy", "robustness")
+_ROOT = Path(__file__).resolve().parents[2]
+
+INSTALLED = ("grid", "uncertainty", "lives", "design", "cage")
+IN_REPOSITORY = tuple(
+    sorted(file.parent.name for file in _ROOT.glob("workflow/studies/*/study.py"))
+)
+"""Studies that are not installed: they need the repository, and are found in it."""
+
+NAMES = (*INSTALLED, *IN_REPOSITORY)
+if IN_REPOSITORY:
+    sys.path.append(str(_ROOT))
+
+
+def module_name(name: str) -> str:
+    """Dotted name of the module that a step names: `studies.grid.solve`, `studies.accuracy.run`."""
+    study = f"{name}.".split(".")[1]
+    return f"{'workflow' if study in IN_REPOSITORY else 'bearingwear'}.{name}"
 
 
 def read(config: Mapping[str, Any]) -> dict[str, Study]:
@@ -27,7 +47,7 @@ def read(config: Mapping[str, Any]) -> dict[str, Study]:
         One line: what is wrong with a configuration.
     """
     return {
-        name: importlib.import_module(f"bearingwear.studies.{name}.study").study(config)
+        name: _module(name).study(config)
         for name in NAMES
         if name == NAMES[0] or Path(f"config/{name}.yaml").is_file()
     }
@@ -37,9 +57,12 @@ def registry(name: str) -> dict[str, str]:
     """What the studies' modules say under a name: SHEETS or PLOTS, by the kind of a file."""
     found: dict[str, str] = {}
     for study in NAMES:
-        module = importlib.import_module(f"bearingwear.studies.{study}.study")
-        found |= getattr(module, name, {})
+        found |= getattr(_module(study), name, {})
     return found
+
+
+def _module(study: str) -> Any:
+    return importlib.import_module(module_name(f"studies.{study}.study"))
 
 
 def files(studies: Mapping[str, Study]) -> list[str]:

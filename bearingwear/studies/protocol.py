@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from bearingwear.studies import module_name
+
 Wildcards = Mapping[str, str]
 Files = Mapping[str, str | Sequence[str]]
 
@@ -89,7 +91,7 @@ class Step(Task):
     @property
     def module(self) -> str:
         """Dotted name of the module that holds `run`; its imports decide the result."""
-        return f"bearingwear.{self.run.rpartition('.')[0]}"
+        return module_name(self.run.rpartition(".")[0])
 
     def files(self, wildcards: Wildcards) -> dict[str, str | list[str]]:
         """The inputs of one job."""

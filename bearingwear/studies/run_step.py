@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.console import UsageError
+from bearingwear.studies import module_name
 
-_PACKAGE = "bearingwear"
+_OURS = ("bearingwear", "workflow")
 
 
 class NotSolved(Exception):
@@ -70,9 +71,9 @@ def _function(step: str) -> Any:
     if not module.startswith(("studies.", "page.")):
         raise StepError(f"step: got {step}, expected studies.STUDY.MODULE.FUNCTION")
     try:
-        return getattr(importlib.import_module(f"{_PACKAGE}.{module}"), name)
+        return getattr(importlib.import_module(module_name(module)), name)
     except (ModuleNotFoundError, AttributeError) as error:
-        if isinstance(error, ModuleNotFoundError) and not str(error.name).startswith(_PACKAGE):
+        if isinstance(error, ModuleNotFoundError) and not str(error.name).startswith(_OURS):
             raise  # a library that is not installed
         raise StepError(f"step: got {step}, which is not there") from None
 

@@ -8,8 +8,8 @@ from support import ROOT
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.strict_yaml import data_of, text_of
-from bearingwear.studies.robustness.draw import drawn_scene
-from bearingwear.studies.robustness.run import solved_values, violations
+from workflow.studies.robustness.draw import drawn_scene
+from workflow.studies.robustness.run import solved_values, violations
 
 SOURCE = Path(__file__).with_name("found_at_random.yaml")
 FOUND = data_of(text_of(SOURCE), SOURCE.name)

@@ -15,7 +15,7 @@ import bearingwear
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
 from bearingwear.scene.checking import record
-from bearingwear.studies.accuracy.plan import AccuracyPlan
+from workflow.studies.accuracy.plan import AccuracyPlan
 
 SCENE = str(scene_file("gyro_s1"))
 QUICK = ["--set", "model.strips=4", "model.tolerance=1.0e-3"]

@@ -15,21 +15,21 @@ from bearingwear.cli import main
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.checking import read_record, record
-from bearingwear.studies.accuracy.effects import EFFECT_KINDS, effect_differences, effect_rows
-from bearingwear.studies.accuracy.factor_table import cell_texts
-from bearingwear.studies.accuracy.figures import FRONT, integration_figure, steady_figure
-from bearingwear.studies.accuracy.gather import gathered_sweeps
-from bearingwear.studies.accuracy.groove_tables import groove_differences, what_auto_saves
-from bearingwear.studies.accuracy.plan import (
+from bearingwear.studies.dataset import write_dataset
+from workflow.studies.accuracy.effects import EFFECT_KINDS, effect_differences, effect_rows
+from workflow.studies.accuracy.factor_table import cell_texts
+from workflow.studies.accuracy.figures import FRONT, integration_figure, steady_figure
+from workflow.studies.accuracy.gather import gathered_sweeps
+from workflow.studies.accuracy.groove_tables import groove_differences, what_auto_saves
+from workflow.studies.accuracy.plan import (
     ACCURACY_FILE,
     FIGURE_NAMES,
     PRESET_KEYS,
     AccuracyPlan,
     Tolerance,
 )
-from bearingwear.studies.accuracy.study import AccuracyStudy
-from bearingwear.studies.accuracy.tables import SECTIONS, agree, section, table_rows
-from bearingwear.studies.dataset import write_dataset
+from workflow.studies.accuracy.study import AccuracyStudy
+from workflow.studies.accuracy.tables import SECTIONS, agree, section, table_rows
 
 PLAN_FILE = ROOT / ACCURACY_FILE
 NOT_CONVERGED = 1

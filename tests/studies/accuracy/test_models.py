@@ -14,11 +14,11 @@ from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
 from bearingwear.model.solve import solve
 from bearingwear.model.worn_life import WornLife
 from bearingwear.model.worn_outputs import wear_over_gap
-from bearingwear.studies.accuracy.grooves import ended_scene, lived_through
-from bearingwear.studies.accuracy.machine import on_a_rotor
-from bearingwear.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
-from bearingwear.studies.accuracy.run import dynamic_values, first_motion, point_values, three_balls
-from bearingwear.studies.accuracy.warmth import grown_scene
+from workflow.studies.accuracy.grooves import ended_scene, lived_through
+from workflow.studies.accuracy.machine import on_a_rotor
+from workflow.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint
+from workflow.studies.accuracy.run import dynamic_values, first_motion, point_values, three_balls
+from workflow.studies.accuracy.warmth import grown_scene
 
 MODEL = {"model.history_points_per_turn": 0, "model.simulated_turns": 4}
 

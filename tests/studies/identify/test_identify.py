@@ -11,8 +11,8 @@ from bearingwear.cli import main
 from bearingwear.results.netcdf import load
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.identify.plan import IdentifyPlan
-from bearingwear.studies.identify.search import FIT_RESULTS, identified
+from workflow.studies.identify.plan import IdentifyPlan
+from workflow.studies.identify.search import FIT_RESULTS, identified
 
 PLAN_FILE = ROOT / "config" / "identify.yaml"
 

@@ -18,12 +18,12 @@ from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.robustness.draw import drawn_scene, with_values
-from bearingwear.studies.robustness.ends import WITHOUT_REASON
-from bearingwear.studies.robustness.lives import life_of, life_violations
-from bearingwear.studies.robustness.maps import crossing
-from bearingwear.studies.robustness.plan import KeyAxis, RobustnessPlan, drawn, draws
-from bearingwear.studies.robustness.run import end_of, solved_values, violations
+from workflow.studies.robustness.draw import drawn_scene, with_values
+from workflow.studies.robustness.ends import WITHOUT_REASON
+from workflow.studies.robustness.lives import life_of, life_violations
+from workflow.studies.robustness.maps import crossing
+from workflow.studies.robustness.plan import KeyAxis, RobustnessPlan, drawn, draws
+from workflow.studies.robustness.run import end_of, solved_values, violations
 
 FILE = ROOT / "config" / "robustness.yaml"
 PLAN = read_record(RobustnessPlan, FILE)

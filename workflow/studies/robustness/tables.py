@@ -9,8 +9,8 @@ from bearingwear.plotting.drawing import in_words
 from bearingwear.plotting.markdown import markdown_table
 from bearingwear.results.units import display
 from bearingwear.studies.dataset import loaded
-from bearingwear.studies.robustness.ends import WITHOUT_REASON
 from bearingwear.studies.run_step import NotSolved
+from workflow.studies.robustness.ends import WITHOUT_REASON
 
 _KINDS = {"scene_classes": "random", "maps": "map"}
 _HEADER = (

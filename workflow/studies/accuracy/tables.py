@@ -12,13 +12,13 @@ import xarray as xr
 from bearingwear.plotting.markdown import cell_text
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.accuracy.effects import effect_differences
-from bearingwear.studies.accuracy.groove_tables import groove_differences
-from bearingwear.studies.accuracy.marked import MarkedPart
-from bearingwear.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
-from bearingwear.studies.accuracy.points import points_where
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
+from workflow.studies.accuracy.effects import effect_differences
+from workflow.studies.accuracy.groove_tables import groove_differences
+from workflow.studies.accuracy.marked import MarkedPart
+from workflow.studies.accuracy.plan import FIRST, AccuracyPlan, TableRow, Tolerance
+from workflow.studies.accuracy.points import points_where
 
 _PART = MarkedPart("accuracy")
 _PERCENT = display("1", shown="%")

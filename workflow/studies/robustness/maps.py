@@ -13,10 +13,10 @@ from bearingwear.kernels import status as code
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.robustness.closed_forms import closed_form
-from bearingwear.studies.robustness.draw import bare, with_values
-from bearingwear.studies.robustness.plan import KeyAxis
-from bearingwear.studies.robustness.run import attributes, solved_values, violations
+from workflow.studies.robustness.closed_forms import closed_form
+from workflow.studies.robustness.draw import bare, with_values
+from workflow.studies.robustness.plan import KeyAxis
+from workflow.studies.robustness.run import attributes, solved_values, violations
 
 _SHOWN = ("total_qv", "skid_ratio", "residual_preload")
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.studies.robustness.ends import WITHOUT_REASON
+from workflow.studies.robustness.ends import WITHOUT_REASON
 
 END_COLOURS = {
     "contact_lost": "C5",

@@ -32,11 +32,11 @@ from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.sides import of_bearing
-from bearingwear.studies.accuracy.grooves import ended_scene, lived_through
-from bearingwear.studies.accuracy.machine import on_a_rotor
-from bearingwear.studies.accuracy.plan import SweepPoint
-from bearingwear.studies.accuracy.quantities import EXTRA, QUANTITIES
-from bearingwear.studies.accuracy.warmth import grown_scene
+from workflow.studies.accuracy.grooves import ended_scene, lived_through
+from workflow.studies.accuracy.machine import on_a_rotor
+from workflow.studies.accuracy.plan import SweepPoint
+from workflow.studies.accuracy.quantities import EXTRA, QUANTITIES
+from workflow.studies.accuracy.warmth import grown_scene
 
 FEWEST_BALLS = 3  # that hold the race in the middle without a radial load
 

@@ -4,7 +4,7 @@ import math
 
 from bearingwear.model import parameters
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.robustness.draw import at_rest, elastic_approach
+from workflow.studies.robustness.draw import at_rest, elastic_approach
 
 
 def closed_form(limit: str, value: float | None, scene: Scene) -> float:

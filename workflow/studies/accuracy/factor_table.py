@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.results.units import digits, display
-from bearingwear.studies.accuracy.marked import MarkedPart
-from bearingwear.studies.accuracy.plan import Tolerance
+from workflow.studies.accuracy.marked import MarkedPart
+from workflow.studies.accuracy.plan import Tolerance
 
 FACTOR, ERROR, TIME_FACTOR, WHETHER = "factor", "error", "time", "whether"
 """Kinds of a column. Errors stand in percent."""

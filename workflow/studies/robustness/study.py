@@ -11,7 +11,7 @@ from typing import Any
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.protocol import Step, Study
-from bearingwear.studies.robustness.plan import ROBUSTNESS_FILE, RobustnessPlan
+from workflow.studies.robustness.plan import ROBUSTNESS_FILE, RobustnessPlan
 
 _RUN = "studies.robustness"
 _FOLDER = "results/robustness"
@@ -19,8 +19,8 @@ _COUNTS = f"{_FOLDER}/robustness.nc"
 _TABLE = f"{_FOLDER}/tables/robustness.md"
 _VERDICT = f"{_FOLDER}/verdict.txt"
 PLOTS = {
-    "maps": "bearingwear.studies.robustness.figures:figure_of_map",
-    "branches": "bearingwear.studies.robustness.figures:figure_of_branches",
+    "maps": "workflow.studies.robustness.figures:figure_of_map",
+    "branches": "workflow.studies.robustness.figures:figure_of_branches",
 }
 """Which function of a dataset draws a kind of file."""
 

@@ -16,10 +16,10 @@ from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
-from bearingwear.studies.robustness.draw import drawn_scene
-from bearingwear.studies.robustness.ends import REFUSED, WITHOUT_REASON
-from bearingwear.studies.robustness.lives import WORN_LIFE, life_of, life_violations
-from bearingwear.studies.robustness.plan import RobustnessPlan, drawn, draws
+from workflow.studies.robustness.draw import drawn_scene
+from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
+from workflow.studies.robustness.lives import WORN_LIFE, life_of, life_violations
+from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
 
 MAY_BE_INFINITE = frozenset({"friction_used_by_gyroscopic_moment"})
 """Share of a friction that is nothing: a ball that bears no load."""

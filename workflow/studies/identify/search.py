@@ -28,7 +28,7 @@ from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls
 from bearingwear.studies.dataset import LOSS_BASIS, filled
-from bearingwear.studies.identify.plan import IdentifyPlan, Statements
+from workflow.studies.identify.plan import IdentifyPlan, Statements
 
 CANDIDATES = "candidates"
 

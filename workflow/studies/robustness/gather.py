@@ -9,7 +9,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.studies.robustness.ends import REFUSED, WITHOUT_REASON
+from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
 
 _KINDS = ("scene_classes", "maps")
 

@@ -12,8 +12,8 @@ from bearingwear.plotting.markdown import markdown_table
 from bearingwear.results.units import digits, display, in_print, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
-from bearingwear.studies.identify.figures import candidates_message, fitting
-from bearingwear.studies.identify.search import FIT_RESULTS
+from workflow.studies.identify.figures import candidates_message, fitting
+from workflow.studies.identify.search import FIT_RESULTS
 
 _SKID = display("1", shown="%")
 

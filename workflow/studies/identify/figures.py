@@ -21,7 +21,7 @@ from bearingwear.plotting.drawing import (
 from bearingwear.results.units import span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
-from bearingwear.studies.identify.search import FITS, NO_ANGLE, NO_ROOM
+from workflow.studies.identify.search import FITS, NO_ANGLE, NO_ROOM
 
 BALL_MARKERS = "v^osDPX*"
 

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
 from bearingwear.studies.protocol import Step, Study
+from workflow.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
 
 _RUN = "studies.accuracy"
 _FOLDER = "results/accuracy"
@@ -21,7 +21,7 @@ _EFFECTS = f"{_FOLDER}/effects.nc"
 _EFFECTS_TABLE, _GROOVES_TABLE = f"{_FOLDER}/tables/effects.md", f"{_FOLDER}/tables/grooves.md"
 _DOCS = "docs/accuracy.md"
 
-PLOTS = {"accuracy against time": "bearingwear.studies.accuracy.figures:accuracy_plot"}
+PLOTS = {"accuracy against time": "workflow.studies.accuracy.figures:accuracy_plot"}
 """Which function of a dataset draws a kind of file."""
 
 

@@ -7,7 +7,7 @@ from bearingwear.model.worn_life import STEP, WORN_CELLS, WornLife
 from bearingwear.model.worn_outputs import wear_over_gap
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
-from bearingwear.studies.accuracy.plan import SweepPoint
+from workflow.studies.accuracy.plan import SweepPoint
 
 PRELOAD_LEFT = 0.4
 """Of the preload, at which a life ends as well."""

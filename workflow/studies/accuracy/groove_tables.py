@@ -9,7 +9,8 @@ import xarray as xr
 from bearingwear.model.worn_outputs import REQUIRED
 from bearingwear.results.units import digits, span
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.accuracy.factor_table import (
+from bearingwear.studies.dataset import loaded
+from workflow.studies.accuracy.factor_table import (
     ERROR,
     FACTOR,
     TIME_FACTOR,
@@ -19,10 +20,9 @@ from bearingwear.studies.accuracy.factor_table import (
     table_differences,
     tables_text,
 )
-from bearingwear.studies.accuracy.marked import MarkedPart
-from bearingwear.studies.accuracy.plan import AccuracyPlan
-from bearingwear.studies.accuracy.points import names, points_where
-from bearingwear.studies.dataset import loaded
+from workflow.studies.accuracy.marked import MarkedPart
+from workflow.studies.accuracy.plan import AccuracyPlan
+from workflow.studies.accuracy.points import names, points_where
 
 _PART = MarkedPart("grooves")
 _RATIOS = (("life", FACTOR), ("end_qv", FACTOR), ("life_processor_time", TIME_FACTOR))

@@ -8,7 +8,8 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.accuracy.factor_table import (
+from bearingwear.studies.dataset import loaded
+from workflow.studies.accuracy.factor_table import (
     FACTOR,
     TIME_FACTOR,
     FactorTable,
@@ -16,10 +17,9 @@ from bearingwear.studies.accuracy.factor_table import (
     table_differences,
     tables_text,
 )
-from bearingwear.studies.accuracy.marked import MarkedPart
-from bearingwear.studies.accuracy.plan import AccuracyPlan
-from bearingwear.studies.accuracy.points import names, points_where
-from bearingwear.studies.dataset import loaded
+from workflow.studies.accuracy.marked import MarkedPart
+from workflow.studies.accuracy.plan import AccuracyPlan
+from workflow.studies.accuracy.points import names, points_where
 
 _PART = MarkedPart("effects")
 EFFECT_COLUMNS = {

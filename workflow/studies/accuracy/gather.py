@@ -9,8 +9,8 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.studies.accuracy.plan import FIRST
-from bearingwear.studies.accuracy.quantities import QUANTITIES
+from workflow.studies.accuracy.plan import FIRST
+from workflow.studies.accuracy.quantities import QUANTITIES
 
 _SHARED = ("source_hash", "package_version", "numpy_version", "numba_version")
 
@@ -21,7 +21,7 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
     Parameters
     ----------
     paths : iterable of path
-        Files of `bearingwear.studies.accuracy.run.sweep`, references among them.
+        Files of `workflow.studies.accuracy.run.sweep`, references among them.
 
     Returns
     -------

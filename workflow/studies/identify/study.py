@@ -10,8 +10,8 @@ from dataclasses import asdict
 from typing import Any
 
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.identify.plan import IdentifyPlan
 from bearingwear.studies.protocol import Step, Study
+from workflow.studies.identify.plan import IdentifyPlan
 
 _PLAN = "config/identify.yaml"
 _RUN = "studies.identify"
@@ -20,7 +20,7 @@ _CANDIDATES = f"{_FOLDER}/candidates.nc"
 _FIGURE = (f"{_FOLDER}/figures/candidates.svg", f"{_FOLDER}/figures/candidates.png")
 _TABLE = f"{_FOLDER}/tables/candidates.md"
 
-PLOTS = {"candidates": "bearingwear.studies.identify.figures:ridge_and_lives"}
+PLOTS = {"candidates": "workflow.studies.identify.figures:ridge_and_lives"}
 """What `bearingwear plot` draws of the kinds of files that this study makes."""
 
 

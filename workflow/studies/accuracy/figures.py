@@ -12,9 +12,9 @@ from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure, percent_in_text
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.studies.accuracy.groove_figure import grooves_figure
-from bearingwear.studies.accuracy.points import names, points_where
 from bearingwear.studies.dataset import loaded
+from workflow.studies.accuracy.groove_figure import grooves_figure
+from workflow.studies.accuracy.points import names, points_where
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
 

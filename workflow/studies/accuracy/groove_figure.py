@@ -9,9 +9,9 @@ from matplotlib.ticker import LogLocator
 from bearingwear.model.worn_outputs import REQUIRED
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
 from bearingwear.results.units import span
-from bearingwear.studies.accuracy.groove_tables import against_finest, by_end
-from bearingwear.studies.accuracy.plan import CELL_COUNTS
-from bearingwear.studies.accuracy.points import names, points_where
+from workflow.studies.accuracy.groove_tables import against_finest, by_end
+from workflow.studies.accuracy.plan import CELL_COUNTS
+from workflow.studies.accuracy.points import names, points_where
 
 _SWEEPS = (("grooves_spring", "cells_spring"), ("grooves_held", "cells_held"))
 _TITLES = ("constant force", "fixed position")

@@ -13,9 +13,9 @@ from bearingwear.model.steady import ThrustProblem, steady_values
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import COUNTS
-from bearingwear.studies.robustness.draw import bare, with_values
-from bearingwear.studies.robustness.plan import KeyAxis
-from bearingwear.studies.robustness.run import attributes
+from workflow.studies.robustness.draw import bare, with_values
+from workflow.studies.robustness.plan import KeyAxis
+from workflow.studies.robustness.run import attributes
 
 BRANCH_WAYS = ("up", "down", "anew")
 _QUANTITIES = (
