@@ -9,7 +9,7 @@ import yaml
 from support import ROOT
 
 from bearingwear import studies
-from bearingwear.studies import run_step
+from bearingwear.studies import module_name, run_step
 from bearingwear.studies.design import recommend
 
 
@@ -63,7 +63,7 @@ def test_steps_are_called_as_their_functions_are(made):
     called = set()
     for step, wildcards in jobs_behind(made):
         module, _, name = step.run.rpartition(".")
-        function = getattr(importlib.import_module(f"bearingwear.{module}"), name)
+        function = getattr(importlib.import_module(module_name(module)), name)
         try:
             inspect.signature(function).bind(**step.files(wildcards), **step.given(wildcards))
         except TypeError as error:
