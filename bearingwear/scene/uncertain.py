@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,6 +42,9 @@ the others scatter from bearing to bearing."""
 WORN = ("brinell_hardness_GPa", "wear_coefficient", "wear_scatter")
 """Those of them that scale all wear. Hardness and wear coefficient are those of the races; those
 of balls and films change in proportion."""
+
+FRICTION_KEYS = ("ball_race", "shear_strength_MPa")
+"""Those of them that a torque tells of: the coefficient, or the shear strength of a film."""
 
 PARAMETERS = {
     "normal": (("standard_deviation",), ("mean",)),
@@ -105,11 +109,29 @@ class Distribution:
             "hardness, wear coefficient, friction and drag), or scatters from bearing to bearing"
         ),
     ] = None
+    friction_correlation: Annotated[
+        float | None,
+        Key(
+            "Correlation of the wear coefficient with the uncertain friction, of their logarithms "
+            "where both are lognormal (none if left out)",
+            "1",
+            "(-1, 1)",
+        ),
+    ] = None
 
 
 def is_same_for_batch(name: str, given: Distribution) -> bool:
     """Whether an uncertain value is one unknown number for all bearings of a batch."""
     return name in SAME_FOR_BATCH if given.same_for_batch is None else given.same_for_batch
+
+
+def friction_correlation(given: Mapping[str, Distribution]) -> tuple[str, float]:
+    """The uncertain friction, empty without one, and how the wear coefficient goes with it."""
+    wear = given.get("wear_coefficient")
+    return (
+        next((name for name in FRICTION_KEYS if name in given), ""),
+        (wear and wear.friction_correlation) or 0.0,
+    )
 
 
 def nominal_value(scene: Scene, name: str) -> float:
@@ -166,3 +188,21 @@ def check_uncertainty(scene: Scene) -> None:
             raise SceneError(
                 f"{key}.high", f"got {given.high:g}, expected a number > {given.low:g}", (key,)
             )
+        if given.friction_correlation is not None:
+            _check_correlation(scene, name, given.friction_correlation)
+
+
+def _check_correlation(scene: Scene, name: str, value: float) -> None:
+    """Refuse a correlation of what is no wear coefficient, or with what is not alike uncertain."""
+    given = scene.uncertainty or {}
+    friction, _ = friction_correlation(given)
+    problem = ""
+    if name != "wear_coefficient":
+        problem = "only allowed with uncertainty.wear_coefficient"
+    elif not friction:
+        problem = f"only allowed with uncertainty.{' or uncertainty.'.join(FRICTION_KEYS)}"
+    elif len({is_same_for_batch(n, given[n]) for n in (name, friction)}) > 1:
+        problem = f"expected the same same_for_batch of wear_coefficient and {friction}"
+    if problem:
+        key = f"uncertainty.{name}"
+        raise SceneError(f"{key}.friction_correlation", f"got {value:g}, {problem}", (key,))

@@ -6,7 +6,6 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -20,7 +19,7 @@ from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
-from bearingwear.studies.uncertainty.sample import lives, value_at, wear_factor
+from bearingwear.studies.uncertainty.sample import lives, values_at, wear_factor
 
 PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
 """Of quantiles over the bearings of a batch."""
@@ -69,9 +68,10 @@ def batch_quantiles(
     unknown = [name for name in names_of(scene, True) if name not in WORN]
     scatter = names_of(scene, False)
     batches, bearings = sizes(plan.samples)
-    outer = sobol_values(scene, unknown, batches, plan.seed)
-    inner = sobol_values(scene, scatter, bearings, plan.seed + 1)
-    wear = sobol_values(scene, fixed, WEAR_DRAWS, plan.seed + 2)
+    of_batches = _probabilities(len(unknown), batches, plan.seed)
+    of_wear = _probabilities(len(fixed), WEAR_DRAWS, plan.seed + 2)
+    outer = values_at(scene, unknown, of_batches)
+    inner = values_at(scene, scatter, _probabilities(len(scatter), bearings, plan.seed + 1))
     values = {name: np.full((len(outer), len(inner)), scene.nominal(name)) for name in fixed}
     values |= {name: np.tile(outer[:, [k]], len(inner)) for k, name in enumerate(unknown)}
     values |= {name: np.tile(inner[:, k], (len(outer), 1)) for k, name in enumerate(scatter)}
@@ -79,7 +79,12 @@ def batch_quantiles(
     found = lives(scene, rows, workers, tell)
     hours = np.where((found.status == OK)[:, None], found.life, np.nan) * HOURS_PER_SECOND
     hours = hours.reshape(len(outer), len(inner), -1)
-    return quantiles_with_error(hours, wear_factor(scene, fixed, wear), plan.seed)
+    factor = []
+    for one in of_batches:
+        both = np.column_stack([np.tile(one, (len(of_wear), 1)), of_wear])
+        worn = values_at(scene, [*unknown, *fixed], both)[:, len(unknown) :]
+        factor.append(wear_factor(scene, fixed, worn))
+    return quantiles_with_error(hours, np.array(factor), plan.seed)
 
 
 def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> BatchQuantiles:
@@ -92,40 +97,34 @@ def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> Ba
     ----------
     hours : ndarray
         NaN where a life was not solved.
-    factor : ndarray (draws,)
+    factor : ndarray (draws,) or (batches, draws)
         Of the lives of a batch, which has each of them.
     seed : int
     """
-    solved = hours[np.isfinite(hours).any(axis=(1, 2))]
+    some = np.isfinite(hours).any(axis=(1, 2))
+    solved = hours[some]
+    factor = np.broadcast_to(factor, (len(hours), np.shape(factor)[-1]))[some]
     if not len(solved):
         nothing = np.full((len(BATCH_PROBABILITIES), len(PROBABILITIES), 2), np.nan)
         return BatchQuantiles(nothing, nothing)
     random, (batches, bearings) = np.random.default_rng(seed), solved.shape[:2]
-    copies = [
-        _of_lives(
-            solved[
-                random.integers(batches, size=(batches, 1)),
-                random.integers(bearings, size=bearings),
-            ],
-            factor,
-        )
-        for _ in range(RESAMPLED)
-    ]
+    copies = []
+    for _ in range(RESAMPLED):
+        batch = random.integers(batches, size=(batches, 1))
+        bearing = random.integers(bearings, size=bearings)
+        copies.append(_of_lives(solved[batch, bearing], factor[batch[:, 0]]))
     ends = np.nanquantile(copies, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0)
     return BatchQuantiles(_of_lives(solved, factor), 0.5 * (ends[1] - ends[0]))
 
 
 def _of_lives(hours: np.ndarray, factor: np.ndarray) -> np.ndarray:
-    """Quantiles over bearings (the second axis), and of these over batches and factors."""
+    """Quantiles over bearings (the second axis), and of these over batches and their factors."""
     over = np.nanquantile if np.isnan(hours).any() else np.quantile
     of_each = over(hours, PROBABILITIES, axis=1)  # (probability, batch, 2)
-    every = (of_each[:, :, None] * factor[:, None]).reshape(len(PROBABILITIES), -1, 2)
+    every = (of_each[:, :, None] * factor[..., None]).reshape(len(PROBABILITIES), -1, 2)
     return over(every, BATCH_PROBABILITIES, axis=1)
 
 
-def sobol_values(scene: Scene, names: Sequence[str], count: int, seed: int) -> np.ndarray:
-    """Values (count, values) of a scrambled Sobol sequence; a single empty row without any."""
-    if not names:
-        return np.empty((1, 0))
-    unit = qmc.Sobol(len(names), seed=seed).random(count)
-    return np.stack([value_at(scene, name, unit[:, k]) for k, name in enumerate(names)], axis=-1)
+def _probabilities(values: int, count: int, seed: int) -> np.ndarray:
+    """A scrambled Sobol sequence (count, values); a single empty row without any values."""
+    return qmc.Sobol(values, seed=seed).random(count) if values else np.empty((1, 0))

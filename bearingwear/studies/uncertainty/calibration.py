@@ -32,7 +32,7 @@ from bearingwear.scene.read import for_life
 from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
 from bearingwear.scene.strict_yaml import yaml_of
-from bearingwear.scene.uncertain import is_same_for_batch
+from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
@@ -42,13 +42,11 @@ from bearingwear.studies.uncertainty.posterior import (
     Normal,
     Observation,
     Posterior,
+    Prior,
     posterior,
     probabilities,
 )
 from bearingwear.studies.uncertainty.sample import lives, value_at
-
-FRICTION_KEYS = ("ball_race", "shear_strength_MPa")
-"""What torque tells of: the coefficient, or the shear strength of a film."""
 
 _NODES, _CHECKED = 9, 4
 """Points over ln mu at which lives are solved: for the interpolation, and to see its error."""
@@ -58,6 +56,8 @@ _SPAN = 3.0
 
 _SAMPLES = 32
 """Lives of the sample that shows how they scatter within a batch."""
+
+_CLOSEST = 0.99999  # largest correlation that is carried
 
 _NONE = -60.0  # logarithm of a life that is over when new
 
@@ -143,13 +143,13 @@ def calibrated(
     digest = hashlib.sha256(Path(tests).read_bytes()).hexdigest()
     if scene.calibrated and scene.calibrated.sha256 == digest:
         raise CaseFileError(f"{tests}: got the tests that the scene was calibrated by, not others")
-    x, y = _prior(scene, friction)
+    prior = _prior(scene, friction)
     if any(test.seen == SEEN_TORQUE for test in found) and not friction:
         row = next(test.row for test in found if test.seen == SEEN_TORQUE)
         key = FRICTION_KEYS[scene.friction.film is not None]
         problem = f"got it without uncertainty.{key} in the scene, which it tells of"
         raise CaseFileError(f"{tests}: row {row}: {SEEN_TORQUE}: {problem}")
-    curve = cache(partial(_curve, x=x, friction=friction, workers=workers, tell=tell))
+    curve = cache(partial(_curve, x=prior.x, friction=friction, workers=workers, tell=tell))
     own = _found(curve, scene, False, scene.name)
     rows = [f"{tests}: row {test.row}" for test in found]
     curves = [
@@ -157,20 +157,20 @@ def calibrated(
         for test, row in zip(found, rows, strict=True)
     ]
     seen = [_observation(*one) for one in zip(found, curves, rows, strict=True)]
-    before, after = posterior(x, y, []), posterior(x, y, seen)
+    before, after = posterior(prior, []), posterior(prior, seen)
     by = Calibrated(tests=os.path.basename(tests), sha256=digest, rows=len(found))
     new = _carried(scene, friction, after, by)
     data = calibration_dataset(
         scene=new,
         unit=_wear_of(scene),
-        priors=(x, y),
+        prior=prior,
         stages=(before, after),
         life=own.model,
         scatter=own.scatter,
         error=max([own.error, *(one.error for one in curves)]),
         tests=found,
         seen=seen,
-        probabilities=probabilities(x, y, seen),
+        probabilities=probabilities(prior, seen),
     )
     return Calibration(new, data)
 
@@ -196,7 +196,7 @@ def _checked(scene: Scene) -> str:
     return next(names, "")
 
 
-def _prior(scene: Scene, friction: str) -> tuple[Normal, Normal]:
+def _prior(scene: Scene, friction: str) -> Prior:
     """Of ln mu, and of ln K_s/H over that of the scene, of a batch."""
     x = Normal(0.0, 0.0)
     if friction:
@@ -204,7 +204,10 @@ def _prior(scene: Scene, friction: str) -> tuple[Normal, Normal]:
     elif scene.friction.ball_race:
         x = Normal(math.log(scene.friction.ball_race), 0.0)
     y = _worn(scene, of_batch=True)
-    return x, y
+    _, rho = friction_correlation(scene.uncertainty or {})
+    # hardness is part of y, and goes with nothing
+    share = _log_normal(scene, "wear_coefficient").deviation / y.deviation
+    return Prior(x, y, rho * share if friction else 0.0)
 
 
 def _log_normal(scene: Scene, name: str) -> Normal:
@@ -352,10 +355,12 @@ def _carried(scene: Scene, friction: str, after: Posterior, by: Calibrated) -> S
     for name in (n for n in WORN if n in spread and is_same_for_batch(n, spread[n])):
         del spread[name]
 
-    def remaining(deviation: float) -> Distribution:
-        return Distribution(distribution="lognormal", factor=_rounded(math.exp(deviation)))
+    def remaining(deviation: float, rho: float | None = None) -> Distribution:
+        factor = _rounded(math.exp(deviation))
+        return Distribution(distribution="lognormal", factor=factor, friction_correlation=rho)
 
-    spread["wear_coefficient"] = remaining(y.deviation)
+    rho = max(-_CLOSEST, min(_CLOSEST, _rounded(after.correlation()))) if friction else None
+    spread["wear_coefficient"] = remaining(y.deviation, rho)
     found = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = remaining(x.deviation)

@@ -15,7 +15,13 @@ from bearingwear.scene.calibrated import SEEN, SEEN_TORQUE
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest
-from bearingwear.studies.uncertainty.posterior import LogModel, Normal, Observation, Posterior
+from bearingwear.studies.uncertainty.posterior import (
+    LogModel,
+    Normal,
+    Observation,
+    Posterior,
+    Prior,
+)
 
 CALIBRATION_KIND = "calibration"
 STAGES = ("before", "after")
@@ -73,7 +79,7 @@ def calibration_dataset(
     *,
     scene: Scene,
     unit: float,
-    priors: tuple[Normal, Normal],
+    prior: Prior,
     stages: tuple[Posterior, Posterior],
     life: LogModel,
     scatter: float,
@@ -90,8 +96,7 @@ def calibration_dataset(
         As calibrated.
     unit : float
         K_s/H of the scene before [m2/N].
-    priors : pair of Normal
-        Of x and y, before.
+    prior : Prior
     stages : pair of Posterior
         Before and after.
     life : callable
@@ -101,7 +106,6 @@ def calibration_dataset(
     tests, seen, probabilities : sequence
         Of each test.
     """
-    x, y = priors
     found = _of_stages(unit, stages, life, scatter)
     found |= {"interpolation_error": error} | _of_tests(tests, seen, probabilities, stages[0])
     normal = [(one.normal("x"), one.normal("y")) for one in stages]
@@ -111,14 +115,14 @@ def calibration_dataset(
     found["failed_share"] = [
         [one.failed_share(life, t, scatter) for t in axes["hours"]] for one in stages
     ]
-    if x.deviation:
+    if prior.x.deviation:
         axes["friction"] = np.exp(x_axis)
         found["friction_density"] = [
             _marginal(one.x, one.shares.sum(axis=1), x_axis) for one in stages
         ]
     moved = [
-        (after.mean - prior.mean) / prior.deviation if prior.deviation else 0.0
-        for prior, after in zip((x, y), normal[1], strict=True)
+        (after.mean - before.mean) / before.deviation if before.deviation else 0.0
+        for before, after in zip(prior[:2], normal[1], strict=True)
     ]
     return filled(
         {name: one for name, one in CALIBRATION_VARIABLES.items() if name in found},

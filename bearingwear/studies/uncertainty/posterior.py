@@ -39,6 +39,23 @@ class Normal(NamedTuple):
     deviation: float
 
 
+class Prior(NamedTuple):
+    """Of x and y before the tests."""
+
+    x: Normal
+    y: Normal
+    correlation: float = 0.0
+
+    def log_density(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """On a grid (x, y), but for a constant."""
+        u, v = (
+            (values - one.mean) / one.deviation if one.deviation else 0.0 * values
+            for one, values in ((self.x, x[:, None]), (self.y, y[None, :]))
+        )
+        rho = self.correlation
+        return -0.5 * (u * u - 2.0 * rho * u * v + v * v) / (1.0 - rho * rho)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Observation:
     """The logarithm of what was seen of one or several bearings.
@@ -113,13 +130,13 @@ class Posterior:
         mean = self.mean(of)
         return Normal(mean, float(np.sqrt(max(self.mean((of - mean) ** 2), 0.0))))
 
-    def slope(self) -> float:
-        """How y goes with x in it: covariance over the variance of x."""
+    def correlation(self) -> float:
+        """Of x and y; zero where one of them is known."""
         x, y = self.normal("x"), self.normal("y")
-        if x.deviation == 0.0:
+        if 0.0 in (x.deviation, y.deviation):
             return 0.0
         product = (self.x[:, None] - x.mean) * (self.y[None, :] - y.mean)
-        return self.mean(product) / x.deviation**2
+        return self.mean(product) / (x.deviation * y.deviation)
 
     def below(self, model: LogModel, value: float) -> float:
         """Probability that the life of the median bearing, m(x) - y, is below exp(value)."""
@@ -172,16 +189,19 @@ class Posterior:
         return above if test.censored else 2.0 * min(above, 1.0 - above)
 
 
-def posterior(x: Normal, y: Normal, tests: Sequence[Observation]) -> Posterior:
+def posterior(prior: Prior, tests: Sequence[Observation]) -> Posterior:
     """The posterior of x and y, normal before the tests.
 
     The first grid spans what is possible before the tests; a second one what is possible after.
     """
+    x, y, _ = prior
     least = min((t.scatter for t in tests), default=y.deviation) if y.deviation else 1.0
     fine = int(2.0 * _WIDE * y.deviation / (_SPACING * least)) + 1
     grids = _axis(x, _WIDE, _FRICTIONS), _axis(y, _WIDE, max(_WEARS, fine))
     for _ in range(2):
-        log = _log_density(x, y, tests, *grids)
+        log = prior.log_density(*grids)
+        for test in tests:
+            log = log + test.count * test.log_likelihood(*grids)
         density = np.exp(log - log.max())
         found = Posterior(*grids, _normalised(density, grids[1]))
         grids = (
@@ -191,14 +211,14 @@ def posterior(x: Normal, y: Normal, tests: Sequence[Observation]) -> Posterior:
     return found
 
 
-def probabilities(x: Normal, y: Normal, tests: Sequence[Observation]) -> list[float]:
+def probabilities(prior: Prior, tests: Sequence[Observation]) -> list[float]:
     """Of each test, `Posterior.probability` of its bearing where the others alone are known."""
     found = []
     for k, test in enumerate(tests):
         rest = [*tests[:k], *tests[k + 1 :]]
         if test.count > 1:
             rest.append(replace(test, count=test.count - 1))
-        found.append(posterior(x, y, rest).probability(test))
+        found.append(posterior(prior, rest).probability(test))
     return found
 
 
@@ -207,18 +227,6 @@ def _axis(of: Normal, wide: float, points: int) -> np.ndarray:
     if half == 0.0:
         return np.array([of.mean])
     return np.linspace(of.mean - half, of.mean + half, points)
-
-
-def _log_density(
-    x: Normal, y: Normal, tests: Sequence[Observation], at_x: np.ndarray, at_y: np.ndarray
-) -> np.ndarray:
-    log = np.zeros((len(at_x), len(at_y)))
-    for one, values in ((x, at_x[:, None]), (y, at_y[None, :])):
-        if one.deviation > 0.0:
-            log = log - 0.5 * ((values - one.mean) / one.deviation) ** 2
-    for test in tests:
-        log = log + test.count * test.log_likelihood(at_x, at_y)
-    return log
 
 
 def _normalised(density: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +24,7 @@ from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, tab
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, key_of_scene
-from bearingwear.scene.uncertain import uncertain_key
+from bearingwear.scene.uncertain import friction_correlation, uncertain_key
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
 from bearingwear.studies.pool import Tell, told_in_lines
@@ -71,6 +72,21 @@ def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
     return found.ppf(below + (upto - below) * np.asarray(probability))
 
 
+def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
+    """Values (n, names) of uncertain values at independent probabilities (n, names).
+
+    A wear coefficient that goes with friction takes of its own what friction leaves open.
+    """
+    friction, rho = friction_correlation(scene.uncertainty or {})
+    if rho and {friction, "wear_coefficient"} <= set(names):
+        mu, wear = names.index(friction), names.index("wear_coefficient")
+        deviate = stats.norm.ppf(probability[:, [mu, wear]]) @ (rho, math.sqrt(1.0 - rho * rho))
+        probability = probability.copy()
+        probability[:, wear] = stats.norm.cdf(deviate)
+    columns = [value_at(scene, name, probability[:, k]) for k, name in enumerate(names)]
+    return np.stack(columns, axis=-1) if columns else probability
+
+
 def problem(scene: Scene) -> dict[str, Any]:
     """The uncertain values as SALib takes them, by their probabilities."""
     names = list(scene.uncertainty or {})
@@ -84,8 +100,7 @@ def sample(scene: Scene, plan: Sampling) -> np.ndarray:
     """
     of = problem(scene)
     unit = sobol_sample.sample(of, plan.samples, calc_second_order=False, seed=plan.seed)
-    columns = [value_at(scene, name, unit[:, k]) for k, name in enumerate(of["names"])]
-    return np.stack(columns, axis=-1).reshape(plan.samples, -1, of["num_vars"])
+    return values_at(scene, of["names"], unit).reshape(plan.samples, -1, of["num_vars"])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,9 +18,11 @@ from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
+from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.calibration import calibrated
 from bearingwear.studies.uncertainty.calibration_tests import bearing_tests
 from bearingwear.studies.uncertainty.perturbed import perturbed
+from bearingwear.studies.uncertainty.quantiles import own_quantiles
 
 SPREAD = {
     "wear_coefficient": {"distribution": "lognormal", "factor": 3.0},
@@ -185,6 +187,40 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     assert (tmp_path / "b.yaml").read_bytes() == out.read_bytes()
     assert (tmp_path / "b.nc").read_bytes() == (tmp_path / "calibrated.nc").read_bytes()
     bearingwear.plot(data)
+
+
+def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
+    """Where friction decides a life, lives tell K_s/H and friction together alone.
+
+    The sampled quantiles of the calibrated scene are those of the posterior, within the confidence
+    intervals of the sample; without the correlation they are far outside.
+    """
+    settings = ["friction.ball_race=0.06", "model.contact=paper"]
+    plain = load_scene(scene_file("bearing218"), settings).to_dict()
+    path = written(tmp_path, "life_h", "0.11", "0.13", "0.10", "0.12")
+    found = calibrated(scene_from_dict(plain | {"uncertainty": SPREAD}), path)
+    given = found.scene.uncertainty["wear_coefficient"]
+    assert 0.8 < given.friction_correlation < 0.9
+    alone = dict(found.scene.uncertainty) | {
+        "wear_coefficient": replace(given, friction_correlation=None)
+    }
+    widths, plan = [], Sampling(samples=256, chunks=1, seed=1)
+    own = found.data.isel(stage=1)
+    for scene in (found.scene, replace(found.scene, uncertainty=alone)):
+        one = own_quantiles(scene, ["constant_force"], plan).isel(
+            preload_method=0, preload_choice=0, loss_basis=1
+        )
+        of_all = one.isel(uncertain_inputs=0)
+        inside = [
+            float(of_all.life_quantile_low.sel(probability=p))
+            < float(own.life_quantile.sel(probability=p))
+            < float(of_all.life_quantile_high.sel(probability=p))
+            for p in (0.05, 0.1, 0.5, 0.95)
+        ]
+        miss = one.batch_life_quantile.sel(probability=0.1) - own.batch_life_quantile
+        sure = one.batch_life_quantile_error.sel(probability=0.1)
+        widths.append((all(inside), bool((abs(miss) < sure).all())))
+    assert widths == [(True, True), (False, False)]
 
 
 def test_a_conflict_is_said(tmp_path, capsys):

@@ -10,6 +10,7 @@ from scipy.stats import norm
 from bearingwear.studies.uncertainty.posterior import (
     Normal,
     Observation,
+    Prior,
     posterior,
     probabilities,
 )
@@ -48,7 +49,7 @@ def test_seven_lives_of_the_handbook():
     assert_allclose([scatter, middle, deviation], [0.57121, 19.83775, 0.198042], rtol=2e-6)
     model = constant(math.exp(middle))
     tests = [seen(life, model, scatter) for life in SHORT + LONG]
-    found = posterior(KNOWN, Normal(0.0, deviation), tests).normal("y")
+    found = posterior(Prior(KNOWN, Normal(0.0, deviation)), tests).normal("y")
     assert_allclose([middle - found.mean, found.deviation], [19.71927, 0.145942], rtol=4e-6)
     # its conjugate closed form
     precise = 1.0 / deviation**2 + 7.0 / scatter**2
@@ -62,14 +63,14 @@ def test_run_outs_of_the_handbook():
     model = constant(math.exp(middle))
     tests = [seen(life, model, scatter) for life in SHORT]
     tests.append(seen(5.1e8, model, scatter, censored=True, count=17))
-    found = posterior(KNOWN, Normal(0.0, deviation), tests).normal("y")
+    found = posterior(Prior(KNOWN, Normal(0.0, deviation)), tests).normal("y")
     assert_allclose([middle - found.mean, found.deviation], [20.23302, 0.125269], rtol=4e-6)
 
 
 def test_two_lives_by_dense_quadrature():
     """ln K ~ N(0, 1), lives 100/K exp(0.3 e) h, of which 40 and 55 h were seen."""
     model = constant(100.0)
-    found = posterior(KNOWN, Normal(0.0, 1.0), [seen(t, model, 0.3) for t in (40.0, 55.0)])
+    found = posterior(Prior(KNOWN, Normal(0.0, 1.0)), [seen(t, model, 0.3) for t in (40.0, 55.0)])
     K = np.exp(found.y)[None]
     mean = found.mean(K)
     assert_allclose(mean, 2.10853655, rtol=5e-9)
@@ -87,7 +88,7 @@ def test_friction_and_wear_together_are_normal():
         seen(7.0, lambda x: 2.0 * x + 7.0, 0.3, count=2),
         seen(0.011, lambda x: x - 2.0, 0.1, of_wear=False),
     ]
-    found = posterior(x, y, tests)
+    found = posterior(Prior(x, y), tests)
     design = np.array([[2.0, -1.0], [2.0, -1.0], [1.0, 0.0]])
     weight = np.diag([0.3**-2, 0.3**-2, 0.1**-2])
     prior = np.diag([0.2**-2, 1.1**-2])
@@ -96,7 +97,15 @@ def test_friction_and_wear_together_are_normal():
     mean = covariance @ (prior @ [x.mean, y.mean] + design.T @ weight @ seen_less)
     assert_allclose(found.normal("x"), [mean[0], covariance[0, 0] ** 0.5], rtol=1e-6)
     assert_allclose(found.normal("y"), [mean[1], covariance[1, 1] ** 0.5], rtol=1e-6)
-    assert_allclose(found.slope(), covariance[0, 1] / covariance[0, 0], rtol=1e-6)
+    rho = covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1])
+    assert_allclose(found.correlation(), rho, rtol=1e-6)
+    # what the first tests leave, with its correlation, is what the last one starts from
+    for first, last in ((tests[:1], tests[1:]), (tests[1:], tests[:1])):
+        half = posterior(Prior(x, y), first)
+        both = posterior(Prior(half.normal("x"), half.normal("y"), half.correlation()), last)
+        for axis in "xy":
+            assert_allclose(both.normal(axis), found.normal(axis), rtol=1e-6)
+        assert_allclose(both.correlation(), rho, rtol=1e-6)
     # the life of another bearing is lognormal
     deviation = math.sqrt(np.array([2.0, -1.0]) @ covariance @ [2.0, -1.0] + 0.3**2)
     middle = 2.0 * mean[0] + 7.0 - mean[1]
@@ -118,7 +127,7 @@ def test_intervals_cover_what_they_say(censored):
         tests = [
             seen(min(life, stop), model, scatter, censored=bool(life > stop)) for life in lives[:3]
         ]
-        found = posterior(KNOWN, prior, tests)
+        found = posterior(Prior(KNOWN, prior), tests)
         low, high = (found.median_quantile(model, p) for p in (0.05, 0.95))
         inside["batch"] += low < 100.0 / K < high
         low, high = (found.quantile(model, p, scatter) for p in (0.05, 0.95))
@@ -130,12 +139,12 @@ def test_intervals_cover_what_they_say(censored):
 def test_tests_that_disagree_are_unlikely():
     prior, model = Normal(0.0, 1.1), constant(100.0)
     agree = [seen(t, model, 0.3) for t in (90.0, 110.0)]
-    assert min(probabilities(KNOWN, prior, agree)) > 0.1
+    assert min(probabilities(Prior(KNOWN, prior), agree)) > 0.1
     # with one another, and with the prior: each alone
-    assert probabilities(KNOWN, prior, [*agree, seen(1000.0, model, 0.3)])[2] < 1e-6
-    (far,) = probabilities(KNOWN, prior, [seen(100.0 * math.exp(4.0), model, 0.3)])
+    assert probabilities(Prior(KNOWN, prior), [*agree, seen(1000.0, model, 0.3)])[2] < 1e-6
+    (far,) = probabilities(Prior(KNOWN, prior), [seen(100.0 * math.exp(4.0), model, 0.3)])
     assert_allclose(far, 2.0 * norm.sf(4.0 / math.hypot(1.1, 0.3)), rtol=1e-6)
-    (long,) = probabilities(KNOWN, prior, [seen(1e4, model, 0.3, censored=True)])
+    (long,) = probabilities(Prior(KNOWN, prior), [seen(1e4, model, 0.3, censored=True)])
     assert_allclose(long, norm.sf(math.log(100.0) / math.hypot(1.1, 0.3)), rtol=1e-6)
 
 
@@ -146,7 +155,7 @@ def test_two_lives_shrink_the_interval_as_theory_has_it():
     ends = [-1.6448536, 1.6448536]
 
     def fold(tests):
-        found = posterior(KNOWN, prior, tests)
+        found = posterior(Prior(KNOWN, prior), tests)
         low, high = (found.median_quantile(model, norm.cdf(z)) for z in ends)
         return high / low
 

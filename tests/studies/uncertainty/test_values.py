@@ -13,10 +13,13 @@ from bearingwear.cli import main
 from bearingwear.model import parameters
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
+from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene
-from bearingwear.studies.uncertainty.sample import value_at
+from bearingwear.studies.uncertainty.sample import sample, value_at
 
+SPREAD = {"distribution": "lognormal", "factor": 1.3}
+GOES_WITH = SPREAD | {"friction_correlation": 0.6}
 PLAN_FILE = ROOT / "config" / "uncertainty.yaml"
 
 
@@ -62,6 +65,16 @@ def test_bad_plan_takes_one_line(tmp_path, key, value, told):
             "ball_race.factor: got 2 with the distribution normal",
         ),
         ({"speed": {"distribution": "uniform", "low": 1.0, "high": 2.0}}, "got the name 'speed'"),
+        ({"wear_coefficient": GOES_WITH}, "friction_correlation: got 0.6, only allowed with"),
+        (
+            {"wear_coefficient": GOES_WITH | {"friction_correlation": 1.0}},
+            "friction_correlation: got 1.0, expected a number > -1",
+        ),
+        ({"ball_race": GOES_WITH}, "only allowed with uncertainty.wear_coefficient"),
+        (
+            {"wear_coefficient": GOES_WITH, "ball_race": SPREAD | {"same_for_batch": False}},
+            "got 0.6, expected the same same_for_batch of wear_coefficient and ball_race",
+        ),
     ],
 )
 def test_bad_uncertainty_takes_one_line(scene, spread, told):
@@ -86,6 +99,21 @@ def test_quantiles_of_the_values(scene):
     assert_allclose(middle[1], 5e-6)
     assert_allclose(middle[2] / middle[1], 3.0**1.2815516)
     assert_allclose(value_at(scene, "brinell_hardness_GPa", p), [6.44, 6.6, 6.76])
+
+
+@pytest.mark.parametrize("rho", [0.6, -0.95])
+def test_wear_goes_with_friction_as_it_is_given(scene, rho):
+    """Correlation of the logarithms, and each distribution as it is without."""
+    spread = {"ball_race": SPREAD, "wear_coefficient": {"distribution": "lognormal", "factor": 3}}
+    alone = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
+    spread["wear_coefficient"]["friction_correlation"] = rho
+    both = scene_from_dict(scene.to_dict() | {"uncertainty": spread})
+    plan = Sampling(samples=4096, chunks=1, seed=1)
+    mu, wear = np.log(sample(both, plan)[:, 0]).T
+    assert_allclose(np.corrcoef(mu, wear)[0, 1], rho, atol=0.002)
+    as_before = np.log(sample(alone, plan)[:, 0])
+    assert (mu == as_before[:, 0]).all()
+    assert_allclose([wear.mean(), wear.std()], [as_before[:, 1].mean(), math.log(3.0)], rtol=2e-3)
 
 
 def test_impossible_values_are_cut_off(scene):
