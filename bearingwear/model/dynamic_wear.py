@@ -15,10 +15,13 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
 from bearingwear.model.dynamic_run import solve_dynamic
+from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.heat import warmed_for, warmth_of
 from bearingwear.model.life import margins
+from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.state import State, case_state
 from bearingwear.model.states_at_loss import in_half_of_pair
+from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
@@ -94,7 +97,20 @@ class DynamicWear:
         )
         if found.status == code.OK:
             found.rates = self.parts.rates(values)
+            found.values["quasistatic_axial_stiffness"] = self.quasistatic(scene)
         return found
+
+    def quasistatic(self, scene: Scene) -> float:
+        """Axial stiffness at some wear, which no run has: steady, or by race control [N/m].
+
+        The steady one where the scene has a steady state but for how the balls have worn.
+        """
+        if asymmetries(self.scene):
+            values, _ = solve_race_control(scene)
+            return float(values.get("quasistatic_axial_stiffness", math.nan))
+        problem = ThrustProblem.of(scene).without_finer
+        case = problem.solve(float(parameters.ball_diameters(scene).mean()))
+        return problem.g.n_balls * case.S_quasistatic if case.status == code.OK else math.nan
 
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
         """A run from a start of its own; with a cage after `life_run_in_turns`.

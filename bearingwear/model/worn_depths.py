@@ -65,6 +65,12 @@ class WornPoint:
     D: float = np.nan  # ball diameter, its even loss taken off [m]
 
 
+def seat_force(g: Geometry, seat: WornSeat) -> float:
+    """Axial force of the inner race on all balls [N]."""
+    inner, across = seat.inner, seat.inner.T + seat.F_i
+    return float(g.n_balls * (inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)))
+
+
 def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
     """A depth over equally spaced places; none is an even one."""
     if not depth.size:

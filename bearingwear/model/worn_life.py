@@ -83,7 +83,7 @@ class WornLife:
     perturbed : int, optional
         Which of `ThrustProblem.perturbed` is solved, instead of the scene's own problem.
     only_times : bool
-        Whether stiffnesses are left at that of the start where nothing ends by them.
+        Whether states have no stiffness where nothing ends by it.
     """
 
     def __init__(
@@ -99,8 +99,9 @@ class WornLife:
         self.solves = 0
         self.before: tuple[Instant, float] | None = None  # the last step: its start and time
         self.pair: Pair | None = None
-        by_stiffness = self.end.system_axial_stiffness_N_um is not None
-        self.stiff = by_stiffness or not only_times
+        self.by_stiffness = self.end.system_axial_stiffness_N_um is not None
+        self.only_times = only_times
+        self._last: Instant | None = None  # solved, not on the way
         self.status = code.OK
         self.sides: tuple[WornSide, ...] = self._pair() if scene.pair else self._single()
 
@@ -148,7 +149,7 @@ class WornLife:
         self.solves += 1
         for side, wear in zip(self.sides, wears, strict=True):
             side.wear = wear
-        shift, stiffness = np.nan, np.nan
+        shift = np.nan
         if self.pair is None:
             states: tuple[SideState, ...] = (self.sides[0].alone(),)
             status = states[0].status
@@ -162,21 +163,43 @@ class WornLife:
             side.bearing.count_from(state.answer)
         if on_the_way:
             return Instant(status, wears, states)
-        if self.stiff:
-            both = zip(self.sides, states, strict=True)
-            states = tuple(side.with_stiffness(state) for side, state in both)
-        if self.pair is not None:
-            stiffness = self.pair.stiffness(*(one.stiffness for one in states))
         made = []
         for side, state in zip(self.sides, states, strict=True):
             one = side.life_state(0.0, state)
             if self.pair is None:
                 one = in_half_of_pair(self.scene, side.mounted, one)
             else:
-                of_both = {"system_axial_stiffness": stiffness, "rotor_axial_shift": shift}
-                one = one.with_values(of_both)
+                one = one.with_values({"rotor_axial_shift": shift})
             made.append(one)
-        return Instant(status, wears, states, tuple(made))
+        self._last = Instant(status, wears, states, tuple(made))
+        if self.by_stiffness:
+            self._last = self.with_stiffness(self._last)
+        return self._last
+
+    def with_stiffness(self, now: Instant) -> Instant:
+        """The instant last solved, with both stiffnesses of its states."""
+        each = zip(self.sides, now.sides, strict=True)
+        sides = tuple(side.with_stiffness(state) for side, state in each)
+        both, made = {}, []
+        if self.pair is not None:
+            both["system_axial_stiffness"] = self.pair.stiffness(*(s.stiffness for s in sides))
+            of_each = (s.quasistatic for s in sides)
+            both["system_quasistatic_axial_stiffness"] = self.pair.stiffness(*of_each)
+        for side, one, state in zip(self.sides, sides, now.states, strict=True):
+            own = {
+                "axial_stiffness": one.stiffness / side.tandem,
+                "quasistatic_axial_stiffness": one.quasistatic / side.tandem,
+            }
+            found = state.with_values(own | both)
+            alone = self.pair is None
+            made.append(in_half_of_pair(self.scene, side.mounted, found) if alone else found)
+        return replace(now, sides=sides, states=tuple(made))
+
+    def kept(self, now: Instant) -> Instant:
+        """An instant that the history keeps, which has its stiffnesses; not if only times count."""
+        if self.by_stiffness or self.only_times or now.status != code.OK:
+            return now
+        return self.with_stiffness(now if now is self._last else self.at(now.wears))
 
     def rates(self, now: Instant) -> Wears:
         """Wear per second of each bearing."""
@@ -228,7 +251,7 @@ class WornLife:
             )
         start = Instant(self.status, ())
         if self.status == code.OK:
-            start = self.at(tuple(side.bearing.unworn() for side in self.sides))
+            start = self.kept(self.at(tuple(side.bearing.unworn() for side in self.sides)))
         if start.status != code.OK:
             return self._nothing(start.status)
         course = _Course([start])
@@ -297,7 +320,7 @@ class WornLife:
                 dt, new = self._end_of(now, rates, dt, k, (before[k], after[k]), new)
                 course.criterion, course.status = k, code.OK
             self.before = now, dt
-            course.instants.append(new)
+            course.instants.append(self.kept(new))
             course.times.append(course.times[-1] + dt)
             far = any(s.loss > most for s, most in zip(new.states, largest, strict=True))
             if met.size or far:

@@ -20,7 +20,7 @@ from bearingwear.model.pair_balance import SideState
 from bearingwear.model.state import State
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.thermal import HeatFlow, warmed
-from bearingwear.model.worn_depths import WornDepths, WornPoint
+from bearingwear.model.worn_depths import WornDepths, WornPoint, seat_force
 from bearingwear.model.worn_films import WornFilms
 from bearingwear.model.worn_states import WornBearing
 from bearingwear.scene.friction import changes_as_it_wears
@@ -70,7 +70,8 @@ class WornSide(SteadySide):
             films=WornFilms.of(scene) if filmed else None,
         )
         self.wear = WornDepths(0.0, np.zeros(0), np.zeros(0))
-        self._stiffness = float(problem.g.n_balls * case.S_xx)
+        n = self.tandem * problem.g.n_balls
+        self._slopes = float(n * case.S_xx), float(n * case.S_quasistatic)
         self._offset: float | None = None  # of the even loss, at the start [m]
         self._ahead = 0.0  # of the last even loss to that of the approaches, over the approaches
         self._states: dict[int, tuple[WornPoint, State]] = {}
@@ -91,8 +92,9 @@ class WornSide(SteadySide):
             return SideState(point.status)
         return SideState(
             status=point.status,
-            force=self.tandem * self.preload(point),
-            stiffness=self.tandem * self._stiffness,
+            force=self.tandem * seat_force(point.problem.g, point.seat),
+            stiffness=self._slopes[0],
+            quasistatic=self._slopes[1],
             place=point.seat.delta_a,
             problem=point.problem,
             answer=point,
@@ -100,9 +102,11 @@ class WornSide(SteadySide):
         )
 
     def with_stiffness(self, state: SideState) -> SideState:
-        """A state with its own stiffness, not that of an earlier one."""
-        self._stiffness = self.bearing.axial_stiffness(state.answer)
-        return replace(state, stiffness=self.tandem * self._stiffness)
+        """The state last solved with stiffnesses of its own, not those of an earlier one."""
+        one = self.bearing.axial_stiffness(state.answer)
+        other = self.bearing.quasistatic_stiffness(state.answer)
+        self._slopes = self.tandem * one, self.tandem * other
+        return replace(state, stiffness=self._slopes[0], quasistatic=self._slopes[1])
 
     def _point(self, problem: ThrustProblem) -> WornPoint:
         """The state of a problem, at the temperatures of its own heat where a network has them."""
@@ -143,7 +147,7 @@ class WornSide(SteadySide):
             self._offset = self.even_loss(point) - self.loss
             return self.loss
         g, held, seat = point.problem.g, point.problem.preload, point.seat
-        preload = self.preload(point)
+        preload = seat_force(g, seat)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
         state = cold_start()
 
@@ -171,20 +175,12 @@ class WornSide(SteadySide):
         self._ahead += (root - guess) / scale
         return root - self._offset
 
-    @staticmethod
-    def preload(point: WornPoint) -> float:
-        """Axial force of all balls on the inner race [N]."""
-        inner, across = point.seat.inner, point.seat.inner.T + point.seat.F_i
-        axial = inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)
-        return float(point.problem.g.n_balls * axial)
-
     def life_state(self, loss: float, state: SideState) -> State:
         """A point as the other lives have it; the rate of loss is not known from it alone."""
         point = state.answer
         known = self._states.get(id(point))
         if known is None or known[0] is not point:
             values = self._values(point) | self._of_films(point)
-            values["axial_stiffness"] = state.stiffness / self.tandem
             known = point, with_warmth(self.scene, state, State(point.status, values))
             self._states[id(point)] = known
         return known[1]
@@ -228,7 +224,7 @@ class WornSide(SteadySide):
         used = friction_used(mu[None], np.array([D]), moment, load[None])
         return {
             "ball_diameter_loss": self.even_loss(point),
-            "residual_preload": self.preload(point),
+            "residual_preload": seat_force(g, point.seat),
             "contact_load": load,
             "contact_angle": alpha,
             "semi_major_axis": np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]),

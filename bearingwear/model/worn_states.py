@@ -3,6 +3,8 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -37,6 +39,7 @@ from bearingwear.model.worn_depths import (
     WornDepths,
     WornPoint,
     depth_spline,
+    seat_force,
     seat_of_case,
     wandering,
 )
@@ -50,6 +53,7 @@ CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where th
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
+NEARBY = 3e-4  # of the force or the approach: the step that a quasi-static stiffness is found with
 _MOST_WIDENINGS = 6
 
 
@@ -159,7 +163,7 @@ class WornBearing:
                 np.copyto(race.pressure, race.cells.fresh)
             self.state.slope.fill(0.0)
             return WornPoint(status, wear, p)
-        self.seat, self.u, self.worn_races = seat, u, races
+        self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
         slip = np.empty((2, 5))
         qv_along = np.empty((2, max(r.x.size for r in races)))
         worn_dissipation(p.g, p.op, D, races, seat, p.rule, work, u, slip, qv_along)
@@ -383,6 +387,27 @@ class WornBearing:
             find_stiffness(g, D, race, sigma, reference, *y, seat.beta, k)
         series = k_i - k_i @ np.linalg.solve(k_i + k_o, k_i)
         return float(g.n_balls * series[0, 0])
+
+    def quasistatic_stiffness(self, point: WornPoint) -> float:
+        """Of all balls, motion and friction following, in the state last solved [N/m].
+
+        By one more state nearby; NaN where there is none.
+        """
+        p, seat, now = point.problem, point.seat, self.reference
+        held, load = p.preload, seat_force(p.g, seat)
+        if held.constant_force:
+            held = held._replace(F_x=(1.0 + NEARBY) * held.F_x)
+        else:
+            way = NEARBY * max(seat.inner.approach, seat.outer.approach)
+            held = held._replace(delta_a=held.delta_a + way)
+        self.reference = self.worn_reference  # as the state was solved
+        work = self._friction_work(p, self.worn_races)
+        near, _ = self._moved(replace(p, preload=held), point.D, self.worn_races, work)
+        self.reference = now
+        if near.status != code.OK:
+            self.state.slope.fill(0.0)
+            return float("nan")
+        return (seat_force(p.g, near) - load) / (near.delta_a - seat.delta_a)
 
     def _widened(self, races: tuple[WornRace, ...]) -> bool:
         """Add cells to contacts that have grown to the ends of theirs."""

@@ -55,8 +55,8 @@ LIFE = table(
         comment="a single bearing is the half of a symmetric pair"),
     Variable("history_system_quasistatic_axial_stiffness", _STEP, "N m-1",
         "quasi-static axial stiffness of the arrangement",
-        comment="a single bearing is the half of a symmetric pair; none in a dynamic life or one "
-        "that follows worn grooves"),
+        comment="a single bearing is the half of a symmetric pair; of a dynamic life that of the "
+        "steady state at its wear, or of race control where balls differ"),
     Variable("history_rotor_axial_shift", _STEP, "m",
         "axial shift of the rotor from where it was mounted",
         comment="a single bearing is the half of a symmetric pair"),

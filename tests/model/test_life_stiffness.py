@@ -1,0 +1,159 @@
+"""Both stiffnesses in every kind of life: slopes, and limits that take the lesser and name it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from model.test_worn_life import scene_of
+from model.test_worn_pair import NETWORK, RIGID
+from support import scene_file
+
+from bearingwear.kernels import status as code
+from bearingwear.model.dynamic_wear import DynamicWear
+from bearingwear.model.life import life
+from bearingwear.model.solve import solve
+from bearingwear.model.worn_depths import seat_force
+from bearingwear.model.worn_life import WornLife
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
+from bearingwear.scene.read import load_scene
+
+DYNAMIC, QUASISTATIC = "axial_stiffness", "quasistatic_axial_stiffness"
+SLOPE = 1e-3  # to which a quasi-static stiffness is that of further solves
+STEP = 1e-4  # of the approach: longer ones pass kinks, where slip reverses at a cell
+LOST = EndOfLife(ball_diameter_loss_um=0.2)
+SYSTEM = "history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness"
+FEW = {"cells": (32, 8), "step": 0.16}
+SPRING = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1")
+LOADED = ("arrangement.external_axial_N=1",)
+
+
+def further_solves(side, now):
+    """Slope of the axial force over the place in two more states beside one [N/m]."""
+    bearing, point, forces = side.bearing, now.points[0], []
+    bearing.reference = bearing.worn_reference
+    step = STEP * max(force.approach for force in bearing.forces(point))
+    for way in (step, -step):
+        held = point.problem.preload._replace(
+            constant_force=False, delta_a=point.seat.delta_a + way
+        )
+        bearing.seat, bearing.u = point.seat, point.u.copy()
+        bearing.state.slope.fill(0.0)  # of other unknowns
+        near = bearing.solve(point.wear, replace(point.problem, preload=held))
+        assert near.status == code.OK
+        forces.append(seat_force(near.problem.g, near.seat))
+    return (forces[0] - forces[1]) / (2.0 * step)
+
+
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+@pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
+@pytest.mark.parametrize("track", ["spread", "bands"])
+def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance, track):
+    scene = scene_of(method, balance=balance, ball_track=track, end_of_life=LOST)
+    course = WornLife(scene, **FEW)
+    (found,) = course.march()
+    assert found.history.status == code.OK
+    now = course.kept(course.at((found.points[-1].wear,)))
+    (side,), (state,) = course.sides, now.states
+    assert state[QUASISTATIC] == pytest.approx(further_solves(side, now), rel=SLOPE)
+    if (method, balance) == ("fixed_position", "with_traction"):
+        assert state[QUASISTATIC] < (1.0 - 10.0 * SLOPE) * state[DYNAMIC]  # not the same thing
+
+
+@pytest.mark.parametrize(
+    ("limit", "lesser", "how"),
+    [
+        (8.8, "dynamic", {"balance": "frictionless", "ball_track": "bands"}),
+        (7.0, "quasi-static", {"balance": "with_traction"}),
+    ],
+    ids=["dynamic", "quasi-static"],
+)
+def test_a_worn_life_ends_at_the_lesser_stiffness_and_names_it(limit, lesser, how):
+    end = EndOfLife(system_axial_stiffness_N_um=limit)
+    ended = life(scene_of("fixed_position", end_of_life=end, **how))
+    assert ended.values["status"] == code.OK
+    last = [ended.values[name][-1] for name in SYSTEM]
+    assert min(last) == pytest.approx(limit * 1e6, rel=SLOPE)
+    assert max(last) > (1.0 + 5.0 * SLOPE) * min(last)
+    assert ("dynamic", "quasi-static")[int(np.argmin(last))] == lesser
+    assert f"{lesser} axial stiffness of the arrangement" in ended.attrs["ended_by"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind"),
+    [
+        ((*RIGID, *LOADED), "rigid"),
+        ((*SPRING, *LOADED), "spring"),
+        ((*RIGID, "arrangement.second={friction.ball_race: 0.05}"), "unlike"),
+        (("operation.preload_method=fixed_position", NETWORK), "warm"),
+        ((*RIGID, *LOADED, NETWORK), "warm pair"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind):
+    """And have both at every state."""
+    end = "wear.end_of_life={preload_fraction: 0.9, ball_diameter_loss_um: 0.1}"
+    one, other = (
+        load_scene(scene_file("gyro_s1"), [f"model.contact={contact}", end, *changes])
+        for contact in ("worn", "hertz")
+    )
+    worn, hertz = (life(replace(scene, cage=None)).values for scene in (one, other))
+    assert worn["status"] == hertz["status"] == code.OK
+    for name in SYSTEM:
+        assert worn[name][0] == pytest.approx(hertz[name][0], rel=1e-3)
+        assert np.isfinite(worn[name]).all()
+
+
+def test_a_life_without_a_limit_on_stiffness_may_leave_it_out():
+    scene = scene_of("fixed_position", balance="with_traction", end_of_life=LOST)
+    (bare,), (told,) = (WornLife(scene, only_times=only, **FEW).march() for only in (True, False))
+    assert np.isnan([state[QUASISTATIC] for state in bare.history.states]).all()
+    assert np.isfinite([state[QUASISTATIC] for state in told.history.states]).all()
+    assert bare.history.times[-1][1] == pytest.approx(told.history.times[-1][1], rel=1e-6)
+
+
+SHORT = ["model.simulated_turns=6", "model.evaluated_turns=3", "model.life_steps=3", "cage=null"]
+FIXED = "operation.preload_method=fixed_position"
+
+
+def dynamic_life(*changes):
+    return life(load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes]), "dynamic")
+
+
+def test_a_dynamic_life_has_the_steady_quasistatic_stiffness():
+    """At the wear of the run, which is the one foretold for its node."""
+    changes = [FIXED, "operation.preload_N=4", "wear.end_of_life={preload_fraction: 0.8}"]
+    scene = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])
+    integrator = DynamicWear(scene)
+    worn = integrator.parts.nothing
+    worn[integrator.parts.layout.diameter] = 0.2e-6
+    node = integrator.evaluate(0.0, worn, None)
+    assert node.status == code.OK
+    loss = "wear.ball_diameter_loss_um=[0.2]"
+    steady = solve(load_scene(scene_file("gyro_s1_hertz"), [*changes, loss]), "steady").values
+    assert integrator.parts.loss(worn) == pytest.approx(0.2e-6, rel=1e-12)
+    assert node.values[QUASISTATIC] == pytest.approx(
+        steady["quasistatic_axial_stiffness"], rel=1e-9
+    )
+    half = integrator.state(node)
+    assert half["system_quasistatic_axial_stiffness"] == pytest.approx(
+        2.0 * node.values[QUASISTATIC], rel=1e-12
+    )
+
+
+def test_a_dynamic_life_ends_at_the_lesser_stiffness_and_names_it():
+    changes = FIXED, "operation.preload_N=4", "wear.end_of_life={system_axial_stiffness_N_um: 4.0}"
+    ended = dynamic_life(*changes)
+    values = ended.values
+    assert CRITERIA[values["end_criterion"]] == "system_axial_stiffness_N_um"
+    dynamic, quasistatic = (values[name][-1] for name in SYSTEM)
+    assert quasistatic == pytest.approx(4e6, rel=2e-3)
+    assert dynamic > 1.05 * quasistatic
+    assert "quasi-static axial stiffness of the arrangement" in ended.attrs["ended_by"]
+
+
+def test_a_dynamic_life_under_radial_load_takes_that_of_race_control():
+    changes = "operation.radial_load_N=[0, 1]", "wear.end_of_life={preload_fraction: 0.98}", FIXED
+    values = dynamic_life(*changes).values
+    start = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])
+    known = solve(start, "race_control").values["quasistatic_axial_stiffness"]
+    assert values[SYSTEM[1]][0] == pytest.approx(2.0 * known, rel=1e-9)
