@@ -131,7 +131,7 @@ def life(
         No life was found; `status` and `message` say why. Or as `solve`.
     """
     checked = for_life(as_scene(scene))
-    from bearingwear.model.life import life as lived
+    from bearingwear.lives.life import life as lived
 
     return _made(lived(checked, fidelity, progress), checked)
 

@@ -126,7 +126,7 @@ def life(args: argparse.Namespace) -> int:
     from bearingwear.scene.read import for_life
 
     scene = for_life(_scene(args), args.scene)
-    from bearingwear.model.life import life as lived
+    from bearingwear.lives.life import life as lived
 
     result = lived(scene, args.fidelity, lambda text: _tell(f"{args.scene}: {text}"))
     return _finish(result, args)

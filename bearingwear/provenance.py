@@ -16,7 +16,7 @@ PACKAGE = Path(__file__).resolve().parent
 SOLVER = (
     "bearingwear.scene.read",
     "bearingwear.model.solve",
-    "bearingwear.model.life",
+    "bearingwear.lives.life",
     "bearingwear.results.netcdf",
     "bearingwear.results.restart",
 )

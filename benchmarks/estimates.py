@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene

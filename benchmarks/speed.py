@@ -19,7 +19,7 @@ import plain_scipy as plain
 import bearingwear
 from bearingwear.kernels.kinematics import INNER_CONTROL
 from bearingwear.kernels.summary import QV
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.race_control import RaceControlProblem, controlled_balance
 from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem

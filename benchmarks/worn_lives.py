@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.plotting.drawing import in_words
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene

@@ -8,7 +8,7 @@ import sys
 
 from support import scene_file
 
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
 

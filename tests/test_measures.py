@@ -12,10 +12,10 @@ from support import scene_file
 
 from bearingwear.arguments import command_parser
 from bearingwear.kernels.status import OK
+from bearingwear.lives.life import margins
 from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
 from bearingwear.model import courses
 from bearingwear.model.criterion import criteria_of_case, end_attribute
-from bearingwear.model.life import margins
 from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.rows import limits_of_rows, marked, row_of

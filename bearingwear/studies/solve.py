@@ -29,7 +29,7 @@ def solved_life(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
     """The wear life of a scene. A failure is reported as by `told`."""
-    from bearingwear.model.life import life
+    from bearingwear.lives.life import life
 
     return told(life(for_life(variant(scene, changes), str(scene)), fidelity, _report), scene)
 

@@ -148,7 +148,7 @@ def _compile(points: Sequence[tuple[Scene, str]]) -> None:
 
 def _solved(jobs: Sequence[Job]) -> xr.Dataset:
     """Some points, along the dimension `point`."""
-    from bearingwear.model.life import life
+    from bearingwear.lives.life import life
     from bearingwear.model.solve import solve
     from bearingwear.results.netcdf import dataset
     from bearingwear.studies.dataset import stacked

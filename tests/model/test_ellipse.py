@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.summary import ANGLE, QV
+from bearingwear.lives.life import life
 from bearingwear.model.fidelity import choice, spin_across_share
-from bearingwear.model.life import life
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem

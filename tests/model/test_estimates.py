@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support import benchmark
 
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 from bearingwear.scene.accuracy import NAMED_PRESETS, PRESETS, accuracy_preset
 

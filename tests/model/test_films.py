@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bearingwear.model.wear_path import KnownStates, WearPath
 from numpy.testing import assert_allclose, assert_array_equal
 
 from bearingwear.cli import main
@@ -18,14 +19,13 @@ from bearingwear.kernels.steady_balance import (
     motion_equilibrium,
 )
 from bearingwear.kernels.verification import friction_check
+from bearingwear.lives.life import life
 from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.model.films import Cover, Films
-from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.model.state import State
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
-from bearingwear.model.wear_path import KnownStates, WearPath
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.errors import SceneError

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from support import benchmark
 
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
 

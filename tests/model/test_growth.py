@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.summary import ANGLE, LOAD
+from bearingwear.lives.life import life
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.growth import (
@@ -20,7 +21,6 @@ from bearingwear.model.growth import (
     thermal_expansion,
 )
 from bearingwear.model.growth_told import change_at_speed, change_by_warm_ring
-from bearingwear.model.life import life
 from bearingwear.model.mounted import mounted_geometry
 from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of

@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from bearingwear.model.life import life
-from bearingwear.model.life_integrator import CRITERIA
+from bearingwear.lives.life import life
 from bearingwear.model.states_at_loss import steady_states
+from bearingwear.scene.blocks import CRITERIA
 
 POSITION = {"operation.preload_method": "fixed_position"}
 

@@ -7,12 +7,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.model.dynamic_life import integration_error
-from bearingwear.model.dynamic_wear import DynamicWear
-from bearingwear.model.life import life
-from bearingwear.model.life_integrator import CRITERIA
-from bearingwear.model.worn_parts import WornParts
+from bearingwear.lives.dynamic_life import follow_motion
+from bearingwear.lives.errors import integration_error
+from bearingwear.lives.life import life
+from bearingwear.lives.motion import Motion, run_of
+from bearingwear.lives.worn_parts import WornParts
 from bearingwear.results.netcdf import load, write_result
+from bearingwear.scene.blocks import CRITERIA
 
 POSITION = {"operation.preload_method": "fixed_position"}
 # Few turns are enough where no cage moves: the state under thrust alone is steady from the start.

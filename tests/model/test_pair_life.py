@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import dataset
 from bearingwear.scene.blocks import CRITERIA

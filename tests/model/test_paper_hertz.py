@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 
 FORCE, POSITION = "constant_force", "fixed_position"

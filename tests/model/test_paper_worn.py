@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bearingwear.kernels import status as code
-from bearingwear.model.worn_life import WornLife
+from bearingwear.lives.grooves import WornLife
 
 FORCE, POSITION = "constant_force", "fixed_position"
 LOSSES = np.linspace(0.0, 0.7, 15)  # um

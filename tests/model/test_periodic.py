@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bearingwear.lives.life import life
 from bearingwear.model import periodic
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.errors import NotAvailable
-from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of
 

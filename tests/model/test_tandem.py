@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from bearingwear.lives.life import life
 from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics
-from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.results.show import sheet_of_result
 

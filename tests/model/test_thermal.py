@@ -7,9 +7,10 @@ from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.model.dynamic_wear import DynamicWear
+from bearingwear.lives.dynamic_life import follow_motion
+from bearingwear.lives.life import life
+from bearingwear.lives.motion import Motion, run_of
 from bearingwear.model.heat import SteadyHeat, warmed_for
-from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.model.thermal import (
     HeatFlow,

@@ -20,9 +20,9 @@ from bearingwear.kernels.steady_balance import (
 from bearingwear.kernels.summary import QV
 from bearingwear.kernels.thrust import motion_jacobian
 from bearingwear.kernels.verification import friction_check
+from bearingwear.lives.life import life
 from bearingwear.model import parameters
 from bearingwear.model.fidelity import choice, gyroscopic_share
-from bearingwear.model.life import life
 from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
 from bearingwear.model.steady import ThrustProblem, axial_force

@@ -13,9 +13,9 @@ from support import ROOT, scene_file
 
 import bearingwear
 from bearingwear.cli import main
+from bearingwear.lives.life import life
 from bearingwear.model.cautions import CAUTIONS
 from bearingwear.model.fidelity import choice
-from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.model.warned import warnings_of
 from bearingwear.results.netcdf import load

@@ -8,12 +8,12 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.worn_verification import friction_of_cells
+from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.life import life
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.films import Films
-from bearingwear.model.life import life
 from bearingwear.model.solve import solve
 from bearingwear.model.worn_films import FILM_EDGE, WornFilms, cover
-from bearingwear.model.worn_life import WornLife
 from bearingwear.scene.blocks import CRITERIA
 
 STEEL = "materials.bearing_steel"

@@ -11,12 +11,12 @@ from bearingwear.api import new
 from bearingwear.kernels import status as code
 from bearingwear.kernels.profile import semi_axis
 from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
+from bearingwear.lives.groove_life import half_lengths, wear_over_gap
+from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.life import life
 from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.life import life, life_history
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.worn_depths import WornDepths
-from bearingwear.model.worn_life import WornLife
-from bearingwear.model.worn_outputs import half_lengths, wear_over_gap
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 

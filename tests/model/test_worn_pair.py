@@ -8,8 +8,8 @@ from model.test_worn_life import scene_of
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.model.life import life
-from bearingwear.model.worn_life import WornLife
+from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 

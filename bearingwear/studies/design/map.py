@@ -17,15 +17,14 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.lives.ends import ended_by
+from bearingwear.lives.many import HertzianLives, first_met, worn_life, worse_states
 from bearingwear.measures import LIMITED
 from bearingwear.model.cautions import CAUTIONS
-from bearingwear.model.courses import WearCourses
 from bearingwear.model.fidelity import choice_for_life
-from bearingwear.model.life_integrator import LifeHistory
 from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.state import State, history_values
 from bearingwear.model.warned import warnings_of
-from bearingwear.model.worn_courses import first_met, worn_history
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.arrangement import held_by
@@ -144,19 +143,18 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
         `solves` and `failed_solves` alone. `life` and `time_to_slip_limit` are (2,) [s], by both
         ways of counting wear; the latter is infinite where the share stays below its limit.
     """
-    follow = WearCourses(scene)
-    course = follow(scene)
-    found: dict[str, Any] = {"status": course.status, "end_criterion": course.criterion}
-    if course.status == OK:
-        found |= {"life": course.times[-1]} | gone_through(scene, course.states)
+    lives = HertzianLives(scene)
+    one = lives(scene)
+    found: dict[str, Any] = {"status": one.status, "end_criterion": one.criterion}
+    if one.status == OK:
+        found |= {"life": one.last.time} | gone_through(scene, worse_states(one, scene))
         if slip_limit is not None:
             found["time_to_slip_limit"] = np.full(2, np.inf)
             if found[SLIP_SHARE] >= slip_limit:
                 # the same way, ended by the share
-                share = EndOfLife(gyroscopic_slip_share=slip_limit)
-                until = replace(scene, wear=replace(scene.wear, end_of_life=share))
-                found["time_to_slip_limit"] = follow(until).times[-1]
-    found["solves"], found["failed_solves"] = follow.solves, follow.failed
+                until = ended_by(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
+                found["time_to_slip_limit"] = lives(until).last.time
+    found["solves"], found["failed_solves"] = lives.solves, lives.failed
     return found
 
 
@@ -177,28 +175,23 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
     if hertzian[1] == 0.0:
         return found  # beyond a limit when new, whatever the groove
-    history = worn_history(scene, quick)
-    if history is None:
+    worn = worn_life(scene, quick)
+    if worn is None:
         return found
-    kept = {"hertzian_life": hertzian, "groove": WORN_GROOVE, "status": history.status}
-    kept |= {"end_criterion": history.criterion, "solves": found["solves"] + history.solves}
+    kept = {"hertzian_life": hertzian, "groove": WORN_GROOVE, "status": worn.status}
+    kept |= {"end_criterion": worn.criterion, "solves": found["solves"] + worn.solves}
     kept["failed_solves"] = found["failed_solves"]
-    if history.status != OK:
+    if worn.status != OK:
         return kept
-    kept["life"] = np.array([hertzian[0], history.times[-1][1]])
-    kept |= gone_through(scene, history.states)
+    kept["life"] = np.array([hertzian[0], worn.last.time[1]])
+    states = worse_states(worn, scene)
+    kept |= gone_through(scene, states)
     if slip_limit is not None:
-        kept["time_to_slip_limit"] = _times_to_share(history, slip_limit, found, kept[SLIP_SHARE])
+        ball, reached = found.get("time_to_slip_limit", np.full(2, np.nan))[0], np.inf
+        if kept[SLIP_SHARE] >= slip_limit:
+            reached = first_met(worn, states, EndOfLife(gyroscopic_slip_share=slip_limit), 1.0)
+        kept["time_to_slip_limit"] = np.array([ball, reached])
     return kept
-
-
-def _times_to_share(
-    history: LifeHistory, limit: float, hertzian: Mapping[str, Any], largest: float
-) -> np.ndarray:
-    """When the share of a life with worn grooves reaches a limit, by both ways of counting [s]."""
-    ball = hertzian.get("time_to_slip_limit", np.full(2, np.nan))[0]
-    share = EndOfLife(gyroscopic_slip_share=limit)
-    return np.array([ball, first_met(history, share, 1.0) if largest >= limit else np.inf])
 
 
 def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:

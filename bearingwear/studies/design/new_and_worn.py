@@ -5,10 +5,9 @@ from __future__ import annotations
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.lives.many import HertzianLives, worn_life, worse_states
 from bearingwear.measures import MEASURES
-from bearingwear.model.courses import WearCourses
 from bearingwear.model.state import State
-from bearingwear.model.worn_courses import worn_history
 from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.sheet import Block, Row, Sheet
@@ -91,5 +90,6 @@ def _row(label: str, units: str, numbers: list[float], shown: str = "") -> Row:
 def _states(scene: Scene, method: str, one: xr.Dataset) -> list[State]:
     """The bearing at the recommended preload when new, and at the end of its life."""
     at_preload = held_by(scene, method, float(one["preload"]))
-    history = worn_history(at_preload, quick=False) or WearCourses(at_preload)(at_preload)
-    return [history.states[0], history.states[-1]]
+    life = worn_life(at_preload, quick=False) or HertzianLives(at_preload)(at_preload)
+    states = worse_states(life, at_preload)
+    return [states[0], states[-1]]

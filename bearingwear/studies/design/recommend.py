@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.model.life import life
-from bearingwear.model.worn_outputs import grooves_followed
+from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings

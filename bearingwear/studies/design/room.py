@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
+from bearingwear.lives.many import lives_by_end
 from bearingwear.measures import ENDS
-from bearingwear.model.worn_courses import lives_by_end
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.design.map import HERTZIAN_GROOVE, followed_point

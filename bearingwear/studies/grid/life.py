@@ -13,8 +13,8 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
+from bearingwear.lives.life import life
 from bearingwear.measures import ENDS, Measure
-from bearingwear.model.life import life
 from bearingwear.results.netcdf import dataset, load
 from bearingwear.results.variable import SECONDS_PER_HOUR, Variable, table
 from bearingwear.results.warnings import gathered_warnings

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.interpolate import RBFInterpolator
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.worn_courses import worn_history
-from bearingwear.model.worn_outputs import grooves_followed
+from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.many import worn_life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.pool import Tell, in_processes, told_in_lines
@@ -109,11 +109,11 @@ def _follows(scene: Scene | None) -> bool:
 def _followed(scene: Scene | None) -> tuple[int, int, float]:
     """Status, end criterion and life [s]; NaN where it stays the Hertzian one."""
     assert scene is not None
-    history = worn_history(scene)
-    if history is None:
+    worn = worn_life(scene)
+    if worn is None:
         return OK, len(CRITERIA) - 1, np.nan
-    life = float(history.times[-1][1]) if history.status == OK else np.nan
-    return history.status, history.criterion, life
+    life = float(worn.last.time[1]) if worn.status == OK else np.nan
+    return worn.status, worn.criterion, life
 
 
 def _interpolated(

@@ -17,7 +17,7 @@ from SALib.sample import sobol as sobol_sample
 from scipy import stats
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
-from bearingwear.model.courses import WearCourses
+from bearingwear.lives.many import HertzianLives
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -176,9 +176,9 @@ def _life(other: Scene | None) -> tuple[np.ndarray, int, int]:
     """Life (2,) with Hertzian grooves [s], status and end criterion."""
     if other is None:
         return np.full(2, np.nan), BEYOND_GROOVE, len(CRITERIA) - 1
-    course = WearCourses(other)(other)
-    life = course.times[-1] if course.status == OK else np.full(2, np.nan)
-    return life, course.status, course.criterion
+    life = HertzianLives(other)(other)
+    times = life.last.time if life.status == OK else np.full(2, np.nan)
+    return times, life.status, life.criterion
 
 
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:

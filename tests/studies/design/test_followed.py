@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.cli import main
+from bearingwear.lives.life import life
+from bearingwear.lives.many import QUICK_STEP, first_met, lives_by_end, worn_life
 from bearingwear.measures import LIMITED
-from bearingwear.model.life import life
-from bearingwear.model.worn_courses import QUICK_STEP, first_met, lives_by_end, worn_history
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.axis import RisingAxis
@@ -148,9 +148,9 @@ def test_figure_tables_and_sheet_tell_the_grooves(found, tmp_path, capsys):
 def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
     paper = held_by(load_scene(scene_file("gyro_s1")), METHODS[0], 7.0)
     assert followed_point(paper, 0.1)["groove"] == HERTZIAN_GROOVE
-    assert worn_history(paper) is None
+    assert worn_life(paper) is None
     few = scene.with_({"wear.end_of_life.ball_diameter_loss_um": 0.01})
-    assert worn_history(few) is None  # too little wear for the contact to feel
+    assert worn_life(few) is None  # too little wear for the contact to feel
     # what is beyond a limit when new needs no groove
     slippery = scene.with_({"wear.end_of_life.gyroscopic_slip_share": 0.001})
     assert followed_point(slippery, None)["life"].tolist() == [0.0, 0.0]
@@ -180,7 +180,7 @@ def test_one_march_has_the_lives_of_all_ends(scene):
         assert lived(moved.wear.end_of_life) == pytest.approx(anew, rel=3e-3)
     beyond = at.with_({"wear.end_of_life.gyroscopic_slip_share": 1e-4}).wear.end_of_life
     assert lived(beyond) == 0.0
-    history = worn_history(at)
+    history = worn_life(at)
     assert history is not None
     never = at.with_({"wear.end_of_life.preload_fraction": 0.01}).wear.end_of_life
     assert np.isnan(first_met(history, never, 7.0)) and end.preload_fraction == 0.4

@@ -6,8 +6,8 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.model.courses import WearCourses
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
+from bearingwear.lives.many import HertzianLives
 from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import opened
@@ -29,7 +29,7 @@ UNLIKE = PUSHED | {"arrangement.tandem": [2, 1]}
 def test_frequencies_along_a_life_are_those_of_a_case(scene, changes, method):
     """New, the lowest of what a case of the pair has."""
     made = held_by(scene("gyro_s1", changes), method)
-    new = WearCourses(made)(made).states[0]
+    new = HertzianLives(made)(made).states[0]
     found = (
         new["lowest_frequency"]
         if np.isfinite(new["lowest_frequency"])

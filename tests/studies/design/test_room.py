@@ -112,7 +112,7 @@ def test_what_turns_a_choice_round_within_five_per_cent_is_not_claimed():
 
 def test_functional_limits_of_a_point(scene):
     """What limits look at, against the states of the life itself."""
-    from bearingwear.model.life import life
+    from bearingwear.lives.life import life
 
     for method, stiff in zip(METHODS, (1.0, 2.0), strict=True):
         at = scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0)

@@ -7,7 +7,7 @@ import yaml
 from support import scene_file
 
 from bearingwear.console import UsageError
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.design.plan import DesignLimits

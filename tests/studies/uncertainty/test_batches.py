@@ -10,7 +10,7 @@ from scipy.stats import qmc
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import Spread, causes_told, spread_at, spread_cells
 from bearingwear.results.units import Interval

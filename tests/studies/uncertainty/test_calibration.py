@@ -12,7 +12,7 @@ from support import scene_file
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy import stats
 from support import scene_file
 
-from bearingwear.model.life import life
+from bearingwear.lives.life import life
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene, scene_from_dict

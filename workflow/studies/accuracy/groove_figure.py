@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.ticker import LogLocator
 
-from bearingwear.model.worn_outputs import REQUIRED
+from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
 from bearingwear.results.units import span
 from workflow.studies.accuracy.groove_tables import against_finest, by_end

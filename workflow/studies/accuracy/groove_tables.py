@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.model.worn_outputs import REQUIRED
+from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.results.units import digits, span
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.dataset import loaded

@@ -2,9 +2,10 @@
 
 from dataclasses import replace
 
-from bearingwear.model.life import life, life_values
-from bearingwear.model.worn_life import STEP, WORN_CELLS, WornLife
-from bearingwear.model.worn_outputs import wear_over_gap
+from bearingwear.lives.groove_life import wear_over_gap
+from bearingwear.lives.grooves import STEP, WORN_CELLS, Grooves, follow_grooves
+from bearingwear.lives.history import life_values
+from bearingwear.lives.life import life
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
 from workflow.studies.accuracy.plan import SweepPoint
@@ -36,5 +37,5 @@ def lived_through(fresh: Scene, point: SweepPoint) -> dict:
     if not (point.cells or point.step):
         return life(fresh, point.fidelity).values
     along, across = map(int, point.cells.split(" x ")) if point.cells else WORN_CELLS
-    march = WornLife(fresh, (along, across), float(point.step or STEP)).march()
-    return life_values(fresh, march[0].history)
+    wearing = Grooves(fresh, (along, across), float(point.step or STEP))
+    return life_values(fresh, follow_grooves(wearing))

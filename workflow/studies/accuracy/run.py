@@ -12,6 +12,7 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.model.bearing_model import exact_factors, hertz_table
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.dynamic_outputs import window_values
@@ -25,7 +26,6 @@ from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of, thrust_alone
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.model.time_run import TimeRun
-from bearingwear.model.worn_outputs import wear_over_gap
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND

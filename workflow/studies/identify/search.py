@@ -18,8 +18,8 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.thrust import OUTER_SPIN
+from bearingwear.lives.many import HertzianLives
 from bearingwear.model import parameters
-from bearingwear.model.life import life_history
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
@@ -171,8 +171,8 @@ def member(scene: Scene, plan: IdentifyPlan) -> dict[str, Any]:
     lives = []
     for method in PRELOAD_METHODS:
         given = running(scene, method, stated.high_friction, scene.lubricant.drag_density_kg_m3)
-        course = life_history(given, steady_states(given))
-        lives.append(course.times[-1] if course.status == OK else np.full(2, np.nan))
+        life = HertzianLives(given)(given)
+        lives.append(life.last.time if life.status == OK else np.full(2, np.nan))
     return row | {"life": lives}
 
 

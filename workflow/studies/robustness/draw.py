@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.model import parameters
 from bearingwear.model.mounted import mounted_geometry
-from bearingwear.model.worn_outputs import wear_over_gap
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict

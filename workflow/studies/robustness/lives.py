@@ -8,8 +8,8 @@ from scipy.interpolate import PchipInterpolator
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.lives.life import life
 from bearingwear.model import parameters
-from bearingwear.model.life import life
 from bearingwear.scene.scene import Scene
 
 WORN_LIFE = "worn_life"

@@ -1,12 +1,47 @@
-"""Result variables of films along a life."""
+"""Result variables of a life: its length, and the states along it."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from bearingwear.kernels import status as code
+from bearingwear.lives.follow import Life
+from bearingwear.model import parameters
 from bearingwear.model.films import Films
+from bearingwear.model.pair_case import stacked_sides
 from bearingwear.model.state import State, history_values
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.sides import SHARED
+
+
+def life_values(scene: Scene, life: Life) -> dict:
+    """Result variables of a life; both bearings of an unlike pair are along `bearing`."""
+    values: dict = {"status": life.status, "end_criterion": life.criterion}
+    start = life.nodes[0]
+    if start.status != code.OK or not all(np.fmin.reduce(s.rate) > 0.0 for s in start.states):
+        return values
+    factor, _ = parameters.wear_factors(scene)
+    times = life.times
+    values |= {
+        "life": times[-1],
+        "normalised_life": times[-1] * factor,
+        "life_error_bound": life.error,
+        "history_time": times,
+    }
+    each = []
+    for side, states in zip(scene.sides, life.bearings, strict=True):
+        along = history_values(states) | film_values(side, states, times)
+        each.append(along | {"loss_at_end": states[-1].loss})
+    return values | joined(each)
+
+
+def joined(each: Sequence[dict]) -> dict:
+    """Values of one bearing; of two those of the pair, and what they share from the first."""
+    if len(each) == 1:
+        return each[0]
+    shared = {name: value for name, value in each[0].items() if name in SHARED}
+    own = [{n: v for n, v in one.items() if n not in SHARED} for one in each]
+    return shared | stacked_sides(own)
 
 
 def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dict:

@@ -1,6 +1,8 @@
-"""Result variables of a life with worn grooves, and when such a life is required."""
+"""Lives with grooves as they wear: when they are followed, and their result variables."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,15 +10,18 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.profile import contact_approach
 from bearingwear.kernels.worn_balance import arc_shift
+from bearingwear.lives.errors import groove_errors
+from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
+from bearingwear.lives.history import joined, life_values
+from bearingwear.lives.states import one_of_alike, states_of
+from bearingwear.lives.surfaces import surface_life
 from bearingwear.model import parameters
-from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING
 from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.life import life_history, life_values, wear_path
-from bearingwear.model.life_integrator import LifeHistory
-from bearingwear.model.pair_life import of_both, pair_states
-from bearingwear.model.states_at_loss import steady_states
-from bearingwear.model.worn_life import FEWER_CELLS, STEP, WORN_CELLS, WornLife, WornLifeHistory
-from bearingwear.scene.scene import Scene
+from bearingwear.model.state import State
+from bearingwear.model.worn_depths import WornPoint
+from bearingwear.model.worn_side import WornSide
+from bearingwear.model.worn_states import WornBearing
+from bearingwear.scene.scene import COUNTS, Scene
 
 REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
 SHOWN = 5  # states whose profiles are kept
@@ -93,74 +98,37 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     NotAvailable
         As `follows_grooves`.
     """
-    alike = scene.pair is not None and scene.pair.is_symmetric
-    alone = scene.sides[0] if alike else scene
+    alone = one_of_alike(scene)
     worn, why = follows_grooves(alone, fidelity)
     return (alone if worn else None), why
 
 
-def solve_worn_life(scene: Scene) -> tuple[dict, dict]:
+def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves, of one bearing or of two."""
-    found = WornLife(scene).march()
-    history = found[0].history
-    each = []
-    for one in found:
-        each.append(life_values(scene, one.history) if one.points else {})
-        each[-1] |= groove_values(one) if one.points else {}
-    values = each[0] if len(each) == 1 else of_both(*each)
-    values |= {"status": history.status, "end_criterion": history.criterion}
-    if found[0].points:
-        values |= worn_error_estimates(scene, history)
-    if "life" in values and history.status == code.OK:
+    wearing = Grooves(scene)
+    life = follow_grooves(wearing)
+    values = life_values(scene, life) | groove_errors(scene, life)
+    if life.nodes[0].status == code.OK:
+        each = zip(wearing.sides, life.bearings, strict=True)
+        values |= joined([groove_values(side, states) for side, states in each])
+    if "life" in values and life.status == code.OK:
         ball = (1.0, parameters.wear_factors(scene)[0])
         without = life_without_grooves(scene)
         for name, factor in zip(("life", "normalised_life"), ball, strict=True):
             values[name] = np.array([factor * without, values[name][1]])
-    return values, {"solves": history.solves, "contact": "worn"}
+    return values, {"solves": life.solves, "contact": "worn"}
 
 
 def life_without_grooves(scene: Scene) -> float:
     """Life where only the balls' wear counts, and grooves do not wear; NaN if it has no end [s]."""
-    if scene.pair is not None:
-        states = pair_states(scene, "steady")
-        ended = wear_path(scene, states, 0, scene.model.tolerance).integrate()
-        return ended.times[-1] if ended.status == code.OK else math.nan
-    even = life_history(scene, steady_states(scene))
-    return float(even.times[-1][0]) if even.status == code.OK else math.nan
+    ball = replace(scene, wear=replace(scene.wear, counts=COUNTS[0]))
+    even = surface_life(ball, states_of(ball, "steady"), bounded=False, counts=(0,))
+    return float(even.last.time[0]) if even.status == code.OK else math.nan
 
 
-def worn_error_estimates(scene: Scene, history: LifeHistory) -> dict:
-    """Bound on the error of the steps, and the estimate of all; by lives in steps twice as long.
-
-    Heun's error is about a third of what twice the step changes. That of the cells, of v_r and of
-    the points is taken from lives with fewer cells, half of v_r and twice the points.
-    """
-    now = history.times[-1][1]
-    if history.status != code.OK or not now > 0.0:
-        return {}
-
-    def time(perturbed: int | None, cells: tuple[int, int]) -> float:
-        steps = WornLife(scene, cells, 2.0 * STEP, perturbed, only_times=True)
-        other = steps.march()[0].history
-        same = (other.status, other.criterion) == (history.status, history.criterion)
-        return float(other.times[-1][1]) if same else math.nan
-
-    coarse, few = time(None, WORN_CELLS), time(None, FEWER_CELLS)
-    history.error[1] = abs(coarse - now)
-    values = {"life_error_bound": np.array([math.nan, history.error[1]])}
-    estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now
-    for k, weight in enumerate((HALVED, DOUBLED)):
-        estimate += weight * abs(time(k, FEWER_CELLS) / few - 1.0)
-    if math.isfinite(estimate):
-        values["life_error_estimate"] = np.array([math.nan, estimate])
-    return values
-
-
-def groove_values(found: WornLifeHistory) -> dict:
+def groove_values(side: WornSide, states: Sequence[State]) -> dict:
     """What has worn, and the profiles of a few states."""
-    points, bearing = found.points, found.bearing
-    assert bearing is not None
-    states = found.history.states
+    points, bearing = [point_of(state) for state in states], side.bearing
     D = np.array([bearing.D - p.wear.ball for p in points])  # as new, less what is worn
     depth = np.array([p.wear.grooves for p in points])  # (steps, race, arcs)
     track = np.array([p.track for p in points])
@@ -176,8 +144,8 @@ def groove_values(found: WornLifeHistory) -> dict:
         ball = (bands * ring).sum(axis=1) * bearing.band_step
     kept = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
     values = {
-        "history_approach_loss": found.approach_loss,
-        "history_equivalent_loss": np.array([s.loss for s in states]),
+        "history_approach_loss": np.array([side.approach_loss(p) for p in points]),
+        "history_equivalent_loss": np.array([state.loss for state in states]),
         "history_deepest_groove": deepest,
         "history_greatest_depth": deepest.max(axis=1),
         "history_groove_width": wide.sum(axis=2) * bearing.arc_step,
@@ -187,14 +155,14 @@ def groove_values(found: WornLifeHistory) -> dict:
         "groove_step": kept,
         "groove_arc": bearing.arc,
         "groove_depth": depth[kept],
-        "groove_pressure": np.array([pressures(found, points[k]) for k in kept]),
+        "groove_pressure": np.array([pressures(bearing, points[k]) for k in kept]),
     }
     if bearing.bands:
         values |= {"band_latitude": bearing.latitude, "band_depth": bands[kept]}
     return values
 
 
-def half_lengths(point) -> np.ndarray:
+def half_lengths(point: WornPoint) -> np.ndarray:
     """Half of the length of both contacts (2,) [m]."""
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):
@@ -203,11 +171,9 @@ def half_lengths(point) -> np.ndarray:
     return np.array(lengths)
 
 
-def pressures(found: WornLifeHistory, point) -> np.ndarray:
+def pressures(bearing: WornBearing, point: WornPoint) -> np.ndarray:
     """Pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
-    bearing, g = found.bearing, point.problem.g
-    assert bearing is not None
-    rows = []
+    g, rows = point.problem.g, []
     for k, force in enumerate(bearing.forces(point)):
         shift = arc_shift(bearing.races[k], (g.r_i, g.r_o)[k], (INNER, OUTER)[k], force.alpha)
         middle = point.pressure[k][0] * force.peak / point.pressure[k].max()

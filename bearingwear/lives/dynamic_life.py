@@ -1,0 +1,167 @@
+"""Variables of a dynamic life: length, errors, histories, and the steady life beside it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.ends import Ends, ended_by
+from bearingwear.lives.errors import integration_error
+from bearingwear.lives.follow import Life, follow
+from bearingwear.lives.methods import Trapezoid
+from bearingwear.lives.motion import Motion, run_of
+from bearingwear.lives.states import states_of
+from bearingwear.lives.surfaces import surface_life
+from bearingwear.model import parameters
+from bearingwear.model.estimate import ROUNDING
+from bearingwear.model.fidelity import asymmetries
+from bearingwear.model.stability import GROWTHS
+from bearingwear.model.start import thrust_alone
+from bearingwear.model.state import history_values
+from bearingwear.scene.blocks import CRITERIA, OF_CAGE
+from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
+
+_MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
+
+
+def dynamic_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
+    """Wear life of a scene with a dynamic run at every step, and the steady life beside it.
+
+    Parameters
+    ----------
+    scene : Scene
+        With `wear.end_of_life`, and with its cage where that is to be solved.
+    progress : callable, optional
+        Given one line of text at each step.
+
+    Returns
+    -------
+    values, attrs : dict
+        Of a life file. Only one way of counting wear is followed, that of `wear.counts`, since it
+        decides which wear the runs see; what belongs to the other is NaN.
+    """
+    values = steady_values(scene)
+    wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
+    life = follow_motion(wearing)
+    values |= {"status": life.status, "end_criterion": life.criterion}
+    every = life.nodes if life.beyond is None else [*life.nodes, life.beyond]
+    attrs = {
+        "solves": len(every),
+        "steady_life_of": steady_told(scene),
+        "residual": f"of the last run: {run_of(every[-1]).residual}",
+    }
+    if life.nodes[0].status == code.OK:
+        values |= ends(wearing, life) | life_histories(wearing, life)
+        values |= steady_time_to_loss(scene, values["loss_at_end"])
+    return values, attrs
+
+
+def follow_motion(wearing: Motion) -> Life:
+    """The life of a scene that moves."""
+    steps = wearing.scene.model.life_steps
+    return follow(wearing, Ends(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps))
+
+
+def ends(wearing: Motion, life: Life) -> dict:
+    """Life and its errors; the life is a lower bound where no criterion was met."""
+    last, count = life.last, wearing.parts.count
+    error, estimate = wearing.clock(math.nan), wearing.clock(math.nan)
+    values: dict[str, Any] = {"loss_at_end": float(wearing.parts.loss(last.worn).mean())}
+    if life.status == code.OK and last.x > 0.0:
+        time = np.array([node.x for node in life.nodes])
+        rate = np.array([wearing.end_rate(node, life.criterion) for node in life.nodes])
+        at_end = 0.5 * (rate[-2] + rate[-1])
+        error[count] = integration_error(time, rate) / at_end + life.error[count]
+        by_runs = [
+            run_of(node).values.get("wear_rate_error_estimate", [math.nan] * 2)[count]
+            for node in life.nodes
+        ]
+        # No run estimates the error of a clearance's growth.
+        if CRITERIA[life.criterion] not in OF_CAGE:
+            mean = np.trapezoid(by_runs, time) / last.x
+            estimate[count] = ROUNDING + error[count] / last.x + mean
+    factor, _ = parameters.wear_factors(wearing.scene)
+    length = wearing.clock(last.x)
+    values |= {"life": length, "normalised_life": length * factor, "life_error_bound": error}
+    return values | ({"life_error_estimate": estimate} if np.isfinite(estimate).any() else {})
+
+
+def life_histories(wearing: Motion, life: Life) -> dict:
+    """Wear and results at each node; NaN where a node was not solved."""
+    parts, p = wearing.parts, wearing.parts.layout
+    nodes = life.nodes if life.beyond is None else [*life.nodes, life.beyond]
+    runs = [run_of(node) for node in nodes]
+    worn = np.array([node.worn for node in nodes])
+    missing = np.full(p.size, math.nan)
+    rates = np.array([run.rates if run.status == code.OK else missing for run in runs])
+    values = history_values([node.states[0] for node in nodes]) | {
+        "history_time": np.array([wearing.clock(node.x) for node in nodes]),
+        "history_status": [run.status for run in runs],
+        "history_start": [int(run.carried_on) for run in runs],
+        "history_simulated_turns": [run.values.get("simulated_turns", math.nan) for run in runs],
+        "history_worn_diameter": worn[:, p.diameter],
+        "history_groove_depth": worn[:, p.groove],
+        "history_ball_worn_volume": worn[:, p.ball],
+        "history_race_worn_volume": worn[:, p.race],
+        "history_each_ball_wear_rate": rates[:, p.ball],
+    }
+    if any(GROWTHS[0] in run.values for run in runs):
+        for name in GROWTHS:
+            values[f"history_{name}"] = [run.values.get(name, math.nan) for run in runs]
+    if wearing.scene.cage is None:
+        return values
+    pocket, guide = np.array([parts.clearances(row) for row in worn]).T
+    return values | {
+        "history_pocket_worn_volume": worn[:, p.pocket],
+        "history_land_worn_volume": worn[:, p.land],
+        "history_pocket_wear_rate": rates[:, p.pocket],
+        "history_land_wear_rate": rates[:, p.land],
+        "history_pocket_clearance": pocket,
+        "history_guide_clearance": guide,
+    }
+
+
+def steady_scene(scene: Scene) -> Scene:
+    """The scene reduced to one with a steady life: thrust alone, no cage, the mean loss on every
+    ball."""
+    mean = float(np.mean(scene.wear.ball_diameter_loss_um))
+    reduced = thrust_alone(scene).without_cage
+    return replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
+
+
+def steady_told(scene: Scene) -> str:
+    """Sentence on what the steady life leaves out of a scene."""
+    left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
+    return f"the scene without {', '.join(left)}" if left else "the scene"
+
+
+def steady_life(scene: Scene) -> Life:
+    """Steady life of the reduced scene, without its own error estimate."""
+    reduced = steady_scene(scene)
+    return surface_life(reduced, states_of(reduced, "steady"), bounded=False)
+
+
+def steady_values(scene: Scene) -> dict:
+    """Life, end and loss at the end by the steady model, counted as the scene does."""
+    life = steady_life(scene)
+    values: dict = {"steady_status": life.status, "steady_end_criterion": life.criterion}
+    if life.status == code.OK:
+        values |= {
+            "steady_life": float(life.last.time[COUNTS.index(scene.wear.counts)]),
+            "steady_loss_at_end": life.last.states[0].loss,
+        }
+    return values
+
+
+def steady_time_to_loss(scene: Scene, loss: float) -> dict:
+    """Time that the steady model takes to lose what the dynamic life lost in all."""
+    end = EndOfLife(ball_diameter_loss_um=loss / parameters.UM)
+    if not loss > float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM:
+        return {}
+    life = steady_life(ended_by(scene, end))
+    if life.status != code.OK:
+        return {}
+    return {"steady_time_to_loss": float(life.last.time[COUNTS.index(scene.wear.counts)])}

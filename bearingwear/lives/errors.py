@@ -1,0 +1,82 @@
+"""Numerical errors of lives, estimated by lives with other settings (see `model.estimate`)."""
+
+import math
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.follow import Life
+from bearingwear.lives.grooves import FEWER_CELLS, STEP, WORN_CELLS, Grooves, follow_grooves
+from bearingwear.lives.states import states_of
+from bearingwear.lives.surfaces import surface_life
+from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
+from bearingwear.scene.scene import COUNTS, Scene
+
+SCATTER = 2.0  # standard errors
+
+
+def _ends_alike(life: Life, other: Life) -> bool:
+    return (other.status, other.criterion) == (life.status, life.criterion)
+
+
+def surface_error(scene: Scene, life: Life) -> dict:
+    """Estimate for a steady life whose contacts stay Hertzian; none without an end of its own."""
+    now, own = life.last.time, COUNTS.index(scene.wear.counts)
+    if life.status != code.OK or not now[own] > 0.0:
+        return {}
+    total = ROUNDING + life.error / now
+    for k, weight in enumerate((HALVED, DOUBLED)):
+        states = states_of(scene, "steady", perturbed=k)
+        other = surface_life(scene, states, bounded=False, counts=(own,))
+        if not _ends_alike(life, other):
+            return {}
+        total = total + weight * changed(now, other.last.time)
+    return {"life_error_estimate": total}
+
+
+def groove_errors(scene: Scene, life: Life) -> dict:
+    """Bound on the error of the steps, and the estimate of all; by lives in steps twice as long.
+
+    Heun's error is about a third of what twice the step changes. That of the cells, of v_r and of
+    the points is taken from lives with fewer cells, half of v_r and twice the points.
+    """
+    now = life.last.time[1]
+    if life.status != code.OK or not now > 0.0:
+        return {}
+
+    def time(perturbed: int | None, cells: tuple[int, int]) -> float:
+        other = follow_grooves(Grooves(scene, cells, 2.0 * STEP, perturbed, only_times=True))
+        return float(other.last.time[1]) if _ends_alike(life, other) else math.nan
+
+    coarse, few = time(None, WORN_CELLS), time(None, FEWER_CELLS)
+    values = {"life_error_bound": np.array([math.nan, abs(coarse - now)])}
+    estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now
+    for k, weight in enumerate((HALVED, DOUBLED)):
+        estimate += weight * abs(time(k, FEWER_CELLS) / few - 1.0)
+    if math.isfinite(estimate):
+        values["life_error_estimate"] = np.array([math.nan, estimate])
+    return values
+
+
+def integration_error(time: np.ndarray, rate: np.ndarray) -> float:
+    """Bound on the error of a trapezoidal integral by steps and by scatter of the runs.
+
+    A third of the change by steps twice as long, plus twice the standard error of the sum. The
+    latter comes from the scatter of the nodes about parabolas through their neighbours.
+    """
+    last = len(time) - 1
+    if last < 2:
+        return math.nan
+    kept = np.r_[0:last:2, last] if last % 2 == 0 else np.r_[0 : last - 2 : 2, last]
+    coarse = np.trapezoid(rate[kept], time[kept])
+    steps = abs(float(np.trapezoid(rate, time) - coarse)) / 3.0
+    left = []
+    for k in range(last - 2):
+        t = (time[k : k + 4] - time[k]) / (time[k + 3] - time[k])
+        apart = t[:, None] - t + np.eye(4)
+        weights = 1.0 / apart.prod(axis=1)  # blind to parabolas
+        left.append(weights @ rate[k : k + 4] / np.linalg.norm(weights))
+    h = np.diff(time)
+    shares = 0.5 * (np.append(h, 0.0) + np.append(0.0, h))
+    deviation = math.sqrt(np.mean(np.square(left))) if left else 0.0
+    return steps + SCATTER * deviation * float(np.linalg.norm(shares))

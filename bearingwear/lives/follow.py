@@ -1,0 +1,249 @@
+"""The one loop of all lives: steps until a criterion is met, or nothing more is solved.
+
+A way to wear (`Wearing`) says what wears, the state of the bearings with it, and how fast it goes.
+A method (`bearingwear.lives.methods`) takes steps over the loss or over the time.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.ends import NONE, Ends
+from bearingwear.model.state import State
+
+REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
+
+States = tuple[State, ...]
+"""Of each bearing, one or two."""
+
+
+class Node(NamedTuple):
+    """A point of a life."""
+
+    x: float  # what steps go along: the counted loss [m] or the time [s]
+    worn: Any  # as its way to wear has it
+    states: States
+    time: np.ndarray  # (2,) by both ways of counting wear, NaN by one that is not followed [s]
+
+    @property
+    def status(self) -> int:
+        return next((one.status for one in self.states if one.status != code.OK), code.OK)
+
+
+class Wearing(Protocol):
+    """A way to wear, of one bearing or of two."""
+
+    @property
+    def start(self) -> Any:
+        """What has worn at the start of the life."""
+
+    @property
+    def origin(self) -> float:
+        """Where steps begin."""
+
+    @property
+    def range(self) -> float:
+        """After which no more are taken."""
+
+    def state(self, worn: Any) -> States:
+        """The bearings with so much worn, or why they are not solved."""
+
+    def rates(self, node: Node) -> Any:
+        """What wears per second."""
+
+    def wears(self, node: Node) -> bool:
+        """Whether anything that counts does."""
+
+    def events(self, node: Node) -> np.ndarray:
+        """How far what changes the way is, beside the criteria; the range first."""
+
+    def passes(self, event: int, node: Node) -> bool:
+        """Change the way at an event; False where the life cannot go on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """Nodes of a step up to its end, or up to the first that was not solved."""
+
+    end: float
+    nodes: Sequence[Node] = ()
+    status: int = code.OK
+    failed: Node | None = None  # where it says more than its status
+    error: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the times [s]
+    is_rough: bool = False  # and has to be shorter
+
+
+class Method:
+    """How steps are taken."""
+
+    most_steps = 2000
+    shortest = 0.0
+    """What may be left of the way to an end."""
+    root = 1e-9
+    """Of the step in which an end is met."""
+    wearing: Any
+
+    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
+        """The first node, or the last one again where the way has changed."""
+        self.wearing = wearing
+        if node is None:
+            start = wearing.start
+            return Node(wearing.origin, start, wearing.state(start), np.zeros(2))
+        return node._replace(states=wearing.state(node.worn))
+
+    def step(self, life: "Life", bound: float) -> Step:
+        """A step from the end of a life, not beyond a bound."""
+        raise NotImplementedError
+
+    def at(self, x: float) -> Node:
+        """A node within the last step."""
+        raise NotImplementedError
+
+    def kept(self, step: Step) -> Sequence[Node]:
+        """Nodes of a step that is taken."""
+        return step.nodes
+
+    def shorten(self) -> bool:
+        """Take a shorter step next; False where it would be too short."""
+        return False
+
+    def zero(self, value: Any, a: Node, b: Node) -> float:
+        """Where a margin between two nodes is zero."""
+        return float(brentq(value, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15))
+
+    def error_of_end(self, life: "Life") -> np.ndarray:
+        """Of the times at which a criterion is met (2,) [s]."""
+        return np.zeros(2)
+
+
+@dataclass
+class Life:
+    """Nodes up to the end of a life, and how it ended.
+
+    Attributes
+    ----------
+    error : (2,) ndarray
+        Bound on the last time [s].
+    criterion : int
+        Index into `CRITERIA`.
+    beyond : Node, optional
+        What could not be solved.
+    """
+
+    nodes: list[Node]
+    criterion: int = NONE
+    status: int = code.CRITERION_NOT_REACHED
+    error: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    solves: int = 0
+    beyond: Node | None = None
+
+    @property
+    def last(self) -> Node:
+        return self.nodes[-1]
+
+    @property
+    def times(self) -> np.ndarray:
+        """When the nodes are reached (nodes, 2) [s]."""
+        return np.array([node.time for node in self.nodes])
+
+    @property
+    def bearings(self) -> list[list[State]]:
+        """States of each bearing."""
+        return [list(one) for one in zip(*(node.states for node in self.nodes), strict=True)]
+
+    @property
+    def states(self) -> list[State]:
+        """States of the first bearing."""
+        return [node.states[0] for node in self.nodes]
+
+    def ends_by(self, criterion: int) -> None:
+        self.criterion, self.status = criterion, code.OK
+
+    def fails(self, status: int, beyond: Node | None) -> None:
+        """What ends the range of a solver; a physical reason says more than rounding does."""
+        self.beyond = beyond
+        if self.status in REASONLESS:
+            self.status = status
+
+
+def follow(wearing: Wearing, ends: Ends, method: Method) -> Life:
+    """The life from the present wear to the first criterion, or to where solver or range ends."""
+
+    def margins(node: Node) -> np.ndarray:
+        return np.concatenate([ends.margins(node.states), wearing.events(node)])
+
+    life = Life([method.begin(wearing)])
+    if life.last.status != code.OK:
+        life.status = life.last.status
+        return life
+    while True:
+        met = np.flatnonzero(margins(life.last)[:NONE] <= 0.0)
+        if met.size:
+            life.ends_by(int(met[0]))
+            return life
+        if not wearing.wears(life.last):
+            return life
+        end = _steps(life, method, margins, wearing.origin + wearing.range)
+        if end is None:
+            return life
+        if end < NONE:
+            life.error = life.error + method.error_of_end(life)
+            life.ends_by(end)
+            return life
+        if not wearing.passes(end, life.last):
+            return life
+        life.nodes.append(method.begin(wearing, life.last))
+
+
+def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None:
+    """Take steps until something is met: its index in the margins, None where nothing is."""
+    met: int | None = None
+    for _ in range(method.most_steps):
+        if bound - life.last.x <= method.shortest:
+            break
+        step = method.step(life, bound)
+        if met is None:
+            found = _first_zero([life.last, *step.nodes], method, margins)
+            if found is not None:
+                bound, met = found  # up to there and no further
+                if bound < step.end:
+                    continue
+        kept = [] if step.status != code.OK or step.is_rough else method.kept(step)
+        lost = next((node.status for node in kept if node.status != code.OK), step.status)
+        if lost != code.OK:
+            life.fails(lost, step.failed)
+        elif kept:
+            life.nodes += kept
+            life.error = life.error + step.error
+            continue
+        if not method.shorten():
+            break
+    return met
+
+
+def _first_zero(nodes: Iterable[Node], method: Method, margins: Any) -> tuple[float, int] | None:
+    """Where the first margin falls to zero along solved nodes, and which.
+
+    A solve that fails in between counts as met there: the bracket closes on it.
+    """
+    for a, b in pairwise(nodes):
+        before, after = margins(a), margins(b)
+        zeros = []
+        for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
+            known = {a.x: float(before[k]), b.x: float(after[k])}
+
+            def value(x: float, k: int = int(k), known: dict[float, float] = known) -> float:
+                if x not in known:
+                    node = method.at(x)
+                    known[x] = float(margins(node)[k]) if node.status == code.OK else -1.0
+                return known[x]
+
+            zeros.append((method.zero(value, a, b), int(k)))
+        if zeros:
+            return min(zeros)
+    return None

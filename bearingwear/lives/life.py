@@ -1,0 +1,87 @@
+"""Wear life: from a `Scene` with an end of life to a `Result`.
+
+Contact state, slip and preload are solved anew wherever the integral needs them.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from bearingwear.lives.ends import check_depth, check_end
+from bearingwear.lives.errors import surface_error
+from bearingwear.lives.groove_life import groove_life, grooves_followed
+from bearingwear.lives.history import joined, life_values
+from bearingwear.lives.states import is_unlike, one_of_alike, states_of
+from bearingwear.lives.surfaces import surface_life
+from bearingwear.model.criterion import end_attribute
+from bearingwear.model.fidelity import choice_for_life
+from bearingwear.model.growth_told import growth_values
+from bearingwear.model.interrupt import Interrupt
+from bearingwear.model.result import Result
+from bearingwear.model.solve import provenance
+from bearingwear.scene.scene import Scene
+
+
+def life(
+    scene: Scene, fidelity: str | None = None, progress: Callable[[str], None] | None = None
+) -> Result:
+    """Wear life of a scene from its present loss of ball diameter on.
+
+    Parameters
+    ----------
+    scene : Scene
+        With `wear.end_of_life`.
+    fidelity : str, optional
+        Overrides `model.fidelity` of the scene.
+    progress : callable, optional
+        Given one line of text at each step of a dynamic life; others are done by then.
+
+    Returns
+    -------
+    Result
+        Life, its error bound and the history; where no criterion was met, `status` says so and the
+        life is a lower bound.
+
+    Raises
+    ------
+    SceneError
+        Where the scene has no end-of-life criterion, or a preload fraction without a preload.
+    NotAvailable
+        Where the fidelity asked for cannot solve this scene.
+    """
+    check_end(scene)
+    chosen = choice_for_life(scene, fidelity)
+    started = time.perf_counter()
+    if chosen.fidelity == "dynamic":
+        # its kernels take long to load, and the other models need none of them
+        from bearingwear.lives.dynamic_life import dynamic_life
+
+        check_depth(scene)
+        values, attrs = dynamic_life(chosen.reduced(scene), progress)
+    else:
+        followed, why = grooves_followed(scene, chosen.fidelity)
+        if why:
+            chosen = replace(chosen, reasons=(*chosen.reasons, why))
+        if followed is None:
+            check_depth(scene)
+        with Interrupt():
+            if followed is not None:
+                values, attrs = groove_life(followed)
+            else:
+                values, attrs = hertzian_life(one_of_alike(scene), chosen.fidelity)
+        if scene.pair is not None and not is_unlike(scene):
+            values = joined([values, values])
+    elapsed = time.perf_counter() - started
+    if scene.thermal is None and scene.pair is None:  # or each bearing has its own
+        values |= growth_values(scene)
+    attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
+    return Result(values, attrs, elapsed)
+
+
+def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
+    """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
+    found = surface_life(scene, states_of(scene, fidelity))
+    values = life_values(scene, found)
+    if fidelity == "steady":
+        values |= surface_error(scene, found)
+    return values, {"solves": found.solves}

@@ -1,0 +1,157 @@
+"""Many lives of a scene: with different ends, quickly, and of the worse bearing of a pair."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.ends import ended_by, margins
+from bearingwear.lives.follow import Life
+from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.grooves import (
+    FEWER_CELLS,
+    QUICK_STEP,
+    STEP,
+    WORN_CELLS,
+    Grooves,
+    follow_grooves,
+)
+from bearingwear.lives.methods import QUARTERS
+from bearingwear.lives.states import WELL_BALANCED, is_unlike, states_of
+from bearingwear.lives.surfaces import surface_life
+from bearingwear.measures import MEASURES, Measure
+from bearingwear.model.rotor import lowest_frequency
+from bearingwear.model.state import OF_EACH_CONTACT, State
+from bearingwear.scene.scene import EndOfLife, Scene
+
+
+class HertzianLives:
+    """Lives of a scene with different ends; known states are not solved again.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a steady state.
+    """
+
+    def __init__(self, scene: Scene):
+        self._between = (0.5,) if is_unlike(scene) else QUARTERS
+        self._states = states_of(scene, "steady", WELL_BALANCED)
+
+    @property
+    def solves(self) -> int:
+        return self._states.solves
+
+    @property
+    def failed(self) -> int:
+        return self._states.failed
+
+    def __call__(self, scene: Scene) -> Life:
+        """The life of the scene, which may have another end."""
+        return surface_life(scene, self._states, bounded=False, between=self._between)
+
+
+def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Life | None:
+    """The life with grooves as they wear, where `life` follows them; None where it does not.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a steady state and an end of life.
+    quick : bool
+        With fewer cells and longer steps than `life` has: 3e-3 of the life and 2 % of the least
+        stiffness, for a fifth of the time.
+    only_times : bool
+        As of `Grooves`.
+    """
+    alone, _ = grooves_followed(scene, "steady")
+    if alone is None:
+        return None
+    cells, step = (FEWER_CELLS, QUICK_STEP) if quick else (WORN_CELLS, STEP)
+    return follow_grooves(Grooves(alone, cells=cells, step=step, only_times=only_times))
+
+
+def worse_states(life: Life, scene: Scene) -> list[State]:
+    """States along a life that limits look at: of each measure the value of the worse bearing.
+
+    Of a pair, the preload is that of the worse side, with all its bearings in tandem; angles, loads
+    and major axes are those of both bearings (2, 2).
+    """
+    if len(life.nodes[0].states) == 1:
+        return life.states
+    assert scene.pair is not None
+    found = []
+    for node in life.nodes:
+        one, other = (
+            state.with_values({"residual_preload": n * state["residual_preload"]})
+            for n, state in zip(scene.pair.tandem, node.states, strict=True)
+        )
+        worse = {
+            name: _worse(one[name], other[name], measure)
+            for measure in MEASURES
+            for name in measure.variables
+            if name in one.values or name in other.values
+        }
+        worse["lowest_frequency"] = lowest_frequency(scene, node.states)
+        worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
+        found.append(one.with_values(worse))
+    return found
+
+
+def _worse(first: Any, second: Any, measure: Measure) -> Any:
+    """Of two values, or of each value of two arrays, the one closer to a limit or known."""
+    is_second = second < first if measure.falls else np.abs(second) > np.abs(first)
+    return np.where(is_second | np.isnan(first), second, first)[()]
+
+
+def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[EndOfLife], float]:
+    """Function from an end of life to the life [s], NaN where it was not solved.
+
+    Grooves are followed where `life` does, with its cells and steps. They wear alike whatever ends
+    the life, so they are followed once, to an end that comes after all others.
+
+    Parameters
+    ----------
+    scene : Scene
+    farthest : EndOfLife
+        With every limit as loose as it is asked for.
+    basis : int
+        Index along the loss basis.
+    """
+    if grooves_followed(scene, "steady")[0] is None:
+        lives = HertzianLives(scene)
+
+        def length(end: EndOfLife) -> float:
+            life = lives(ended_by(scene, end))
+            return float(life.last.time[basis]) if life.status == code.OK else np.nan
+
+        return length
+    asked = replace(ended_by(scene, farthest), model=replace(scene.model, contact="worn"))
+    life = worn_life(asked, quick=False, only_times=True)
+    assert life is not None
+    states = worse_states(life, asked)
+    return lambda end: first_met(life, states, end, scene.operation.preload_N)
+
+
+def first_met(life: Life, states: list[State], end: EndOfLife, preload_N: float) -> float:
+    """When states along a life with worn grooves first meet an end [s]; NaN where they do not.
+
+    Between them, margins are monotone cubics of time.
+    """
+    if life.nodes[0].status != code.OK:
+        return np.nan
+    times = life.times[:, 1]
+    first = np.inf
+    for margin in np.array([margins(state, end, preload_N) for state in states]).T:
+        met = np.flatnonzero(margin <= 0.0)
+        if not met.size:
+            continue
+        if met[0] == 0:
+            return 0.0
+        a, b = times[met[0] - 1], times[met[0]]
+        first = min(first, float(brentq(PchipInterpolator(times, margin), a, b)))
+    return first if np.isfinite(first) else np.nan

@@ -1,0 +1,303 @@
+"""How a life takes its steps: four methods for `bearingwear.lives.follow`."""
+
+import math
+from collections.abc import Sequence
+from itertools import takewhile
+from typing import Any
+
+import numpy as np
+from scipy.integrate import RK45
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.follow import Life, Method, Node, Step, Wearing
+
+SHORTEST_STEP = 1e-6  # of the first step
+WELL_WITHIN = 0.02  # share of the allowed error below which the next step is twice as long
+ENOUGH = 1e3  # shortest steps; a step as short as this is taken whatever its error
+TINY_TIME = 1e-300  # [s], so that nothing is no scale
+QUARTERS = (0.25, 0.5, 0.75)
+_SHORTENINGS = 6  # of a step by Heun that fails, each by half
+_MOST_TRIALS = 8  # runs to find an end
+_END_OF_RUNS = 1e-3  # of a step
+
+
+class Simpson(Method):
+    """Adaptive Simpson integration of the time over the loss, t = integral of d(loss)/rate(loss).
+
+    Both ways of counting wear (ball, ball and races) share the states and differ in the clock.
+    """
+
+    def __init__(self, tolerance: float, first: float):
+        self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
+
+    def at(self, x: float) -> Node:
+        worn = np.array([x])
+        return Node(x, worn, self.wearing.state(worn), np.full(2, np.nan))
+
+    def step(self, life: Life, bound: float) -> Step:
+        start = life.last
+        x, h = start.x, min(self.length, bound - start.x)
+        self._tried, end = h, x + h
+        nodes = [start, *(self.at(x + share * h) for share in QUARTERS), self.at(end)]
+        failed = [node.status for node in nodes if node.status != code.OK]
+        if failed:
+            solved = [*takewhile(lambda node: node.status == code.OK, nodes)]
+            return Step(end=end, nodes=solved[1:], status=failed[-1])
+        y, q = np.array([1.0 / node.states[0].rate for node in nodes]), 0.25 * h
+        first, second = q / 3.0 * (y[0] + 4 * y[1] + y[2]), q / 3.0 * (y[2] + 4 * y[3] + y[4])
+        whole = 2.0 * q / 3.0 * (y[0] + 4 * y[2] + y[4])
+        times = [
+            q / 12.0 * (5 * y[0] + 8 * y[1] - y[2]),
+            first,
+            first + q / 12.0 * (5 * y[2] + 8 * y[3] - y[4]),
+            first + second,
+        ]
+        # The finer rule is about 15 times better than this difference of the two.
+        error = np.abs(first + second - whole)
+        allowed = self.tolerance * np.maximum(start.time + times[-1], TINY_TIME)
+        self._well_within = bool(np.all(error < WELL_WITHIN * allowed))
+        reached = zip(nodes[1:], times, strict=True)
+        return Step(
+            end=end,
+            nodes=[node._replace(time=start.time + passed) for node, passed in reached],
+            error=error,
+            is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
+        )
+
+    def kept(self, step: Step) -> Sequence[Node]:
+        if self._well_within:
+            self.length = 2.0 * self._tried
+        return step.nodes
+
+    def shorten(self) -> bool:
+        self.length = 0.5 * self._tried
+        return self.length > self.shortest
+
+    def error_of_end(self, life: Life) -> np.ndarray:
+        passed = life.last.x - life.nodes[0].x
+        return self.root * passed / life.last.states[0].rate
+
+
+class Unsolved(ArithmeticError):
+    """A state within a step that was not found."""
+
+    def __init__(self, status: int):
+        super().__init__(status)
+        self.status = status
+
+
+class RungeKutta(Method):
+    """SciPy's explicit Runge-Kutta method over the sum of the counted losses s,
+
+        d(what is worn, t)/ds = their rates over the sum of the counted loss rates.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative, of a step.
+    first : float
+        Step [m].
+    counts : int
+        Which way of counting wear has its clock followed.
+    between : sequence of float
+        Shares of each step after which a node is kept, too.
+    """
+
+    def __init__(
+        self, tolerance: float, first: float, counts: int, between: Sequence[float] = QUARTERS
+    ):
+        self.tolerance, self.first, self.length = tolerance, first, first
+        self.shortest, self.counts, self.between = SHORTEST_STEP * first, counts, between
+
+    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
+        self.solver: RK45 | None = None
+        self.length = self.first
+        found = super().begin(wearing, node)
+        return found if node is not None else found._replace(time=self._clock(0.0))
+
+    def _clock(self, time: float) -> np.ndarray:
+        times = np.full(2, np.nan)
+        times[self.counts] = time
+        return times
+
+    def _node(self, x: float, y: np.ndarray) -> Node:
+        return Node(x, y[:-1], self.wearing.state(y[:-1]), self._clock(float(y[-1])))
+
+    def at(self, x: float) -> Node:
+        assert self.solver is not None
+        at_end = x == self.solver.t
+        return self._node(x, self.solver.y.copy() if at_end else self.solver.dense_output()(x))
+
+    def _derivative(self, s: float, y: np.ndarray) -> np.ndarray:
+        node = self._node(s, y)
+        if node.status != code.OK:
+            raise Unsolved(node.status)
+        return np.append(self.wearing.rates(node), 1.0) / self._counted(node)
+
+    def _counted(self, node: Node) -> float:
+        return sum(one.rate[self.counts] for one in node.states)
+
+    def step(self, life: Life, bound: float) -> Step:
+        start = life.last
+        try:
+            if self.solver is None or self.solver.t_bound != bound:
+                y = np.append(start.worn, start.time[self.counts])
+                atol = np.full(y.size, self.tolerance * self.first)
+                atol[-1] /= self._counted(start)
+                first = min(self.length, bound - start.x)
+                self.solver = RK45(
+                    self._derivative,
+                    start.x,
+                    y,
+                    bound,
+                    rtol=self.tolerance,
+                    first_step=first,
+                    atol=atol,
+                )
+            self.solver.step()
+        except Unsolved as failure:
+            return Step(end=bound, status=failure.status)
+        end = self.solver.t
+        nodes: list[Node] = []
+        for x in (start.x + 0.5 * (end - start.x), end):
+            node = self.at(x)
+            if node.status != code.OK:
+                return Step(end=end, nodes=nodes, status=node.status)
+            nodes.append(node)
+        return Step(end=end, nodes=nodes)
+
+    def kept(self, step: Step) -> Sequence[Node]:
+        assert self.solver is not None
+        start = self.solver.t_old
+        nodes = [self.at(start + share * (step.end - start)) for share in self.between]
+        if all(node.status == code.OK for node in nodes):
+            self.length = self.solver.h_abs
+        return [*nodes, step.nodes[-1]]
+
+    def shorten(self) -> bool:
+        tried = math.inf if self.solver is None else self.solver.h_abs
+        self.length, self.solver = 0.25 * min(self.length, tried), None
+        return self.length >= self.shortest
+
+
+class Heun(Method):
+    """Heun's steps in time, as long as the deepest place may wear in one."""
+
+    most_steps = 1000
+    root = 1e-4
+    _from: Sequence[Any] = (None,)  # the last two nodes
+    _known: dict[float, Node]
+
+    def step(self, life: Life, bound: float) -> Step:
+        now, wearing = life.last, self.wearing
+        if now is not self._from[-1]:
+            self._from, self._known = life.nodes[-2:], {}
+            self._rates = wearing.rates(now)
+            self._longest = wearing.longest_step(now, self._rates)
+            self.shortest = 0.1 * self.root * self._longest
+        h = min(self._longest, bound - now.x)
+        for k in range(_SHORTENINGS + 1):
+            node = self.at(now.x + 0.5**k * h)
+            if node.status == code.OK and not wearing.is_too_deep(now, node):
+                break
+        solved = [node] if node.status == code.OK else []
+        return Step(end=node.x, nodes=solved, status=node.status)
+
+    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
+        first = super().begin(wearing, node)
+        return self.wearing.completed(first._replace(time=np.array([np.nan, 0.0])))
+
+    def kept(self, step: Step) -> Sequence[Node]:
+        return [self.wearing.completed(node) for node in step.nodes]
+
+    def at(self, x: float) -> Node:
+        if x not in self._known:
+            self._known[x] = self._after(x)
+        return self._known[x]
+
+    def _after(self, x: float) -> Node:
+        wearing, (*earlier, now) = self.wearing, self._from
+        h, time = x - now.x, np.array([np.nan, x])
+        for before in earlier:
+            wearing.start_ahead(before, now, h / (now.x - before.x))
+        worn, states = wearing.moved(now.worn, h, self._rates, on_the_way=True)
+        ahead = Node(x, worn, states, time)
+        if ahead.status != code.OK:
+            return ahead
+        rates = tuple(a.mean(b) for a, b in zip(self._rates, wearing.rates(ahead), strict=True))
+        worn, states = wearing.moved(now.worn, h, rates)
+        return Node(x, worn, states, time)
+
+
+class Trapezoid(Method):
+    """A predictor and the trapezoidal rule in time, for rates that scatter (theory.md section 13).
+
+    Parameters
+    ----------
+    steps : int
+        In which the life is to be followed, as long as it seems to be.
+    most : int
+        Steps, because rates may fall on the way.
+    """
+
+    _from: Sequence[Any] = (None,)  # the last two nodes
+    _known: dict[float, Node]
+
+    def __init__(self, steps: int, most: int):
+        self.steps, self.most_steps = steps, most
+        self._errors: dict[float, float] = {}  # of ends [s]
+
+    def step(self, life: Life, bound: float) -> Step:
+        now, wearing = life.last, self.wearing
+        if now is not self._from[-1]:
+            self._from, self._known = life.nodes[-2:], {}
+            self._horizon = wearing.horizon(now)
+            if math.isinf(self._horizon):
+                return Step(end=math.inf, status=code.CRITERION_NOT_REACHED)
+            wearing.report_progress(now, self._horizon)
+        node = self.at(min(now.x + self._horizon / self.steps, bound))
+        if node.status != code.OK:
+            return Step(end=node.x, status=node.status, failed=node)
+        return Step(end=node.x, nodes=[node])
+
+    def at(self, x: float) -> Node:
+        if x not in self._known:
+            self._known[x] = self._after(x)
+        return self._known[x]
+
+    def _after(self, x: float) -> Node:
+        wearing, (*earlier, now) = self.wearing, self._from
+        h, rates = x - now.x, wearing.rates(now)
+        ahead = rates
+        for before in earlier:
+            slope = (rates - wearing.rates(before)) / (now.x - before.x)
+            ahead = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
+        worn = now.worn + h * ahead
+        found = Node(x, worn, wearing.state(worn, now.states), wearing.clock(x))
+        if found.status != code.OK:
+            return found
+        worn = now.worn + 0.5 * h * (rates + wearing.rates(found))
+        return found._replace(worn=worn, states=wearing.with_worn(found.states, worn))
+
+    def zero(self, value: Any, a: Node, b: Node) -> float:
+        """By false position: what scatters has no use for more."""
+        low, high, best = a.x, b.x, b.x
+        before, after = value(low), value(high)
+        for _ in range(_MOST_TRIALS):
+            slope = (before - after) / (high - low)
+            x = low + before / slope
+            self._errors.setdefault(b.x, b.x - x)
+            if self.at(x).status != code.OK:
+                break
+            best, left = x, value(x)
+            self._errors[x] = abs(left) / slope
+            if self._errors[x] <= _END_OF_RUNS * (b.x - a.x):
+                break
+            if left <= 0.0:
+                high, after = x, left
+            else:
+                low, before = x, left
+        return best
+
+    def error_of_end(self, life: Life) -> np.ndarray:
+        return self.wearing.clock(self._errors[life.last.x])

@@ -1,0 +1,208 @@
+"""The wear that short dynamic runs find along a life (theory.md section 13).
+
+What wears (each ball, races, pockets, land) is that of `WornParts`. Each run is made at the wear
+that those before it left, from the end of the one before.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.follow import Node, States
+from bearingwear.lives.worn_parts import WornParts
+from bearingwear.model import parameters
+from bearingwear.model.dynamic_run import solve_dynamic
+from bearingwear.model.fidelity import asymmetries
+from bearingwear.model.heat import warmed_for, warmth_of
+from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.state import State, case_state
+from bearingwear.model.states_at_loss import in_half_of_pair
+from bearingwear.model.steady import ThrustProblem
+from bearingwear.scene.blocks import CRITERIA, OF_CAGE
+from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+
+_CLEARANCES = ("pocket_clearance", "guide_clearance")
+"""Of a cage, as `WornParts.clearances` gives them."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a dynamic run found."""
+
+    status: int
+    carried_on: bool = False
+    values: dict[str, Any] = field(default_factory=dict)
+    warmth: dict[str, Any] = field(default_factory=dict)  # where a network finds temperatures
+    residual: str = "not solved"
+    rates: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def end(self) -> dict[str, Any]:
+        """State from which the next run continues."""
+        return {"state": self.values["final_state"], "time": self.values["final_time"]}
+
+
+def run_of(node: Node) -> Run:
+    """The run at a point of a life."""
+    return node.states[0].answer
+
+
+class Motion:
+    """The wear of a scene that moves.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it is solved: without its cage where that is not asked for.
+    steady : float
+        Life by the steady model [s], NaN if not known: what steps are made for.
+    progress : callable, optional
+        Called with a line that says how far the life has come.
+    """
+
+    origin, range = 0.0, math.inf
+
+    def __init__(
+        self,
+        scene: Scene,
+        steady: float = math.nan,
+        progress: Callable[[str], None] | None = None,
+    ):
+        self.scene, self.steady, self.progress = scene, steady, progress
+        self.parts = WornParts(scene)
+        self.end = scene.wear.end_of_life or EndOfLife()
+        self.start = self.parts.nothing
+        self._mounted = parameters.static_place(scene)
+
+    def state(self, worn: np.ndarray, near: States = ()) -> States:
+        """A run at that wear, from the end of one before or a start of its own."""
+        run = self._run(worn, near[0].answer if near else None)
+        return self.with_worn((State(run.status, {}, run),), worn)
+
+    def _run(self, worn: np.ndarray, before: Run | None) -> Run:
+        try:
+            scene = self.parts.worn_scene(worn)
+        except SceneError:
+            return Run(code.CRITERION_NOT_REACHED)
+        warmth: dict[str, Any] = {}
+        if scene.thermal is not None:
+            warm, _ = warmed_for(scene, "dynamic")
+            if warm.status != code.OK:
+                return Run(warm.status, residual=warm.sentence)
+            scene, warmth = warm.scene, warmth_of(scene, warm)
+        if before is not None:
+            values, attrs = solve_dynamic(scene, restart=before.end)
+        if before is None or values["status"] != code.OK:
+            values, attrs = self.first_run(scene)
+            before = None
+        solved = values["status"] == code.OK
+        if solved:
+            values["quasistatic_axial_stiffness"] = self._quasistatic(scene)
+        return Run(
+            status=int(values["status"]),
+            carried_on=before is not None,
+            values=values,
+            warmth=warmth,
+            residual=attrs["residual"],
+            rates=self.parts.rates(values) if solved else np.empty(0),
+        )
+
+    def _quasistatic(self, scene: Scene) -> float:
+        """Axial stiffness at some wear, which no run has: steady, or by race control [N/m].
+
+        The steady one where the scene has a steady state but for how the balls have worn.
+        """
+        if asymmetries(self.scene):
+            values, _ = solve_race_control(scene)
+            return float(values.get("quasistatic_axial_stiffness", math.nan))
+        problem = ThrustProblem.of(scene).without_finer
+        case = problem.solve(float(parameters.ball_diameters(scene).mean()))
+        return problem.g.n_balls * case.S_quasistatic if case.status == code.OK else math.nan
+
+    def first_run(self, scene: Scene) -> tuple[dict, dict]:
+        """A run from a start of its own; with a cage after `life_run_in_turns`.
+
+        A cage takes hundreds of turns to forget how it started, and seems settled long before.
+        """
+        restart = None
+        if scene.cage is not None and self.parts.model.life_run_in_turns > 0.0:
+            turns = self.parts.model.life_run_in_turns
+            run_in = replace(
+                self.parts.model, simulated_turns=turns, evaluated_turns=turns, settled_drift=0.0
+            )
+            values, attrs = solve_dynamic(replace(scene, model=run_in))
+            if values["status"] != code.OK:
+                return values, attrs
+            restart = {"state": values["final_state"], "time": values["final_time"]}
+        return solve_dynamic(scene, restart=restart)
+
+    def with_worn(self, states: States, worn: np.ndarray) -> States:
+        """The state of a run at a wear close by, with the clearances of the cage."""
+        run: Run = states[0].answer
+        loss = float(self.parts.loss(worn).mean())
+        state = case_state(loss, {**run.values, "status": run.status})
+        more = dict(zip(_CLEARANCES, self.parts.clearances(worn), strict=True))
+        if state.is_solved:
+            power = float(run.values["friction_heat"].sum()) + float(run.values["drag_power"])
+            state = in_half_of_pair(self.scene, self._mounted, state)
+            more |= {"friction_power": power} | run.warmth
+        return (replace(state.with_values(more), answer=run),)
+
+    def rates(self, node: Node) -> np.ndarray:
+        return run_of(node).rates
+
+    def wears(self, node: Node) -> bool:
+        return bool(run_of(node).rates.any())
+
+    def events(self, node: Node) -> np.ndarray:
+        return np.empty(0)
+
+    def passes(self, event: int, node: Node) -> bool:
+        return False
+
+    def clock(self, time: float) -> np.ndarray:
+        """A time by the scene's way of counting wear, which decides what the runs see (2,) [s]."""
+        times = np.full(2, math.nan)
+        times[self.parts.count] = time
+        return times
+
+    def end_rate(self, node: Node, criterion: int) -> float:
+        """Rate of what the criterion looks at: a clearance, else the mean loss [m/s]."""
+        name, rates = CRITERIA[criterion], run_of(node).rates
+        if name not in OF_CAGE:
+            return self.parts.mean_loss_rate(rates)
+        k, nothing = OF_CAGE.index(name), self.parts.clearances(self.parts.nothing)
+        # clearances are linear in what has worn, but for which ball is the most worn
+        return self.parts.clearances(rates)[k] - nothing[k]
+
+    def horizon(self, node: Node) -> float:
+        """Estimated end of life [s]: by the steady life, or by the wear rate so far.
+
+        Infinite where nothing that wears leads to an end.
+        """
+        # at the start, one second at its rates
+        time, worn = (node.x, node.worn) if node.x > 0.0 else (1.0, run_of(node).rates)
+        um = self.end.ball_diameter_loss_um
+        largest = LARGEST_LOSS * self.scene.bearing.ball_diameter_mm * parameters.MM
+        limits = [largest if um is None else um * parameters.UM]
+        given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
+        limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
+        then, now = (
+            np.array([self.parts.loss(worn).mean(), *self.parts.clearances(worn)])
+            for worn in (self.parts.nothing, worn)
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = time * (np.array(limits) - then) / (now - then)
+        known = [time for time in (self.steady, *times[now > then]) if time > 0.0]
+        return float(min(known, default=math.inf))
+
+    def report_progress(self, node: Node, horizon: float) -> None:
+        """Report the progress of the life."""
+        if self.progress is not None:
+            loss = self.parts.loss(node.worn).mean() / parameters.UM
+            hours = node.x / 3600.0, horizon / 3600.0
+            self.progress(f"{hours[0]:.3g} h of about {hours[1]:.3g} h, {loss:.3g} um lost")

@@ -1,0 +1,227 @@
+"""Bearings whose contacts stay Hertzian as their surfaces wear (theory.md sections 6, 19, 23).
+
+The state depends on what each bearing has lost, and, where films or running in decide how fast a
+surface wears, on how deep that is.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import accumulate
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.ends import NONE, Ends
+from bearingwear.lives.follow import Life, Method, Node, States, follow
+from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
+from bearingwear.lives.states import Condition, KnownStates, one_of_alike
+from bearingwear.model.films import Cover, Films, mean_pressure
+from bearingwear.model.mounted import MM, UM
+from bearingwear.model.state import State
+from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, Scene
+
+FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
+_LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated
+_UNLIKE = 3.7  # times its first step: the same steps would hide an error far below the tolerance
+_LOOSEST = 1e-2
+
+
+class EvenWear:
+    """A bearing whose wear rate depends on its counted loss alone: worn is that loss (1,) [m]."""
+
+    def __init__(self, scene: Scene):
+        self.present = scene.wear.ball_diameter_loss_um[0] * UM
+        self.ball_diameter = scene.bearing.ball_diameter_mm * MM
+        self.start = np.array([self.present])
+
+    @property
+    def room(self) -> float:
+        """Loss that can be followed [m]."""
+        return LARGEST_LOSS * self.ball_diameter - self.present
+
+    def condition(self, worn: np.ndarray, counts: int) -> Condition:
+        return Condition(float(worn[0]))
+
+    def state(self, state: State, worn: np.ndarray) -> State:
+        """The state of a condition, with what depends on how deep the surfaces are worn."""
+        return state
+
+    def rates(self, state: State, counts: int) -> np.ndarray:
+        """What is worn off per second [m/s]."""
+        return state.rate[counts : counts + 1]
+
+    def film_left(self, worn: np.ndarray) -> np.ndarray:
+        """Share of each film that is left; infinite where there is none."""
+        return np.full(0, np.inf)
+
+    def wear_through(self, film: int) -> None:
+        """A film is gone: of the inner race, the outer race, or the balls."""
+
+
+class FilmWear(EvenWear):
+    """A bearing whose surfaces have films or run in: worn is (loss of a ball, both depths) [m]."""
+
+    def __init__(self, scene: Scene):
+        super().__init__(scene)
+        self.scene, self.n_balls = scene, scene.bearing.ball_count
+        self.films = Films.of(scene)
+        self.cover = self.films.cover
+        self.start = np.zeros(3)
+
+    def condition(self, worn: np.ndarray, counts: int) -> Condition:
+        counted = worn[0] + (worn[1] + worn[2] if counts else 0.0)
+        return Condition(self.present + float(counted), self.films.bare(self.cover))
+
+    @staticmethod
+    def depths(worn: np.ndarray) -> np.ndarray:
+        """Worn off the inner and the outer groove and the surface of a ball (3,) [m]."""
+        return np.array([worn[1], worn[2], 0.5 * worn[0]])
+
+    @property
+    def thickness(self) -> np.ndarray:
+        """Thickness left of the films on them, 0 where there is none (3,) [m]."""
+        race, ball = self.films.race.thickness, self.films.ball.thickness
+        return np.where(self.cover, [race, race, ball], 0.0)
+
+    def state(self, state: State, worn: np.ndarray) -> State:
+        pressed = self.films.pressed(mean_pressure(self.scene, state["semi_major_axis"]))
+        wearing = self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
+        ball, race = (np.broadcast_to(part.K_s / part.H, 2) for part in wearing)
+        of_ball, of_races = state["loss_per_wear"]
+        off_ball, off_races = float(of_ball @ ball), of_races * race
+        return state.with_values(
+            {
+                "ball_diameter_loss_rate": np.array([off_ball, off_ball + off_races.sum()]),
+                "ball_wear_rate": float(state["qv"] @ ball),
+                "race_wear_rate": self.n_balls * race * state["qv"],
+                "groove_depth_rate": off_races,
+                "film_left": np.maximum(self.thickness - self.depths(worn), 0.0),
+                "film_worn_share": np.array(self.films.bare(self.cover), dtype=float),
+            }
+        )
+
+    def rates(self, state: State, counts: int) -> np.ndarray:
+        return np.array([state.rate[0], *state["groove_depth_rate"]])
+
+    def film_left(self, worn: np.ndarray) -> np.ndarray:
+        covered = self.thickness > 0.0
+        shares = self.depths(worn) / np.where(covered, self.thickness, 1.0)
+        return np.where(covered, 1.0 - shares, np.inf)
+
+    def wear_through(self, film: int) -> None:
+        gone = [*self.cover]
+        gone[film] = False
+        self.cover = Cover(*gone)
+
+
+class Surfaces:
+    """The wear of one bearing, or of two on a rotor, by one way of counting it.
+
+    Parameters
+    ----------
+    scene : Scene
+    states : callable
+        From the condition of each bearing to its state.
+    counts : int
+        Index into `COUNTS`.
+    """
+
+    def __init__(self, scene: Scene, states: KnownStates, counts: int):
+        self.states, self.counts = states, counts
+        self.each = [
+            FilmWear(side) if changes_as_it_wears(side) else EvenWear(side) for side in scene.sides
+        ]
+        self.start = np.concatenate([one.start for one in self.each])
+        ends = [0, *accumulate(one.start.size for one in self.each)]
+        self._parts = [slice(*both) for both in zip(ends[:-1], ends[1:], strict=True)]
+        self.origin, self.range = 0.0, sum(one.room for one in self.each)
+
+    def parts(self, worn: np.ndarray) -> Iterator[tuple[EvenWear, np.ndarray]]:
+        """Each bearing, and what is worn of it."""
+        return zip(self.each, (worn[part] for part in self._parts), strict=True)
+
+    def state(self, worn: np.ndarray) -> States:
+        parts = [*self.parts(worn)]
+        found = self.states(tuple(wear.condition(part, self.counts) for wear, part in parts))
+        if any(one.status != code.OK for one in found):
+            return found
+        each = zip(found, parts, strict=True)
+        return tuple(wear.state(one, part) for one, (wear, part) in each)
+
+    def rates(self, node: Node) -> np.ndarray:
+        each = zip(self.each, node.states, strict=True)
+        return np.concatenate([wear.rates(one, self.counts) for wear, one in each])
+
+    def wears(self, node: Node) -> bool:
+        return min(one.rate.min() for one in node.states) > 0.0
+
+    def events(self, node: Node) -> np.ndarray:
+        """The largest loss that is followed, and the end of each film."""
+        room, films = [], []
+        for wear, part in self.parts(node.worn):
+            largest = LARGEST_LOSS * wear.ball_diameter
+            room.append(1.0 - wear.condition(part, self.counts).loss / largest)
+            films.append(wear.film_left(part))
+        return np.concatenate([[min(room)], *films])
+
+    def passes(self, event: int, node: Node) -> bool:
+        """A film is gone, and with it any other of which nothing is left."""
+        film, first = event - NONE - 1, 0
+        for wear, part in self.parts(node.worn):
+            left = wear.film_left(part)
+            for k in np.flatnonzero((left <= 0.0) | (first + np.arange(left.size) == film)):
+                wear.wear_through(int(k))
+            first += left.size
+        return film >= 0
+
+
+def surface_life(
+    scene: Scene,
+    states: KnownStates,
+    bounded: bool = True,
+    counts: Sequence[int] = range(len(COUNTS)),
+    between: Sequence[float] = QUARTERS,
+) -> Life:
+    """The life of a scene whose contacts stay Hertzian.
+
+    One bearing without films has both clocks from one integral. Others wear by the scene's own way
+    of counting, and the last time by the other way is that of a life of its own.
+
+    Parameters
+    ----------
+    scene : Scene
+    states : KnownStates
+        Of that scene, or of one that differs by its end.
+    bounded : bool
+        Whether the error of a way of its own is found, by a looser one.
+    counts : sequence of int
+        Ways of counting to follow, the scene's own among them.
+    between : sequence of float
+        As of `RungeKutta`.
+    """
+    scene = one_of_alike(scene)
+    ends, tolerance, own = Ends(scene), scene.model.tolerance, COUNTS.index(scene.wear.counts)
+    smallest = min(side.bearing.ball_diameter_mm for side in scene.sides) * MM
+    first = len(scene.sides) * FIRST_STEP * smallest
+
+    def along(k: int, tolerance: float, first: float) -> Life:
+        return follow(Surfaces(scene, states, k), ends, RungeKutta(tolerance, first, k, between))
+
+    if scene.pair is None and not changes_as_it_wears(scene):
+        wearing = Surfaces(scene, states, own)
+        wearing.origin = float(wearing.start[0])
+        method: Method = Simpson(tolerance, first)
+        life = follow(wearing, ends, method)
+    else:
+        each = {k: along(k, tolerance, first) for k in counts}
+        life = each.pop(own)
+        life.error, end = np.full(len(COUNTS), np.nan), life.last.time.copy()
+        for k, other in each.items():
+            if other.status == life.status:
+                end[k] = other.last.time[k]
+        life.nodes[-1] = life.last._replace(time=end)
+        if bounded:
+            loose = along(own, min(_LOOSER * tolerance, _LOOSEST), _UNLIKE * first)
+            life.error[own] = abs(loose.last.time[own] - end[own])
+    life.solves = states.solves
+    return life
