@@ -13,7 +13,7 @@ from support import ROOT, scene_file
 SPREAD_OUT = ROOT / "tests" / "workflow"
 """Tests of one file here need not run in one process: what they share is made once for all."""
 
-LONGEST_FIRST = "workflow", "studies", "model", "kernels"
+LONGEST_FIRST = "workflow", "studies", "lives", "model", "kernels"
 """Folders whose files take seconds to half a minute: a process has no work beside a late one."""
 
 _NEW_OBJECTS = 20_000  # before Python looks for garbage; 700 by default

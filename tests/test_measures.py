@@ -12,9 +12,10 @@ from support import scene_file
 
 from bearingwear.arguments import command_parser
 from bearingwear.kernels.status import OK
-from bearingwear.lives.life import margins
+from bearingwear.lives import many
+from bearingwear.lives.ends import margins
+from bearingwear.lives.follow import Life, Node
 from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
-from bearingwear.model import courses
 from bearingwear.model.criterion import criteria_of_case, end_attribute
 from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.results.life_variables import LIFE
@@ -252,11 +253,11 @@ def test_a_limit_looks_at_the_worst_along_a_life(name, monkeypatch):
 @of_all
 def test_the_worse_bearing_of_a_pair_counts(measure, monkeypatch):
     lowest = lambda _, both: min(one["lowest_frequency"] for one in both)  # noqa: E731
-    monkeypatch.setattr(courses, "lowest_frequency", lowest)
+    monkeypatch.setattr(many, "lowest_frequency", lowest)
     rotor = SimpleNamespace(pair=SimpleNamespace(tandem=(1, 1)))
     near, far = states(measure, 1.2), states(measure, 0.3)
     for both in ((near, far), (far, near)):
-        (worse,) = courses.worse_halves([both], rotor)
+        (worse,) = many.worse_states(Life([Node(0.0, None, both, np.zeros(2))], None), rotor)
         assert measure.critical(worse.__getitem__, 1.0) == measure.critical(near.__getitem__, 1.0)
 
 

@@ -26,7 +26,7 @@ def found(*modules) -> set[str]:
 
 def test_sources_of_the_solver():
     solver = found(*SOLVER)
-    assert {"scene/read.py", "scene/accuracy.py", "model/life.py", "results/netcdf.py"} <= solver
+    assert {"scene/read.py", "scene/accuracy.py", "lives/life.py", "results/netcdf.py"} <= solver
     assert {path for path in solver if path.startswith("kernels/")}
     assert not [path for path in solver if path.startswith(("studies/", "page/", "plotting/"))]
     assert (

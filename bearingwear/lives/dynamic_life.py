@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import Ends, ended_by
+from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.errors import integration_error
 from bearingwear.lives.follow import Life, follow
 from bearingwear.lives.methods import Trapezoid
-from bearingwear.lives.motion import Motion, run_of
+from bearingwear.lives.motion import Motion, run_at
 from bearingwear.lives.states import states_of
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.model import parameters
@@ -27,7 +27,7 @@ from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
 _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 
 
-def dynamic_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
+def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
     """Wear life of a scene with a dynamic run at every step, and the steady life beside it.
 
     Parameters
@@ -43,7 +43,7 @@ def dynamic_life(scene: Scene, progress: Callable[[str], None] | None = None) ->
         Of a life file. Only one way of counting wear is followed, that of `wear.counts`, since it
         decides which wear the runs see; what belongs to the other is NaN.
     """
-    values = steady_values(scene)
+    values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
     life = follow_motion(wearing)
     values |= {"status": life.status, "end_criterion": life.criterion}
@@ -51,10 +51,10 @@ def dynamic_life(scene: Scene, progress: Callable[[str], None] | None = None) ->
     attrs = {
         "solves": len(every),
         "steady_life_of": steady_told(scene),
-        "residual": f"of the last run: {run_of(every[-1]).residual}",
+        "residual": f"of the last run: {run_at(every[-1]).residual}",
     }
     if life.nodes[0].status == code.OK:
-        values |= ends(wearing, life) | life_histories(wearing, life)
+        values |= ends(life) | life_histories(life)
         values |= steady_time_to_loss(scene, values["loss_at_end"])
     return values, attrs
 
@@ -62,11 +62,12 @@ def dynamic_life(scene: Scene, progress: Callable[[str], None] | None = None) ->
 def follow_motion(wearing: Motion) -> Life:
     """The life of a scene that moves."""
     steps = wearing.scene.model.life_steps
-    return follow(wearing, Ends(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps))
+    return follow(wearing, Criteria(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps))
 
 
-def ends(wearing: Motion, life: Life) -> dict:
+def ends(life: Life) -> dict:
     """Life and its errors; the life is a lower bound where no criterion was met."""
+    wearing: Motion = life.wearing
     last, count = life.last, wearing.parts.count
     error, estimate = wearing.clock(math.nan), wearing.clock(math.nan)
     values: dict[str, Any] = {"loss_at_end": float(wearing.parts.loss(last.worn).mean())}
@@ -76,7 +77,7 @@ def ends(wearing: Motion, life: Life) -> dict:
         at_end = 0.5 * (rate[-2] + rate[-1])
         error[count] = integration_error(time, rate) / at_end + life.error[count]
         by_runs = [
-            run_of(node).values.get("wear_rate_error_estimate", [math.nan] * 2)[count]
+            run_at(node).values.get("wear_rate_error_estimate", [math.nan] * 2)[count]
             for node in life.nodes
         ]
         # No run estimates the error of a clearance's growth.
@@ -89,11 +90,12 @@ def ends(wearing: Motion, life: Life) -> dict:
     return values | ({"life_error_estimate": estimate} if np.isfinite(estimate).any() else {})
 
 
-def life_histories(wearing: Motion, life: Life) -> dict:
+def life_histories(life: Life) -> dict:
     """Wear and results at each node; NaN where a node was not solved."""
+    wearing: Motion = life.wearing
     parts, p = wearing.parts, wearing.parts.layout
     nodes = life.nodes if life.beyond is None else [*life.nodes, life.beyond]
-    runs = [run_of(node) for node in nodes]
+    runs = [run_at(node) for node in nodes]
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)
     rates = np.array([run.rates if run.status == code.OK else missing for run in runs])
@@ -144,7 +146,7 @@ def steady_life(scene: Scene) -> Life:
     return surface_life(reduced, states_of(reduced, "steady"), bounded=False)
 
 
-def steady_values(scene: Scene) -> dict:
+def steady_life_values(scene: Scene) -> dict:
     """Life, end and loss at the end by the steady model, counted as the scene does."""
     life = steady_life(scene)
     values: dict = {"steady_status": life.status, "steady_end_criterion": life.criterion}
@@ -161,7 +163,7 @@ def steady_time_to_loss(scene: Scene, loss: float) -> dict:
     end = EndOfLife(ball_diameter_loss_um=loss / parameters.UM)
     if not loss > float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM:
         return {}
-    life = steady_life(ended_by(scene, end))
+    life = steady_life(with_end(scene, end))
     if life.status != code.OK:
         return {}
     return {"steady_time_to_loss": float(life.last.time[COUNTS.index(scene.wear.counts)])}

@@ -11,7 +11,7 @@ from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.state import State
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
 
-NONE = len(ENDS)
+NO_CRITERION = len(ENDS)
 """Index of no criterion in `CRITERIA`."""
 
 
@@ -21,7 +21,7 @@ def margins(state: State, end: EndOfLife, preload_N: float) -> np.ndarray:
     Positive before, zero or below where it is met; infinite where it is not asked for, or the state
     does not know its measure.
     """
-    found = np.full(NONE, np.inf)
+    found = np.full(NO_CRITERION, np.inf)
     for k, (name, measure) in enumerate(ENDS.items()):
         limit = getattr(end, name)
         if limit is not None:
@@ -30,7 +30,7 @@ def margins(state: State, end: EndOfLife, preload_N: float) -> np.ndarray:
     return found
 
 
-class Ends:
+class Criteria:
     """The criteria of a scene, of one bearing or of two."""
 
     def __init__(self, scene: Scene):
@@ -43,7 +43,7 @@ class Ends:
         return np.min([margins(state, self.end, preload) for state, preload in each], axis=0)
 
 
-def ended_by(scene: Scene, end: EndOfLife) -> Scene:
+def with_end(scene: Scene, end: EndOfLife) -> Scene:
     """The scene with another end of life."""
     return replace(scene, wear=replace(scene.wear, end_of_life=end))
 

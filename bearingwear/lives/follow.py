@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import NONE, Ends
+from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.model.state import State
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
@@ -67,7 +67,7 @@ class Wearing(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class LifeStep:
     """Nodes of a step up to its end, or up to the first that was not solved."""
 
     end: float
@@ -96,7 +96,7 @@ class Method:
             return Node(wearing.origin, start, wearing.state(start), np.zeros(2))
         return node._replace(states=wearing.state(node.worn))
 
-    def step(self, life: "Life", bound: float) -> Step:
+    def step(self, life: "Life", bound: float) -> LifeStep:
         """A step from the end of a life, not beyond a bound."""
         raise NotImplementedError
 
@@ -104,7 +104,7 @@ class Method:
         """A node within the last step."""
         raise NotImplementedError
 
-    def kept(self, step: Step) -> Sequence[Node]:
+    def kept(self, step: LifeStep) -> Sequence[Node]:
         """Nodes of a step that is taken."""
         return step.nodes
 
@@ -127,6 +127,8 @@ class Life:
 
     Attributes
     ----------
+    wearing : Wearing
+        That was followed.
     error : (2,) ndarray
         Bound on the last time [s].
     criterion : int
@@ -136,7 +138,8 @@ class Life:
     """
 
     nodes: list[Node]
-    criterion: int = NONE
+    wearing: Any
+    criterion: int = NO_CRITERION
     status: int = code.CRITERION_NOT_REACHED
     error: np.ndarray = field(default_factory=lambda: np.zeros(2))
     solves: int = 0
@@ -171,18 +174,18 @@ class Life:
             self.status = status
 
 
-def follow(wearing: Wearing, ends: Ends, method: Method) -> Life:
+def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
     """The life from the present wear to the first criterion, or to where solver or range ends."""
 
     def margins(node: Node) -> np.ndarray:
         return np.concatenate([ends.margins(node.states), wearing.events(node)])
 
-    life = Life([method.begin(wearing)])
+    life = Life([method.begin(wearing)], wearing)
     if life.last.status != code.OK:
         life.status = life.last.status
         return life
     while True:
-        met = np.flatnonzero(margins(life.last)[:NONE] <= 0.0)
+        met = np.flatnonzero(margins(life.last)[:NO_CRITERION] <= 0.0)
         if met.size:
             life.ends_by(int(met[0]))
             return life
@@ -191,7 +194,7 @@ def follow(wearing: Wearing, ends: Ends, method: Method) -> Life:
         end = _steps(life, method, margins, wearing.origin + wearing.range)
         if end is None:
             return life
-        if end < NONE:
+        if end < NO_CRITERION:
             life.error = life.error + method.error_of_end(life)
             life.ends_by(end)
             return life

@@ -105,11 +105,10 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:
     """Values and attributes of a life with worn grooves, of one bearing or of two."""
-    wearing = Grooves(scene)
-    life = follow_grooves(wearing)
+    life = follow_grooves(Grooves(scene))
     values = life_values(scene, life) | groove_errors(scene, life)
     if life.nodes[0].status == code.OK:
-        each = zip(wearing.sides, life.bearings, strict=True)
+        each = zip(life.wearing.sides, life.bearings, strict=True)
         values |= joined([groove_values(side, states) for side, states in each])
     if "life" in values and life.status == code.OK:
         ball = (1.0, parameters.wear_factors(scene)[0])

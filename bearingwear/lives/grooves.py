@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import Ends
+from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node, States, follow
 from bearingwear.lives.methods import Heun
 from bearingwear.model import parameters
@@ -229,7 +229,7 @@ class Grooves:
 
 def follow_grooves(wearing: Grooves) -> Life:
     """The life with grooves as they wear, and the rates at which its even losses grow."""
-    life = follow(wearing, Ends(wearing.scene), Heun())
+    life = follow(wearing, Criteria(wearing.scene), Heun())
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)

@@ -54,10 +54,10 @@ def life(
     started = time.perf_counter()
     if chosen.fidelity == "dynamic":
         # its kernels take long to load, and the other models need none of them
-        from bearingwear.lives.dynamic_life import dynamic_life
+        from bearingwear.lives.dynamic_life import motion_life
 
         check_depth(scene)
-        values, attrs = dynamic_life(chosen.reduced(scene), progress)
+        values, attrs = motion_life(chosen.reduced(scene), progress)
     else:
         followed, why = grooves_followed(scene, chosen.fidelity)
         if why:

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import ended_by, margins
+from bearingwear.lives.ends import margins, with_end
 from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.grooves import (
@@ -126,11 +126,11 @@ def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[End
         lives = HertzianLives(scene)
 
         def length(end: EndOfLife) -> float:
-            life = lives(ended_by(scene, end))
+            life = lives(with_end(scene, end))
             return float(life.last.time[basis]) if life.status == code.OK else np.nan
 
         return length
-    asked = replace(ended_by(scene, farthest), model=replace(scene.model, contact="worn"))
+    asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
     life = worn_life(asked, quick=False, only_times=True)
     assert life is not None
     states = worse_states(life, asked)

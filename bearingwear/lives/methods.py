@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import RK45
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.follow import Life, Method, Node, Step, Wearing
+from bearingwear.lives.follow import Life, LifeStep, Method, Node, Wearing
 
 SHORTEST_STEP = 1e-6  # of the first step
 WELL_WITHIN = 0.02  # share of the allowed error below which the next step is twice as long
@@ -34,7 +34,7 @@ class Simpson(Method):
         worn = np.array([x])
         return Node(x, worn, self.wearing.state(worn), np.full(2, np.nan))
 
-    def step(self, life: Life, bound: float) -> Step:
+    def step(self, life: Life, bound: float) -> LifeStep:
         start = life.last
         x, h = start.x, min(self.length, bound - start.x)
         self._tried, end = h, x + h
@@ -42,7 +42,7 @@ class Simpson(Method):
         failed = [node.status for node in nodes if node.status != code.OK]
         if failed:
             solved = [*takewhile(lambda node: node.status == code.OK, nodes)]
-            return Step(end=end, nodes=solved[1:], status=failed[-1])
+            return LifeStep(end=end, nodes=solved[1:], status=failed[-1])
         y, q = np.array([1.0 / node.states[0].rate for node in nodes]), 0.25 * h
         first, second = q / 3.0 * (y[0] + 4 * y[1] + y[2]), q / 3.0 * (y[2] + 4 * y[3] + y[4])
         whole = 2.0 * q / 3.0 * (y[0] + 4 * y[2] + y[4])
@@ -57,14 +57,14 @@ class Simpson(Method):
         allowed = self.tolerance * np.maximum(start.time + times[-1], TINY_TIME)
         self._well_within = bool(np.all(error < WELL_WITHIN * allowed))
         reached = zip(nodes[1:], times, strict=True)
-        return Step(
+        return LifeStep(
             end=end,
             nodes=[node._replace(time=start.time + passed) for node, passed in reached],
             error=error,
             is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
         )
 
-    def kept(self, step: Step) -> Sequence[Node]:
+    def kept(self, step: LifeStep) -> Sequence[Node]:
         if self._well_within:
             self.length = 2.0 * self._tried
         return step.nodes
@@ -96,7 +96,7 @@ class RungeKutta(Method):
     tolerance : float
         Relative, of a step.
     first : float
-        Step [m].
+        LifeStep [m].
     counts : int
         Which way of counting wear has its clock followed.
     between : sequence of float
@@ -137,7 +137,7 @@ class RungeKutta(Method):
     def _counted(self, node: Node) -> float:
         return sum(one.rate[self.counts] for one in node.states)
 
-    def step(self, life: Life, bound: float) -> Step:
+    def step(self, life: Life, bound: float) -> LifeStep:
         start = life.last
         try:
             if self.solver is None or self.solver.t_bound != bound:
@@ -156,17 +156,17 @@ class RungeKutta(Method):
                 )
             self.solver.step()
         except Unsolved as failure:
-            return Step(end=bound, status=failure.status)
+            return LifeStep(end=bound, status=failure.status)
         end = self.solver.t
         nodes: list[Node] = []
         for x in (start.x + 0.5 * (end - start.x), end):
             node = self.at(x)
             if node.status != code.OK:
-                return Step(end=end, nodes=nodes, status=node.status)
+                return LifeStep(end=end, nodes=nodes, status=node.status)
             nodes.append(node)
-        return Step(end=end, nodes=nodes)
+        return LifeStep(end=end, nodes=nodes)
 
-    def kept(self, step: Step) -> Sequence[Node]:
+    def kept(self, step: LifeStep) -> Sequence[Node]:
         assert self.solver is not None
         start = self.solver.t_old
         nodes = [self.at(start + share * (step.end - start)) for share in self.between]
@@ -188,7 +188,7 @@ class Heun(Method):
     _from: Sequence[Any] = (None,)  # the last two nodes
     _known: dict[float, Node]
 
-    def step(self, life: Life, bound: float) -> Step:
+    def step(self, life: Life, bound: float) -> LifeStep:
         now, wearing = life.last, self.wearing
         if now is not self._from[-1]:
             self._from, self._known = life.nodes[-2:], {}
@@ -201,13 +201,13 @@ class Heun(Method):
             if node.status == code.OK and not wearing.is_too_deep(now, node):
                 break
         solved = [node] if node.status == code.OK else []
-        return Step(end=node.x, nodes=solved, status=node.status)
+        return LifeStep(end=node.x, nodes=solved, status=node.status)
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
         first = super().begin(wearing, node)
         return self.wearing.completed(first._replace(time=np.array([np.nan, 0.0])))
 
-    def kept(self, step: Step) -> Sequence[Node]:
+    def kept(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
     def at(self, x: float) -> Node:
@@ -247,18 +247,18 @@ class Trapezoid(Method):
         self.steps, self.most_steps = steps, most
         self._errors: dict[float, float] = {}  # of ends [s]
 
-    def step(self, life: Life, bound: float) -> Step:
+    def step(self, life: Life, bound: float) -> LifeStep:
         now, wearing = life.last, self.wearing
         if now is not self._from[-1]:
             self._from, self._known = life.nodes[-2:], {}
             self._horizon = wearing.horizon(now)
             if math.isinf(self._horizon):
-                return Step(end=math.inf, status=code.CRITERION_NOT_REACHED)
+                return LifeStep(end=math.inf, status=code.CRITERION_NOT_REACHED)
             wearing.report_progress(now, self._horizon)
         node = self.at(min(now.x + self._horizon / self.steps, bound))
         if node.status != code.OK:
-            return Step(end=node.x, status=node.status, failed=node)
-        return Step(end=node.x, nodes=[node])
+            return LifeStep(end=node.x, status=node.status, failed=node)
+        return LifeStep(end=node.x, nodes=[node])
 
     def at(self, x: float) -> Node:
         if x not in self._known:

@@ -46,7 +46,7 @@ class Run:
         return {"state": self.values["final_state"], "time": self.values["final_time"]}
 
 
-def run_of(node: Node) -> Run:
+def run_at(node: Node) -> Run:
     """The run at a point of a life."""
     return node.states[0].answer
 
@@ -153,10 +153,10 @@ class Motion:
         return (replace(state.with_values(more), answer=run),)
 
     def rates(self, node: Node) -> np.ndarray:
-        return run_of(node).rates
+        return run_at(node).rates
 
     def wears(self, node: Node) -> bool:
-        return bool(run_of(node).rates.any())
+        return bool(run_at(node).rates.any())
 
     def events(self, node: Node) -> np.ndarray:
         return np.empty(0)
@@ -172,7 +172,7 @@ class Motion:
 
     def end_rate(self, node: Node, criterion: int) -> float:
         """Rate of what the criterion looks at: a clearance, else the mean loss [m/s]."""
-        name, rates = CRITERIA[criterion], run_of(node).rates
+        name, rates = CRITERIA[criterion], run_at(node).rates
         if name not in OF_CAGE:
             return self.parts.mean_loss_rate(rates)
         k, nothing = OF_CAGE.index(name), self.parts.clearances(self.parts.nothing)
@@ -185,7 +185,7 @@ class Motion:
         Infinite where nothing that wears leads to an end.
         """
         # at the start, one second at its rates
-        time, worn = (node.x, node.worn) if node.x > 0.0 else (1.0, run_of(node).rates)
+        time, worn = (node.x, node.worn) if node.x > 0.0 else (1.0, run_at(node).rates)
         um = self.end.ball_diameter_loss_um
         largest = LARGEST_LOSS * self.scene.bearing.ball_diameter_mm * parameters.MM
         limits = [largest if um is None else um * parameters.UM]

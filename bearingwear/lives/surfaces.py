@@ -10,7 +10,7 @@ from itertools import accumulate
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import NONE, Ends
+from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
 from bearingwear.lives.states import Condition, KnownStates, one_of_alike
@@ -166,7 +166,7 @@ class Surfaces:
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone, and with it any other of which nothing is left."""
-        film, first = event - NONE - 1, 0
+        film, first = event - NO_CRITERION - 1, 0
         for wear, part in self.parts(node.worn):
             left = wear.film_left(part)
             for k in np.flatnonzero((left <= 0.0) | (first + np.arange(left.size) == film)):
@@ -200,7 +200,7 @@ def surface_life(
         As of `RungeKutta`.
     """
     scene = one_of_alike(scene)
-    ends, tolerance, own = Ends(scene), scene.model.tolerance, COUNTS.index(scene.wear.counts)
+    ends, tolerance, own = Criteria(scene), scene.model.tolerance, COUNTS.index(scene.wear.counts)
     smallest = min(side.bearing.ball_diameter_mm for side in scene.sides) * MM
     first = len(scene.sides) * FIRST_STEP * smallest
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bearingwear.model.wear_path import KnownStates, WearPath
 from numpy.testing import assert_allclose, assert_array_equal
 
 from bearingwear.cli import main
@@ -19,7 +18,10 @@ from bearingwear.kernels.steady_balance import (
     motion_equilibrium,
 )
 from bearingwear.kernels.verification import friction_check
+from bearingwear.lives.ends import with_end
 from bearingwear.lives.life import life
+from bearingwear.lives.states import KnownStates
+from bearingwear.lives.surfaces import surface_life
 from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.model.films import Cover, Films
 from bearingwear.model.solve import solve
@@ -27,7 +29,7 @@ from bearingwear.model.state import State
 from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.steady import ThrustProblem
 from bearingwear.results.warnings import warnings_in
-from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.errors import SceneError
 
 S_0, ALPHA_S = 24.8e6, 0.001  # MoS2, Singer et al. (1990)
@@ -327,37 +329,32 @@ def even(scene, **changes):
         values |= {"qv": np.array([1e-2, 2e-2]), "semi_major_axis": np.array([1e-4, 1e-4])}
         return State(code.OK, values)
 
-    def margins(states):
-        left = np.full(len(CRITERIA) - 1, np.inf)
-        left[CRITERIA.index("ball_diameter_loss_um")] = 0.7e-6 - states[0].loss
-        return left
-
+    end = EndOfLife(ball_diameter_loss_um=0.7)
+    scene = with_end(replace(scene, model=replace(scene.model, tolerance=1e-8)), end)
     states = KnownStates(lambda conditions: (state(*conditions[0]),))
-    return WearPath([scene], states, margins, 1, 1e-8), per_wear
+    return surface_life(scene, states, bounded=False, counts=(1,)), per_wear
 
 
 def test_running_in_in_closed_form(scene):
     """dd/dt = c (K + (K_0 - K) e^(-d/h)):  K c t = h ln((K e^(d/h) + K_0 - K)/K_0)."""
-    march, per_wear = even(scene("gyro_s1", HERTZ | RUNNING_IN))
-    path = march.integrate()
+    path, per_wear = even(scene("gyro_s1", HERTZ | RUNNING_IN))
     K, K_0, h = 5e-6, 5e-5, 0.02e-6
-    t = path.times[-1]
+    t = path.times[-1, 1]
     depth = h * np.log((np.exp(K * per_wear[1] / 6.6e9 * t / h) * K_0 - (K_0 - K)) / K)
     per_ball = 0.5 * per_wear[0].sum() / 6.6e9
     ball = 2.0 * h * np.log((np.exp(K * per_ball * t / h) * K_0 - (K_0 - K)) / K)
     assert depth.sum() + ball == pytest.approx(0.7e-6, rel=1e-6)
-    assert path.status == code.OK and path.states[-1][0].loss == pytest.approx(0.7e-6, rel=1e-8)
+    assert path.status == code.OK and path.states[-1].loss == pytest.approx(0.7e-6, rel=1e-8)
 
 
 def test_wear_through_in_closed_form(scene):
     """Three spans of constant rates: both filmed, the outer bare, both bare."""
-    march, per_wear = even(scene("gyro_s1", THIN))
-    path = march.integrate()
+    path, per_wear = even(scene("gyro_s1", THIN))
     K_f, K, h = 1e-6 / 6.6e9, 5e-6 / 6.6e9, 0.05e-6
     t_i, t_o = h / (K_f * per_wear[1])
     assert t_o < t_i
-    film = np.array([s["film_left"] for (s,) in path.states])
-    times = np.array(path.times)
+    film = np.array([s["film_left"] for s in path.states])
+    times = path.times[:, 1]
     assert times[np.argmax(film[:, 1] <= 0.0)] == pytest.approx(t_o, rel=1e-7)
     assert times[np.argmax(film[:, 0] <= 0.0)] == pytest.approx(t_i, rel=1e-7)
     off_ball = K_f * per_wear[0].sum() * t_o + (per_wear[0] @ [K_f, K]) * (t_i - t_o)

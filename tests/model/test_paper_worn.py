@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.grooves import Grooves, follow_grooves
 
 FORCE, POSITION = "constant_force", "fixed_position"
 LOSSES = np.linspace(0.0, 0.7, 15)  # um
@@ -32,9 +32,9 @@ def worn(scene):
                 "friction.ball_race": mu,
                 "wear.end_of_life": {"ball_diameter_loss_um": 0.75},
             }
-            (found,) = WornLife(scene("gyro_s1_hertz", changes)).march()
-            assert found.history.status == code.OK
-            states = found.history.states
+            found = follow_grooves(Grooves(scene("gyro_s1_hertz", changes)))
+            assert found.status == code.OK
+            states = found.states
             loss = [1e6 * s.loss for s in states]
 
             def at(values):

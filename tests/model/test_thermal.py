@@ -7,9 +7,8 @@ from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.lives.dynamic_life import follow_motion
 from bearingwear.lives.life import life
-from bearingwear.lives.motion import Motion, run_of
+from bearingwear.lives.motion import Motion
 from bearingwear.model.heat import SteadyHeat, warmed_for
 from bearingwear.model.solve import solve
 from bearingwear.model.thermal import (
@@ -219,10 +218,8 @@ def test_motion_in_time_takes_the_found_temperatures(scene):
 def test_a_life_in_time_is_warmed_at_each_step(scene):
     short = {"model.simulated_turns": 0.5, "wear.ball_diameter_loss_um": 0.1} | HELD
     steady = solve(scene("gyro_s1", short | POOR)).values["part_temperature"]
-    nodes = []
-    for network in (POOR, SEIZES):
-        course = DynamicWear(scene("gyro_s1", short | network).without_cage)
-        nodes.append(course.evaluate(0.0, course.parts.nothing, None))
-    assert nodes[0].status == code.OK and nodes[1].status == code.WARM_SEIZURE
-    assert_allclose(course.state(nodes[0]).temperature, steady, rtol=1e-6)
-    assert nodes[1].residual.startswith("not solved; after")
+    wearings = [Motion(scene("gyro_s1", short | one).without_cage) for one in (POOR, SEIZES)]
+    (warm,), (seized,) = (wearing.state(wearing.start) for wearing in wearings)
+    assert warm.status == code.OK and seized.status == code.WARM_SEIZURE
+    assert_allclose(warm["part_temperature"], steady, rtol=1e-6)
+    assert seized.answer.residual.startswith("not solved; after")

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.lives.ends import ended_by
+from bearingwear.lives.ends import with_end
 from bearingwear.lives.many import HertzianLives, first_met, worn_life, worse_states
 from bearingwear.measures import LIMITED
 from bearingwear.model.cautions import CAUTIONS
@@ -152,7 +152,7 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
             found["time_to_slip_limit"] = np.full(2, np.inf)
             if found[SLIP_SHARE] >= slip_limit:
                 # the same way, ended by the share
-                until = ended_by(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
+                until = with_end(scene, EndOfLife(gyroscopic_slip_share=slip_limit))
                 found["time_to_slip_limit"] = lives(until).last.time
     found["solves"], found["failed_solves"] = lives.solves, lives.failed
     return found

@@ -42,7 +42,7 @@ def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str
     return found.as_json()
 
 
-class Life(NamedTuple):
+class MethodLife(NamedTuple):
     """The wear life of one scene, preload method and friction coefficient."""
 
     scene: str
@@ -61,7 +61,7 @@ class Life(NamedTuple):
         return self.hours[self.counts]
 
 
-def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life]:
+def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[MethodLife]:
     """Every life in a file of `grid.life.wear_life`.
 
     `known` are files of the study of uncertainty, if there are any.
@@ -87,7 +87,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
             counts = wear.get("counts", COUNTS[-1])
             error = one.get("life_error_estimate", one["life"] * math.nan)
             found.append(
-                Life(
+                MethodLife(
                     scene["name"],
                     method,
                     mu,
@@ -102,7 +102,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Life
     return found
 
 
-def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
+def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Answer:
     """The answer of a study with at least one life.
 
     Two methods whose lives differ by less than their estimated numerical errors together count as
@@ -110,7 +110,7 @@ def answer(lives: Sequence[Life], scene: Mapping[str, Any]) -> Answer:
 
     Parameters
     ----------
-    lives : sequence of Life
+    lives : sequence of MethodLife
     scene : mapping
         The first scene, as its file states it.
     """
@@ -163,8 +163,8 @@ class _Contest(NamedTuple):
     ratio: float  # longer life over the shorter
 
 
-def _contests(lives: Iterable[Life]) -> list[_Contest]:
-    by_point: dict[tuple[str, float], list[Life]] = {}
+def _contests(lives: Iterable[MethodLife]) -> list[_Contest]:
+    by_point: dict[tuple[str, float], list[MethodLife]] = {}
     for life in lives:
         if math.isfinite(life.counted):
             by_point.setdefault((life.scene, life.friction), []).append(life)
@@ -181,7 +181,7 @@ def _contests(lives: Iterable[Life]) -> list[_Contest]:
     return found
 
 
-def _headline(name: str, lives: Sequence[Life], contests: Sequence[_Contest]) -> str:
+def _headline(name: str, lives: Sequence[MethodLife], contests: Sequence[_Contest]) -> str:
     if not any(math.isfinite(life.counted) for life in lives):
         return f"{name}: no end of life was found"
     winners = {contest.longest for contest in contests}
@@ -197,7 +197,7 @@ def _headline(name: str, lives: Sequence[Life], contests: Sequence[_Contest]) ->
     return f"{name}: which method lasts longest depends on friction"
 
 
-def _compared(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
+def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """At which preload and with which grooves the methods are compared."""
     worn = {life.worn for life in lives}
     grooves = "with grooves as they wear" if True in worn else "with Hertzian grooves"
@@ -209,7 +209,7 @@ def _compared(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
     )
 
 
-def _distinct(lives: Iterable[Life], what: str) -> list[str]:
+def _distinct(lives: Iterable[MethodLife], what: str) -> list[str]:
     return list(dict.fromkeys(in_words(str(getattr(life, what))) for life in lives))
 
 
@@ -236,7 +236,7 @@ def _margin(ratio: float) -> str:
     return f"{ratio:.2g} times as long"
 
 
-def _at_once(lives: Sequence[Life]) -> str:
+def _at_once(lives: Sequence[MethodLife]) -> str:
     """Of which lives one in twenty is beyond a limit when new; nothing where there is none."""
     found = [
         f"{in_words(life.method)} at {mu_is(life.friction)}"
@@ -247,7 +247,7 @@ def _at_once(lives: Sequence[Life]) -> str:
     return _sentence(text) if found else ""
 
 
-def _note(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
+def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     """What the columns of the table are."""
     counts = f"Life counts the wear of {WORDS[lives[0].counts]}."
     if not any(life.spread for life in lives):
@@ -258,7 +258,7 @@ def _note(lives: Sequence[Life], scene: Mapping[str, Any]) -> str:
     )
 
 
-def _what_ends(lives: Sequence[Life]) -> list[str]:
+def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
     said = []
     for method in dict.fromkeys(life.method for life in lives):
         of_method = [life for life in lives if life.method == method]
@@ -273,7 +273,7 @@ def _what_ends(lives: Sequence[Life]) -> list[str]:
     return said
 
 
-def _elsewhere(lives: Sequence[Life]) -> list[str]:
+def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
     contests = _contests(lives)
     said = [f"{_hours([life.counted for life in lives])}, each in its scene's way of counting wear"]
     for winner in dict.fromkeys(contest.longest for contest in contests):
@@ -287,7 +287,7 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def _row(life: Life, spread: Mapping[str, str]) -> dict[str, str]:
+def _row(life: MethodLife, spread: Mapping[str, str]) -> dict[str, str]:
     """A life, its spread and its end."""
     counts = life.counts
     other = next(way for way in COUNTS if way != counts)

@@ -183,4 +183,4 @@ def test_one_march_has_the_lives_of_all_ends(scene):
     history = worn_life(at)
     assert history is not None
     never = at.with_({"wear.end_of_life.preload_fraction": 0.01}).wear.end_of_life
-    assert np.isnan(first_met(history, never, 7.0)) and end.preload_fraction == 0.4
+    assert np.isnan(first_met(history, history.states, never, 7.0)) and end.preload_fraction == 0.4

@@ -16,7 +16,7 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.units import digits
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid import figures
-from bearingwear.studies.grid.answer import Life, answer, lives_of
+from bearingwear.studies.grid.answer import MethodLife, answer, lives_of
 
 SCENE = {
     "name": "a",
@@ -39,7 +39,7 @@ def plain(text):
 
 def life(method, friction, hours, error=0.01, scene="a", end="x"):
     both = {"ball": 10.0 * hours, "ball_and_races": hours}
-    return Life(scene, method, friction, both, "ball_and_races", error, end)
+    return MethodLife(scene, method, friction, both, "ball_and_races", error, end)
 
 
 CONSTANT, FIXED = PRELOAD_METHODS
@@ -112,7 +112,7 @@ def test_lives_of_zero_are_no_contest():
     def lives(constant, fixed):
         hours = zip(("constant_force", "fixed_position"), (constant, fixed), strict=True)
         return [
-            Life("s", name, 0.04, {"ball": h, "ball_and_races": h}, "ball", 0.0, "")
+            MethodLife("s", name, 0.04, {"ball": h, "ball_and_races": h}, "ball", 0.0, "")
             for name, h in hours
         ]
 

@@ -7,10 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.dynamic_life import follow_motion
 from bearingwear.lives.errors import integration_error
 from bearingwear.lives.life import life
-from bearingwear.lives.motion import Motion, run_of
+from bearingwear.lives.motion import Motion
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.results.netcdf import load, write_result
 from bearingwear.scene.blocks import CRITERIA
@@ -181,10 +180,11 @@ def test_what_cannot_be_solved_ends_the_life_and_is_named(scene, tmp_path):
 
 
 def test_a_cage_worn_to_pieces_is_no_traceback(scene):
-    way = DynamicWear(scene("gyro_s1", CAGE))
-    worn = way.parts.nothing
-    worn[way.parts.layout.pocket] = 1.0
-    assert way.evaluate(1.0, worn, None).status == code.CRITERION_NOT_REACHED
+    wearing = Motion(scene("gyro_s1", CAGE))
+    worn = wearing.start
+    worn[wearing.parts.layout.pocket] = 1.0
+    (state,) = wearing.state(worn)
+    assert state.status == code.CRITERION_NOT_REACHED
 
 
 def test_met_from_the_start(scene):

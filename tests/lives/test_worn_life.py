@@ -11,17 +11,23 @@ from bearingwear.api import new
 from bearingwear.kernels import status as code
 from bearingwear.kernels.profile import semi_axis
 from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
+from bearingwear.lives.follow import Node
 from bearingwear.lives.groove_life import half_lengths, wear_over_gap
-from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
+from bearingwear.lives.many import HertzianLives
 from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.states_at_loss import steady_states
 from bearingwear.model.worn_depths import WornDepths
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 
 HOUR = 3600.0
 UM = 1e-6
+
+
+def at_wear(wearing, worn):
+    """A point of a life."""
+    return Node(0.0, worn, wearing.state(worn), np.zeros(2))
 
 
 def scene_of(method="constant_force", mu=0.08, balance="frictionless", **wear):
@@ -42,10 +48,10 @@ METHODS = pytest.mark.parametrize("method", ["constant_force", "fixed_position"]
 @METHODS
 @pytest.mark.parametrize("balance", ["frictionless", "with_traction"])
 def test_a_groove_without_wear_is_hertz(method, balance):
-    course = WornLife(scene_of(method, balance=balance))
+    course = Grooves(scene_of(method, balance=balance))
     (side,) = course.sides
-    now = course.kept(course.at((side.bearing.unworn(),)))
-    (point,), (state,) = now.points, now.states
+    (state,) = course.completed(at_wear(course, course.start)).states
+    point = point_of(state)
     case, bearing = side.bearing.case, side.bearing
     assert point.status == code.OK
     assert state["contact_load"] == pytest.approx(case.contacts[:, LOAD], rel=1e-9)
@@ -67,13 +73,14 @@ def test_a_groove_without_wear_is_hertz(method, balance):
 @pytest.mark.parametrize("track", ["spread", "bands"])
 @pytest.mark.parametrize("wander", [0.0, 0.1])
 def test_worn_volumes_are_those_of_archard(track, wander):
-    course = WornLife(scene_of(ball_track=track, track_wander=wander))
+    course = Grooves(scene_of(ball_track=track, track_wander=wander))
     (side,) = course.sides
     bearing = side.bearing
     wear, (ball, race) = bearing.unworn(), side.factors
     for _ in range(3):
-        now = course.at((wear,))
-        (point,), (rate,) = now.points, course.rates(now)
+        now = at_wear(course, (wear,))
+        (state,), (rate,) = now.states, course.rates(now)
+        point = point_of(state)
         for k in range(2):
             volume = 2.0 * np.pi * point.track[k] * rate.grooves[k].sum() * bearing.arc_step[k]
             assert volume == pytest.approx(9 * race * point.slip[k, 0], rel=1e-9)
@@ -90,18 +97,18 @@ def test_worn_volumes_are_those_of_archard(track, wander):
 def test_friction_of_cells_is_resolved_where_outer_races_control():
     """A high-speed 7008 at mu 0.16: lines of pure rolling pass cells, and once stopped the life."""
     made = new(designation="7008C", speed=18000.0, friction=0.16)
-    (found,) = WornLife(made.with_({"model.contact": "worn", "cage": None})).march()
-    assert found.history.status == code.OK
-    assert CRITERIA[found.history.criterion] == "ball_diameter_loss_um"
+    found = follow_grooves(Grooves(made.with_({"model.contact": "worn", "cage": None})))
+    assert found.status == code.OK
+    assert CRITERIA[found.criterion] == "ball_diameter_loss_um"
 
 
-class UniformWear(WornLife):
+class UniformWear(Grooves):
     """Every groove wears evenly, as deep as its volume over the length of the ellipse says."""
 
     def rates(self, now):
         (found,) = super().rates(now)
         volume = found.grooves.sum(axis=1) * self.sides[0].bearing.arc_step
-        forces = self.sides[0].bearing.forces(now.points[0])
+        forces = self.sides[0].bearing.forces(point_of(now.states[0]))
         depth = volume / (2.0 * np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]))
         grooves = np.ones_like(found.grooves) * depth[:, None]
         return (WornDepths(found.ball, grooves, found.band),)
@@ -110,17 +117,19 @@ class UniformWear(WornLife):
 @METHODS
 def test_even_wear_in_the_same_steps_is_the_hertzian_life(method):
     scene = scene_of(method)
-    (even,) = UniformWear(scene).march()
-    hertz = life_history(scene, steady_states(scene))
-    assert even.history.status == hertz.status == code.OK
+    even, hertz = follow_grooves(UniformWear(scene)), HertzianLives(scene)(scene)
+    assert even.status == hertz.status == code.OK
     loss = np.array([s.loss for s in hertz.states])
-    reached = even.approach_loss  # at the end it is a little more than the even loss
+    (side,) = even.wearing.sides
+    reached = np.array(
+        [side.approach_loss(point_of(s)) for s in even.states]
+    )  # at the end it is a little more than the even loss
     for name, tolerance in (("residual_preload", 1e-3), ("total_qv", 2e-3)):
-        found = [s[name] for s in even.history.states]
+        found = [s[name] for s in even.states]
         expected = CubicSpline(loss, [s[name] for s in hertz.states])
         assert found == pytest.approx(expected(reached), rel=tolerance)
     times = CubicSpline(loss, [t[1] for t in hertz.times])
-    assert [t[1] for t in even.history.times[1:]] == pytest.approx(times(reached[1:]), rel=1e-3)
+    assert [t[1] for t in even.times[1:]] == pytest.approx(times(reached[1:]), rel=1e-3)
 
 
 # benchmarks2.md section 3: hours to L 0.1, 0.3, 0.5, 0.7 um; hours to L_eq 0.7 um; QV [mW] and
@@ -143,27 +152,27 @@ def test_the_numbers_of_other_programs(row):
     method, track, wander = row
     times, equivalent, qv, pressures, lengths = ROWS[row]
     end = EndOfLife(ball_diameter_loss_um=0.78)
-    (found,) = WornLife(
-        scene_of(method, ball_track=track, track_wander=wander, end_of_life=end)
-    ).march()
-    assert found.history.status == code.OK
-    hours = np.array([t[1] for t in found.history.times]) / HOUR
-    by_loss = CubicSpline(found.approach_loss / UM, hours)
+    scene = scene_of(method, ball_track=track, track_wander=wander, end_of_life=end)
+    found = follow_grooves(Grooves(scene))
+    assert found.status == code.OK
+    hours = found.times[:, 1] / HOUR
+    (side,), points = found.wearing.sides, [point_of(state) for state in found.states]
+    at = np.array([side.approach_loss(point) for point in points]) / UM
+    by_loss = CubicSpline(at, hours)
     assert by_loss([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-2)
-    states, points = found.history.states, found.points
+    states = found.states
     even = np.array([s.loss for s in states]) / UM
     assert np.interp(0.7, even, hours) == pytest.approx(equivalent, rel=1e-2)
-    at = found.approach_loss / UM
 
     def when(values):
         return CubicSpline(at, np.array(values))(0.7)
 
     assert 1e3 * when([s["qv"].sum() for s in states]) == pytest.approx(qv, rel=2e-2)
-    new = found.bearing.case.contacts[:, PRESSURE]
-    peaks = [[f.peak for f in found.bearing.forces(p)] for p in points]
+    new = side.bearing.case.contacts[:, PRESSURE]
+    peaks = [[f.peak for f in side.bearing.forces(p)] for p in points]
     found_pressures = [np.interp(0.7, at, np.array(peaks)[:, k]) / new[k] for k in range(2)]
     assert found_pressures == pytest.approx(pressures, rel=2e-2)
-    halves = np.array([half_lengths(p) for p in points]) / found.bearing.major
+    halves = np.array([half_lengths(p) for p in points]) / side.bearing.major
     assert [np.interp(0.7, at, halves[:, k]) for k in range(2)] == pytest.approx(lengths, rel=5e-2)
     if method == "fixed_position":
         left = np.array([s["residual_preload"] for s in states])
@@ -180,8 +189,8 @@ def test_the_numbers_of_other_programs(row):
 )
 def test_the_numbers_of_other_programs_for_even_wear(method, times, fraction):
     scene = scene_of(method, end_of_life=EndOfLife(ball_diameter_loss_um=0.7))
-    history = life_history(scene, steady_states(scene))
-    hours = np.array([t[1] for t in history.times]) / HOUR
+    history = HertzianLives(scene)(scene)
+    hours = history.times[:, 1] / HOUR
     loss = np.array([s.loss for s in history.states]) / UM
     assert CubicSpline(loss, hours)([0.1, 0.3, 0.5, 0.7]) == pytest.approx(times, rel=1e-3)
     if fraction is not None:
@@ -197,13 +206,13 @@ def test_lives_with_traction_reach_their_criterion(method, track):
     scene = scene_of(
         method, balance="with_traction", ball_track=track, track_wander=0.1, end_of_life=end
     )
-    (found,) = WornLife(scene).march()
-    assert found.history.status == code.OK
-    assert found.history.criterion == CRITERIA.index(
+    found = follow_grooves(Grooves(scene))
+    assert found.status == code.OK
+    assert found.criterion == CRITERIA.index(
         "preload_fraction" if method == "fixed_position" else "ball_diameter_loss_um"
     )
-    (coarse,) = WornLife(scene, cells=(32, 8)).march()
-    last, other = found.history.times[-1][1], coarse.history.times[-1][1]
+    coarse = follow_grooves(Grooves(scene, cells=(32, 8)))
+    last, other = found.times[-1][1], coarse.times[-1][1]
     assert other == pytest.approx(last, rel=0.02)
 
 
@@ -212,7 +221,7 @@ def test_a_life_with_worn_grooves_and_its_file():
     result = life(scene)
     v = result.values
     assert result.status == "ok"
-    hertz = life_history(scene, steady_states(scene))
+    hertz = HertzianLives(scene)(scene)
     assert v["life"][0] == hertz.times[-1][0]  # counting the balls alone, no groove wears
     assert v["loss_at_end"] == pytest.approx(0.3 * UM, rel=1e-4)
     assert v["history_equivalent_loss"][-1] == v["loss_at_end"]
@@ -297,7 +306,7 @@ def test_a_criterion_met_at_the_start_is_a_life_of_nothing():
 
 def test_wear_that_ends_otherwise_is_a_lower_bound():
     scene = scene_of(end_of_life=EndOfLife(skid_ratio=0.9))
-    course = WornLife(scene, step=2.0, cells=(24, 5))
-    (found,) = course.march()
-    assert found.history.status != code.OK
-    assert CRITERIA[found.history.criterion] == "none"
+    course = Grooves(scene, step=2.0, cells=(24, 5))
+    found = follow_grooves(course)
+    assert found.status != code.OK
+    assert CRITERIA[found.criterion] == "none"

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.worn_verification import friction_of_cells
-from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.films import Films
@@ -51,7 +51,7 @@ def marched(scene):
     def march(changes):
         key = repr(sorted(changes.items()))
         if key not in known:
-            known[key] = WornLife(scene("gyro_s1", SOON | changes)).march()[0]
+            known[key] = follow_grooves(Grooves(scene("gyro_s1", SOON | changes)))
         return known[key]
 
     return march
@@ -60,9 +60,9 @@ def marched(scene):
 def ends(found):
     """Times, groove depths and motions along a life."""
     return (
-        np.array([t[1] for t in found.history.times]),
-        np.array([p.wear.grooves for p in found.points]),
-        np.array([p.u for p in found.points]),
+        found.times[:, 1],
+        np.array([p.wear.grooves for p in map(point_of, found.states)]),
+        np.array([p.u for p in map(point_of, found.states)]),
     )
 
 
@@ -86,13 +86,13 @@ def test_unworn_friction_is_that_of_hertz(scene, marched):
 def test_friction_of_a_film_rises_as_the_contact_widens(marched):
     """S_0 A + alpha Q: by the cells in contact, counted here by hand."""
     found = marched(FILM)
-    first, last = found.history.states[0], found.history.states[-1]
+    first, last = found.states[0], found.states[-1]
     for k in range(2):
-        cells = found.bearing.races[k].cells.fresh
-        worn = found.points[-1].pressure[k]
+        cells = found.wearing.sides[0].bearing.races[k].cells.fresh
+        worn = point_of(found.states[-1]).pressure[k]
         area = np.count_nonzero(worn) / np.count_nonzero(cells)
         load = worn.sum() / cells.sum()
-        force = found.bearing.forces(found.points[-1])[k]
+        force = found.wearing.sides[0].bearing.forces(point_of(found.states[-1]))[k]
         hertz = 24.8e6 * np.pi * force.a * force.b / (force.Q / load)
         assert last["friction_coefficient"][k] == pytest.approx(
             hertz * area / load + 0.001, rel=0.03
@@ -102,14 +102,16 @@ def test_friction_of_a_film_rises_as_the_contact_widens(marched):
 
 def test_check_has_its_own_sums(marched):
     found = marched(FILM | THICK | {"friction.film.bare_ball_race": 0.4})
-    point, op = found.points[-1], found.bearing.problem.op
-    for k, force in enumerate(found.bearing.forces(point)):
-        race = found.bearing.races[k]
+    point, op = point_of(found.states[-1]), found.wearing.sides[0].bearing.problem.op
+    for k, force in enumerate(found.wearing.sides[0].bearing.forces(point)):
+        race = found.wearing.sides[0].bearing.races[k]
         Q = force.hertz.K * force.approach**1.5
         law = (op.S_i, op.mu_i, 1.5 * Q / (np.pi * force.a * force.b))
-        films, spread = found.bearing.films, found.bearing.spread
+        films, spread = found.wearing.sides[0].bearing.films, found.wearing.sides[0].bearing.spread
         bare = films.bare(point.wear.grooves[k], 0.5 * point.wear.ball, spread)
-        at = found.bearing.at_cells(bare, k, point.x[k], force.alpha, point.problem.g)
+        at = found.wearing.sides[0].bearing.at_cells(
+            bare, k, point.x[k], force.alpha, point.problem.g
+        )
         plain = friction_of_cells(point.pressure[k], race.cells.fresh, law, at, 0.4)
         assert plain == pytest.approx(point.slip[k, 4], rel=1e-9)
         other = friction_of_cells(point.pressure[k], race.cells.fresh, law, at + 1e-3, 0.4)
@@ -119,12 +121,18 @@ def test_check_has_its_own_sums(marched):
 def test_volume_of_the_film_is_what_archard_takes(marched):
     """While the film covers its track all that wears off a groove is film: K_f QV N/H."""
     found = marched(FILM | THICK)
-    point = found.points[1]
-    rate = found.bearing.rate(point, K_H, K_H)
+    point = point_of(found.states[1])
+    rate = found.wearing.sides[0].bearing.rate(point, K_H, K_H)
     for k in range(2):
-        off = rate.grooves[k].sum() * found.bearing.arc_step[k] * 2.0 * np.pi * point.track[k]
+        off = (
+            rate.grooves[k].sum()
+            * found.wearing.sides[0].bearing.arc_step[k]
+            * 2.0
+            * np.pi
+            * point.track[k]
+        )
         assert off == pytest.approx(9 * K_H * point.slip[k, 0], rel=1e-9)
-        state = found.history.states[1]
+        state = found.states[1]
         assert state["race_wear_rate"][k] == pytest.approx(off, rel=1e-12)
         assert state["film_left"][k] == pytest.approx(
             0.3e-6 - point.wear.grooves[k].max(), rel=1e-12
@@ -164,12 +172,12 @@ def test_worn_through_place_by_place(scene):
     """The middle of the track goes first; the share grows, and ends the life where asked for."""
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "film_worn_share": 0.1}}
     given = scene("gyro_s1", FILM | THICK | {"friction.film.thickness_um": 0.2} | end)
-    found = WornLife(given).march()[0]
-    assert CRITERIA[found.history.criterion] == "film_worn_share"
-    share = np.array([s["film_worn_share"] for s in found.history.states])
+    found = follow_grooves(Grooves(given))
+    assert CRITERIA[found.criterion] == "film_worn_share"
+    share = np.array([s["film_worn_share"] for s in found.states])
     assert share[-1].max() == pytest.approx(0.1, rel=1e-2)
     assert np.all(share[0] == 0.0)
-    left = np.array([s["film_left"] for s in found.history.states])[:, :2]
+    left = np.array([s["film_left"] for s in found.states])[:, :2]
     assert np.all(np.diff(left, axis=0) <= 0.0) and left[-1].min() < 0.2 * FILM_EDGE * 1e-6
 
 
@@ -184,9 +192,9 @@ def test_a_groove_goes_bare_with_ten_times_the_friction(scene, bearing, bare, me
     end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7, "preload_fraction": 0.4}}
     thin = THICK | {"friction.film.thickness_um": 0.1, "friction.film.bare_ball_race": bare}
     held = {"operation.preload_method": method}
-    found = WornLife(scene("gyro_s1", film | thin | inside | end | held)).march()[0]
-    assert found.history.status == code.OK
-    assert found.history.states[-1]["friction_coefficient"].min() > 0.6 * bare
+    found = follow_grooves(Grooves(scene("gyro_s1", film | thin | inside | end | held)))
+    assert found.status == code.OK
+    assert found.states[-1]["friction_coefficient"].min() > 0.6 * bare
 
 
 def test_mos2_scene_follows_its_grooves(scene):

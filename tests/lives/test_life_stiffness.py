@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from model.test_worn_life import scene_of
-from model.test_worn_pair import NETWORK, RIGID
+from lives.test_worn_life import scene_of
+from lives.test_worn_pair import NETWORK, RIGID
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.model.dynamic_wear import DynamicWear
-from bearingwear.model.life import life
+from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
+from bearingwear.lives.life import life
+from bearingwear.lives.motion import Motion
 from bearingwear.model.solve import solve
 from bearingwear.model.worn_depths import seat_force
-from bearingwear.model.worn_life import WornLife
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 
@@ -29,7 +29,7 @@ LOADED = ("arrangement.external_axial_N=1",)
 
 def further_solves(side, now):
     """Slope of the axial force over the place in two more states beside one [N/m]."""
-    bearing, point, forces = side.bearing, now.points[0], []
+    bearing, point, forces = side.bearing, point_of(now.states[0]), []
     bearing.reference = bearing.worn_reference
     step = STEP * max(force.approach for force in bearing.forces(point))
     for way in (step, -step):
@@ -49,10 +49,10 @@ def further_solves(side, now):
 @pytest.mark.parametrize("track", ["spread", "bands"])
 def test_worn_quasistatic_stiffness_is_the_slope_of_further_solves(method, balance, track):
     scene = scene_of(method, balance=balance, ball_track=track, end_of_life=LOST)
-    course = WornLife(scene, **FEW)
-    (found,) = course.march()
-    assert found.history.status == code.OK
-    now = course.kept(course.at((found.points[-1].wear,)))
+    course = Grooves(scene, **FEW)
+    found = follow_grooves(course)
+    assert found.status == code.OK
+    now = course.completed(found.last._replace(states=course.state(found.last.worn)))
     (side,), (state,) = course.sides, now.states
     assert state[QUASISTATIC] == pytest.approx(further_solves(side, now), rel=SLOPE)
     if (method, balance) == ("fixed_position", "with_traction"):
@@ -105,10 +105,10 @@ def test_worn_lives_start_with_both_stiffnesses_of_unworn_grooves(changes, kind)
 
 def test_a_life_without_a_limit_on_stiffness_may_leave_it_out():
     scene = scene_of("fixed_position", balance="with_traction", end_of_life=LOST)
-    (bare,), (told,) = (WornLife(scene, only_times=only, **FEW).march() for only in (True, False))
-    assert np.isnan([state[QUASISTATIC] for state in bare.history.states]).all()
-    assert np.isfinite([state[QUASISTATIC] for state in told.history.states]).all()
-    assert bare.history.times[-1][1] == pytest.approx(told.history.times[-1][1], rel=1e-6)
+    bare, told = (follow_grooves(Grooves(scene, only_times=one, **FEW)) for one in (True, False))
+    assert np.isnan([state[QUASISTATIC] for state in bare.states]).all()
+    assert np.isfinite([state[QUASISTATIC] for state in told.states]).all()
+    assert bare.times[-1][1] == pytest.approx(told.times[-1][1], rel=1e-6)
 
 
 SHORT = ["model.simulated_turns=6", "model.evaluated_turns=3", "model.life_steps=3", "cage=null"]
@@ -123,21 +123,17 @@ def test_a_dynamic_life_has_the_steady_quasistatic_stiffness():
     """At the wear of the run, which is the one foretold for its node."""
     changes = [FIXED, "operation.preload_N=4", "wear.end_of_life={preload_fraction: 0.8}"]
     scene = load_scene(scene_file("gyro_s1_hertz"), [*SHORT, *changes])
-    integrator = DynamicWear(scene)
-    worn = integrator.parts.nothing
-    worn[integrator.parts.layout.diameter] = 0.2e-6
-    node = integrator.evaluate(0.0, worn, None)
-    assert node.status == code.OK
+    wearing = Motion(scene)
+    worn = wearing.start
+    worn[wearing.parts.layout.diameter] = 0.2e-6
+    (state,) = wearing.state(worn)
+    assert state.status == code.OK
     loss = "wear.ball_diameter_loss_um=[0.2]"
     steady = solve(load_scene(scene_file("gyro_s1_hertz"), [*changes, loss]), "steady").values
-    assert integrator.parts.loss(worn) == pytest.approx(0.2e-6, rel=1e-12)
-    assert node.values[QUASISTATIC] == pytest.approx(
-        steady["quasistatic_axial_stiffness"], rel=1e-9
-    )
-    half = integrator.state(node)
-    assert half["system_quasistatic_axial_stiffness"] == pytest.approx(
-        2.0 * node.values[QUASISTATIC], rel=1e-12
-    )
+    assert wearing.parts.loss(worn) == pytest.approx(0.2e-6, rel=1e-12)
+    assert state[QUASISTATIC] == pytest.approx(steady[QUASISTATIC], rel=1e-9)
+    system = state["system_quasistatic_axial_stiffness"]
+    assert system == pytest.approx(2.0 * state[QUASISTATIC], rel=1e-12)
 
 
 def test_a_dynamic_life_ends_at_the_lesser_stiffness_and_names_it():

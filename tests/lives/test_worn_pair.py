@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from model.test_worn_life import scene_of
+from lives.test_worn_life import scene_of
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.grooves import WornLife
+from bearingwear.lives.grooves import Grooves, follow_grooves
 from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
@@ -127,13 +127,13 @@ def test_temperatures_as_given_are_those_of_the_start():
 def test_a_pair_that_has_no_start_says_so():
     changes = ["arrangement.kind=spring_pair", "arrangement.external_axial_N=-8"]
     scene = load_scene(scene_file("gyro_s1"), ["model.contact=worn", END, *changes])
-    one, two = WornLife(replace(scene, cage=None)).march()
-    assert one.history.status == two.history.status == code.LIFTED_OFF
+    found = follow_grooves(Grooves(replace(scene, cage=None)))
+    assert found.status == code.LIFTED_OFF and len(found.bearings) == 2
     assert life(replace(scene, cage=None)).values["status"] == code.LIFTED_OFF
 
 
 def test_the_first_side_to_meet_its_criterion_ends_the_life():
     end = EndOfLife(preload_fraction=0.7)
     scene = scene_of("fixed_position", balance="with_traction", end_of_life=end)
-    (found,) = WornLife(scene).march()
-    assert found.history.criterion == CRITERIA.index("preload_fraction")
+    found = follow_grooves(Grooves(scene))
+    assert found.criterion == CRITERIA.index("preload_fraction")
