@@ -79,7 +79,7 @@ def test_limits_without_film(marched, changes):
 
 def test_unworn_friction_is_that_of_hertz(scene, marched):
     hertz = solve(scene("gyro_s1", FILM | {"model.contact": "hertz"})).values
-    first = marched(FILM).history.states[0]
+    first = marched(FILM).states[0]
     assert_allclose(first["friction_coefficient"], hertz["friction_coefficient"][0], rtol=1e-6)
 
 
