@@ -13,7 +13,7 @@ from support import scene_file
 from bearingwear.arguments import command_parser
 from bearingwear.kernels.status import OK
 from bearingwear.lives import many
-from bearingwear.lives.ends import margins
+from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node
 from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
 from bearingwear.model.criterion import criteria_of_case, end_attribute
@@ -121,12 +121,13 @@ def test_an_end_is_a_key(name):
 
 @of_ends
 def test_an_end_has_a_margin(name):
-    end = EndOfLife(**{name: LIMIT})
+    made = ended_by(name)
+    criteria = Criteria(made)
     for ratio, sign in ((0.9, 1.0), (1.1, -1.0)):
-        found = margins(states(ENDS[name], ratio), end, PRELOAD)
+        found = criteria.margins([states(ENDS[name], ratio)])
         k = CRITERIA.index(name)
         assert np.isinf(np.delete(found, k)).all() and np.sign(found[k]) == sign
-    assert np.isinf(margins(State(OK, {}), end, PRELOAD)).all()
+    assert np.isinf(criteria.margins([State(OK, {})])).all()
 
 
 @of_ends

@@ -1,6 +1,5 @@
 """How far a bearing is from what ends its life."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,32 +14,31 @@ NO_CRITERION = len(ENDS)
 """Index of no criterion in `CRITERIA`."""
 
 
-def margins(state: State, end: EndOfLife, preload_N: float) -> np.ndarray:
-    """How far each criterion of `CRITERIA` is from being met.
-
-    Positive before, zero or below where it is met; infinite where it is not asked for, or the state
-    does not know its measure.
-    """
-    found = np.full(NO_CRITERION, np.inf)
-    for k, (name, measure) in enumerate(ENDS.items()):
-        limit = getattr(end, name)
-        if limit is not None:
-            margin = measure.margin(measure.critical(state.__getitem__, preload_N)[0], limit)
-            found[k] = np.inf if math.isnan(margin) else margin
-    return found
-
-
 class Criteria:
-    """The criteria of a scene, of one bearing or of two."""
+    """What ends the life of a scene, of one bearing or of two."""
 
     def __init__(self, scene: Scene):
-        self.end = scene.wear.end_of_life or EndOfLife()
         self.preloads_N = [side.operation.preload_N for side in scene.sides]
+        end = scene.wear.end_of_life or EndOfLife()
+        self._asked = [
+            (k, measure, limit)
+            for k, (name, measure) in enumerate(ENDS.items())
+            if (limit := getattr(end, name)) is not None
+        ]
 
     def margins(self, states: Sequence[State]) -> np.ndarray:
-        """`margins` of the bearing that is nearest to each criterion."""
-        each = zip(states, self.preloads_N, strict=True)
-        return np.min([margins(state, self.end, preload) for state, preload in each], axis=0)
+        """How far the nearest bearing is from meeting each criterion of `CRITERIA`.
+
+        Positive before, zero or below where it is met; infinite where it is not asked for, or the
+        state does not know its measure.
+        """
+        found = np.full(NO_CRITERION, np.inf)
+        for state, preload in zip(states, self.preloads_N, strict=True):
+            for k, measure, limit in self._asked:
+                margin = measure.margin(measure.critical(state.__getitem__, preload)[0], limit)
+                if margin < found[k]:  # which none is that is not known
+                    found[k] = margin
+        return found
 
 
 def with_end(scene: Scene, end: EndOfLife) -> Scene:

@@ -6,7 +6,6 @@ A method (`bearingwear.lives.methods`) takes steps over the loss or over the tim
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -234,19 +233,21 @@ def _first_zero(nodes: Iterable[Node], method: Method, margins: Any) -> tuple[fl
 
     A solve that fails in between counts as met there: the bracket closes on it.
     """
-    for a, b in pairwise(nodes):
-        before, after = margins(a), margins(b)
-        zeros = []
+    a, *others = nodes
+    before = margins(a)
+    for b in others:
+        after, zeros = margins(b), []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
-            known = {a.x: float(before[k]), b.x: float(after[k])}
+            known = {a.x: before[k], b.x: after[k]}
 
-            def value(x: float, k: int = int(k), known: dict[float, float] = known) -> float:
+            def value(x: float, k: int = int(k), known: dict[float, Any] = known) -> float:
                 if x not in known:
                     node = method.at(x)
-                    known[x] = float(margins(node)[k]) if node.status == code.OK else -1.0
-                return known[x]
+                    known[x] = margins(node)[k] if node.status == code.OK else -1.0
+                return float(known[x])
 
             zeros.append((method.zero(value, a, b), int(k)))
         if zeros:
             return min(zeros)
+        a, before = b, after
     return None

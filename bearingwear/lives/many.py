@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import margins, with_end
+from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.grooves import (
@@ -21,7 +21,7 @@ from bearingwear.lives.grooves import (
     follow_grooves,
 )
 from bearingwear.lives.methods import QUARTERS
-from bearingwear.lives.states import WELL_BALANCED, is_unlike, states_of
+from bearingwear.lives.states import WELL_BALANCED, is_unlike, one_of_alike, states_of
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.measures import MEASURES, Measure
 from bearingwear.model.rotor import lowest_frequency
@@ -133,20 +133,18 @@ def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[End
     asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
     life = worn_life(asked, quick=False, only_times=True)
     assert life is not None
-    states = worse_states(life, asked)
-    return lambda end: first_met(life, states, end, scene.operation.preload_N)
+    return lambda end: first_met(life, with_end(asked, end))
 
 
-def first_met(life: Life, states: list[State], end: EndOfLife, preload_N: float) -> float:
-    """When states along a life with worn grooves first meet an end [s]; NaN where they do not.
+def first_met(life: Life, scene: Scene) -> float:
+    """When a life with worn grooves first meets the end of another scene [s]; NaN if it does not.
 
-    Between them, margins are monotone cubics of time.
+    Between its nodes, margins are monotone cubics of time.
     """
     if life.nodes[0].status != code.OK:
         return np.nan
-    times = life.times[:, 1]
-    first = np.inf
-    for margin in np.array([margins(state, end, preload_N) for state in states]).T:
+    times, criteria, first = life.times[:, 1], Criteria(one_of_alike(scene)), np.inf
+    for margin in np.array([criteria.margins(node.states) for node in life.nodes]).T:
         met = np.flatnonzero(margin <= 0.0)
         if not met.size:
             continue

@@ -50,9 +50,9 @@ class EvenWear:
         """What is worn off per second [m/s]."""
         return state.rate[counts : counts + 1]
 
-    def film_left(self, worn: np.ndarray) -> np.ndarray:
+    def film_left(self, worn: np.ndarray) -> list[float]:
         """Share of each film that is left; infinite where there is none."""
-        return np.full(0, np.inf)
+        return []
 
     def wear_through(self, film: int) -> None:
         """A film is gone: of the inner race, the outer race, or the balls."""
@@ -103,10 +103,10 @@ class FilmWear(EvenWear):
     def rates(self, state: State, counts: int) -> np.ndarray:
         return np.array([state.rate[0], *state["groove_depth_rate"]])
 
-    def film_left(self, worn: np.ndarray) -> np.ndarray:
+    def film_left(self, worn: np.ndarray) -> list[float]:
         covered = self.thickness > 0.0
         shares = self.depths(worn) / np.where(covered, self.thickness, 1.0)
-        return np.where(covered, 1.0 - shares, np.inf)
+        return np.where(covered, 1.0 - shares, np.inf).tolist()
 
     def wear_through(self, film: int) -> None:
         gone = [*self.cover]
@@ -157,18 +157,18 @@ class Surfaces:
 
     def events(self, node: Node) -> np.ndarray:
         """The largest loss that is followed, and the end of each film."""
-        room, films = [], []
+        room, films = [], list[float]()
         for wear, part in self.parts(node.worn):
             largest = LARGEST_LOSS * wear.ball_diameter
             room.append(1.0 - wear.condition(part, self.counts).loss / largest)
-            films.append(wear.film_left(part))
-        return np.concatenate([[min(room)], *films])
+            films += wear.film_left(part)
+        return np.array([min(room), *films])
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone, and with it any other of which nothing is left."""
         film, first = event - NO_CRITERION - 1, 0
         for wear, part in self.parts(node.worn):
-            left = wear.film_left(part)
+            left = np.array(wear.film_left(part))
             for k in np.flatnonzero((left <= 0.0) | (first + np.arange(left.size) == film)):
                 wear.wear_through(int(k))
             first += left.size

@@ -184,12 +184,12 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
     if worn.status != OK:
         return kept
     kept["life"] = np.array([hertzian[0], worn.last.time[1]])
-    states = worse_states(worn, scene)
-    kept |= gone_through(scene, states)
+    kept |= gone_through(scene, worse_states(worn, scene))
     if slip_limit is not None:
         ball, reached = found.get("time_to_slip_limit", np.full(2, np.nan))[0], np.inf
         if kept[SLIP_SHARE] >= slip_limit:
-            reached = first_met(worn, states, EndOfLife(gyroscopic_slip_share=slip_limit), 1.0)
+            share = EndOfLife(gyroscopic_slip_share=slip_limit)
+            reached = first_met(worn, with_end(scene, share))
         kept["time_to_slip_limit"] = np.array([ball, reached])
     return kept
 
