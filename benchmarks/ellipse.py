@@ -20,7 +20,8 @@ import numpy as np
 from bearingwear.kernels.summary import QV
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.steady import ThrustProblem, solve_steady
+from bearingwear.model.steady import solve_steady
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 

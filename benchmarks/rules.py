@@ -31,7 +31,7 @@ from bearingwear.kernels.strip_friction import strip_sums
 from bearingwear.kernels.summary import QV
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.quadrature import gathered, gauss_legendre
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"

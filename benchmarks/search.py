@@ -26,7 +26,7 @@ from bearingwear.kernels.steady_balance import Seat, motion_equilibrium
 from bearingwear.kernels.steady_solver import unknowns
 from bearingwear.kernels.summary import QV
 from bearingwear.model import parameters
-from bearingwear.model.steady import SAME_STATE, ThrustProblem, is_new
+from bearingwear.model.thrust_problem import SAME_STATE, ThrustProblem, is_new
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import SceneError

@@ -22,7 +22,7 @@ from bearingwear.kernels.summary import QV
 from bearingwear.lives.life import life
 from bearingwear.model.race_control import RaceControlProblem, controlled_balance
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"

@@ -16,8 +16,11 @@ import numpy as np
 
 from bearingwear.api import new
 from bearingwear.kernels import status as code
-from bearingwear.model.pair import Pair
-from bearingwear.model.steady import ThrustProblem, axial_force
+from bearingwear.model.compose import solver_of
+from bearingwear.model.condition import Accuracy
+from bearingwear.model.on_rotor import OnRotor
+from bearingwear.model.steady import axial_force
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.scene import Scene, SceneError
 
 SIZES = (
@@ -106,17 +109,16 @@ def of_single(scene: Scene) -> tuple[float, float, float]:
 def of_pair(scene: Scene) -> tuple[float, float, float]:
     """The same of an arrangement."""
     assert scene.arrangement is not None
-    pair = Pair.of(scene, "steady")
-    state = pair.solve(pair.losses)
+    pair = solver_of(scene, "steady", Accuracy.CHECKED).bearings
+    assert isinstance(pair, OnRotor)
+    state = pair.solve(pair.start)
     if state.status != code.OK:
         raise ArithmeticError
     F = scene.arrangement.external_axial_N
 
     def shift(step: float) -> float:
-        pair.scene = replace(
-            scene, arrangement=replace(scene.arrangement, external_axial_N=F + step)
-        )
-        return pair.solve(pair.losses).shift
+        pair.arrangement = replace(scene.arrangement, external_axial_N=F + step)
+        return pair.solve(pair.start).shift
 
     found = 1.0 / slope(shift, scene.operation.preload_N)
     return state.quasistatic, found, state.stiffness

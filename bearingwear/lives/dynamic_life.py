@@ -13,9 +13,9 @@ from bearingwear.lives.errors import integration_error
 from bearingwear.lives.follow import Life, follow
 from bearingwear.lives.methods import Trapezoid
 from bearingwear.lives.motion import Motion, run_at
-from bearingwear.lives.states import states_of
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.model import parameters
+from bearingwear.model.compose import solver_of
 from bearingwear.model.estimate import ROUNDING
 from bearingwear.model.fidelity import asymmetries
 from bearingwear.model.stability import GROWTHS
@@ -143,7 +143,7 @@ def steady_told(scene: Scene) -> str:
 def steady_life(scene: Scene) -> Life:
     """Steady life of the reduced scene, without its own error estimate."""
     reduced = steady_scene(scene)
-    return surface_life(reduced, states_of(reduced, "steady"), bounded=False)
+    return surface_life(reduced, solver_of(reduced), bounded=False)
 
 
 def steady_life_values(scene: Scene) -> dict:

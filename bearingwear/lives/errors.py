@@ -7,12 +7,14 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
 from bearingwear.lives.grooves import FEWER_CELLS, STEP, WORN_CELLS, Grooves, follow_grooves
-from bearingwear.lives.states import states_of
 from bearingwear.lives.surfaces import surface_life
+from bearingwear.model.compose import solver_of
+from bearingwear.model.condition import Accuracy
 from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.scene.scene import COUNTS, Scene
 
 SCATTER = 2.0  # standard errors
+_WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}
 
 
 def _ends_alike(life: Life, other: Life) -> bool:
@@ -25,8 +27,8 @@ def surface_error(scene: Scene, life: Life) -> dict:
     if life.status != code.OK or not now[own] > 0.0:
         return {}
     total = ROUNDING + life.error / now
-    for k, weight in enumerate((HALVED, DOUBLED)):
-        states = states_of(scene, "steady", perturbed=k)
+    for accuracy, weight in _WEIGHTS.items():
+        states = solver_of(scene, "steady", accuracy)
         other = surface_life(scene, states, bounded=False, counts=(own,))
         if not _ends_alike(life, other):
             return {}
@@ -44,15 +46,15 @@ def groove_errors(scene: Scene, life: Life) -> dict:
     if life.status != code.OK or not now > 0.0:
         return {}
 
-    def time(perturbed: int | None, cells: tuple[int, int]) -> float:
-        other = follow_grooves(Grooves(scene, cells, 2.0 * STEP, perturbed, only_times=True))
+    def time(accuracy: Accuracy, cells: tuple[int, int]) -> float:
+        other = follow_grooves(Grooves(scene, cells, 2.0 * STEP, accuracy, only_times=True))
         return float(other.last.time[1]) if _ends_alike(life, other) else math.nan
 
-    coarse, few = time(None, WORN_CELLS), time(None, FEWER_CELLS)
+    coarse, few = (time(Accuracy.CHECKED, cells) for cells in (WORN_CELLS, FEWER_CELLS))
     values = {"life_error_bound": np.array([math.nan, abs(coarse - now)])}
     estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now
-    for k, weight in enumerate((HALVED, DOUBLED)):
-        estimate += weight * abs(time(k, FEWER_CELLS) / few - 1.0)
+    for accuracy, weight in _WEIGHTS.items():
+        estimate += weight * abs(time(accuracy, FEWER_CELLS) / few - 1.0)
     if math.isfinite(estimate):
         values["life_error_estimate"] = np.array([math.nan, estimate])
     return values

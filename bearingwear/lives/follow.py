@@ -13,12 +13,10 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
+from bearingwear.model.condition import States
 from bearingwear.model.state import State
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
-
-States = tuple[State, ...]
-"""Of each bearing, one or two."""
 
 
 class Node(NamedTuple):

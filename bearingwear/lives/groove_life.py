@@ -13,13 +13,13 @@ from bearingwear.kernels.worn_balance import arc_shift
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.states import one_of_alike, states_of
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.model import parameters
+from bearingwear.model.compose import solver_of
 from bearingwear.model.fidelity import NotAvailable
 from bearingwear.model.state import State
+from bearingwear.model.worn import Worn
 from bearingwear.model.worn_depths import WornPoint
-from bearingwear.model.worn_side import WornSide
 from bearingwear.model.worn_states import WornBearing
 from bearingwear.scene.scene import COUNTS, Scene
 
@@ -81,7 +81,7 @@ def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
     end = scene.wear.end_of_life
     if end is not None and end.groove_depth_um is not None:
         return True, "grooves: followed as they wear; their depth is a criterion"
-    share = max(wear_over_gap(one) for one in (scene.sides if scene.pair else (scene,)))
+    share = max(wear_over_gap(one) for one in scene.sides)
     size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
     if math.isinf(share):
         size = "the loss at the end of life is not known before"
@@ -98,7 +98,7 @@ def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
     NotAvailable
         As `follows_grooves`.
     """
-    alone = one_of_alike(scene)
+    alone = scene.one_of_alike
     worn, why = follows_grooves(alone, fidelity)
     return (alone if worn else None), why
 
@@ -121,11 +121,11 @@ def groove_life(scene: Scene) -> tuple[dict, dict]:
 def life_without_grooves(scene: Scene) -> float:
     """Life where only the balls' wear counts, and grooves do not wear; NaN if it has no end [s]."""
     ball = replace(scene, wear=replace(scene.wear, counts=COUNTS[0]))
-    even = surface_life(ball, states_of(ball, "steady"), bounded=False, counts=(0,))
+    even = surface_life(ball, solver_of(ball), bounded=False, counts=(0,))
     return float(even.last.time[0]) if even.status == code.OK else math.nan
 
 
-def groove_values(side: WornSide, states: Sequence[State]) -> dict:
+def groove_values(side: Worn, states: Sequence[State]) -> dict:
     """What has worn, and the profiles of a few states."""
     points, bearing = [point_of(state) for state in states], side.bearing
     D = np.array([bearing.D - p.wear.ball for p in points])  # as new, less what is worn

@@ -1,7 +1,6 @@
 """Bearings whose grooves are followed as they wear (theory.md section 21)."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,16 +9,14 @@ from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node, States, follow
 from bearingwear.lives.methods import Heun
 from bearingwear.model import parameters
-from bearingwear.model.heat import SteadyHeat
+from bearingwear.model.compose import worn_bearings
+from bearingwear.model.condition import Accuracy, Solver
+from bearingwear.model.on_rotor import states_of
 from bearingwear.model.outputs import wear_values
-from bearingwear.model.pair import Pair
-from bearingwear.model.pair_balance import SideState
 from bearingwear.model.state import State
-from bearingwear.model.states_at_loss import in_half_of_pair
-from bearingwear.model.steady import ThrustProblem
-from bearingwear.model.thermal import warmed
+from bearingwear.model.warm import Warm
+from bearingwear.model.worn import Worn
 from bearingwear.model.worn_depths import WornDepths, WornPoint
-from bearingwear.model.worn_side import WornSide
 from bearingwear.scene.scene import LARGEST_LOSS, Scene
 
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
@@ -27,8 +24,7 @@ FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.08  # deepest wear of a step, over the gap A a^2
 QUICK_STEP = 2.0 * STEP
 """Of a quick life, over the gap; with it go `FEWER_CELLS`."""
-WORN_ROTOR_BALANCED = 1e-6  # force left on a rotor, over the larger one
-ON_THE_WAY_BALANCED = 1e-4  # the same in the middle of a step
+ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
 _SHORT = 0.3  # of the step before
 
 Wears = tuple[WornDepths, ...]
@@ -47,8 +43,7 @@ class Grooves:
     scene : Scene
     cells, step
         Instead of the usual ones.
-    perturbed : int, optional
-        Which of `ThrustProblem.perturbed` is solved, instead of the scene's own problem.
+    accuracy : Accuracy
     only_times : bool
         Whether states have no stiffness where nothing ends by it.
     """
@@ -60,59 +55,19 @@ class Grooves:
         scene: Scene,
         cells: tuple[int, int] = WORN_CELLS,
         step: float = STEP,
-        perturbed: int | None = None,
+        accuracy: Accuracy = Accuracy.CHECKED,
         only_times: bool = False,
     ):
-        self.scene, self.depth, self.cells, self.perturbed = scene, step, cells, perturbed
+        self.scene, self.depth = scene, step
         end = scene.wear.end_of_life
         self.by_stiffness = end is not None and end.system_axial_stiffness_N_um is not None
         self.only_times = only_times
         self.solves = 0
-        self.pair: Pair | None = None
-        self.status = code.OK
-        self.sides: tuple[WornSide, ...] = self._pair() if scene.pair else self._single()
-        for side in self.sides:
-            self.status = self.status or side.bearing.status
+        self.status, self.bearings = worn_bearings(scene, cells, accuracy)
+        self.sides: tuple[Worn, ...] = ()
+        if self.status == code.OK:
+            self.sides = tuple(map(_at_any_temperature, self.bearings.sides))
         self._last: States = ()  # solved, not on the way
-
-    def _single(self) -> tuple[WornSide, ...]:
-        problem = self._problem(self.scene)
-        self.status = problem.undetermined()
-        if self.status != code.OK:
-            return ()
-        loss = float(self.scene.wear.ball_diameter_loss_um[0]) * parameters.UM
-        case = problem.solve(problem.g.D0 - loss)
-        if self.scene.thermal is not None:
-            heat = SteadyHeat(loss, problem)
-            found = warmed(self.scene, heat)
-            if found.status != code.OK:
-                self.status = found.status
-                return ()
-            problem, case = heat.problem, heat.case
-        self.status = case.status
-        if self.status != code.OK:
-            return ()
-        return (WornSide(self.scene, 1, problem, case, self.cells),)
-
-    def _pair(self) -> tuple[WornSide, ...]:
-        pair = self.scene.pair
-        assert pair is not None
-        hertz = Pair.of(self.scene, "steady")
-        found = hertz.solve(hertz.losses)
-        self.status = found.status
-        if self.status != code.OK:
-            return ()
-        sides = []
-        for scene, n, state in zip(self.scene.sides, pair.tandem, found.sides, strict=True):
-            problem = replace(self._problem(scene), g=state.problem.g)
-            problem = replace(problem, preload=state.problem.preload)
-            sides.append(WornSide(scene, n, problem, state.answer, self.cells))
-        self.pair = Pair(self.scene, sides, WORN_ROTOR_BALANCED)
-        return tuple(sides)
-
-    def _problem(self, scene: Scene) -> ThrustProblem:
-        problem = ThrustProblem.of(scene)
-        return problem if self.perturbed is None else problem.perturbed(scene)[self.perturbed]
 
     @property
     def start(self) -> Wears:
@@ -124,52 +79,28 @@ class Grooves:
             losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.sides)
             return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
         self.solves += 1
-        for side, wear in zip(self.sides, worn, strict=True):
-            side.wear = wear
-        shift, (first, *others) = math.nan, self.sides
-        if self.pair is None:
-            found: tuple[SideState, ...] = (first.alone(),)
-            status = found[0].status
-        else:
-            self.pair.tolerance = ON_THE_WAY_BALANCED if on_the_way else WORN_ROTOR_BALANCED
-            both = self.pair.solve((first.progress, others[0].progress))
-            found, status, shift = both.sides, both.status, both.shift
-        if status != code.OK:
-            return tuple(State.unsolved(status, math.nan) for _ in self.sides)
-        for side, one in zip(self.sides, found, strict=True):
+        conditions = tuple(map(Worn.condition, worn))
+        rough = ON_THE_WAY_BALANCED if on_the_way else None
+        found = self.bearings.solve(conditions, tolerance=rough)
+        if found.status != code.OK:
+            return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
+        for side, one in zip(self.sides, found.sides, strict=True):
             side.bearing.count_from(one.answer)
         if on_the_way:
-            return tuple(State(status, {}, one) for one in found)
-        states = []
-        for side, one in zip(self.sides, found, strict=True):
-            made = replace(side.life_state(0.0, one), answer=one)
-            of_pair = made.with_values({"rotor_axial_shift": shift})
-            alone = self.pair is None
-            states.append(in_half_of_pair(self.scene, side.mounted, made) if alone else of_pair)
-        self._last = tuple(states)
+            return tuple(State(found.status, {}, one) for one in found.sides)
+        self._found = found
+        self._last = states_of(self.bearings.sides, conditions, found)
         if self.by_stiffness:
-            self._last = self.with_stiffness(self._last)
+            self._last = self.with_stiffness()
         return self._last
 
-    def with_stiffness(self, states: States) -> States:
+    def with_stiffness(self) -> States:
         """The states last solved, with both stiffnesses."""
-        each = [*zip(self.sides, states, strict=True)]
-        found = [side.with_stiffness(state.answer) for side, state in each]
-        of_both = {}
-        if self.pair is not None:
-            dynamic, other = ([one.stiffness for one in found], [one.quasistatic for one in found])
-            of_both["system_axial_stiffness"] = self.pair.stiffness(*dynamic)
-            of_both["system_quasistatic_axial_stiffness"] = self.pair.stiffness(*other)
-        made = []
-        for (side, state), one in zip(each, found, strict=True):
-            own = {
-                "axial_stiffness": one.stiffness / side.tandem,
-                "quasistatic_axial_stiffness": one.quasistatic / side.tandem,
-            }
-            stiff = state.with_values(own | of_both)
-            alone = self.pair is None
-            made.append(in_half_of_pair(self.scene, side.mounted, stiff) if alone else stiff)
-        return tuple(made)
+        each = zip(self.sides, self._found.sides, strict=True)
+        sides = tuple(side.with_stiffness(one) for side, one in each)
+        found = self.bearings.arranged(sides, self._found)
+        conditions = tuple(one.condition for one in sides)
+        return states_of(self.bearings.sides, conditions, found)
 
     def completed(self, node: Node) -> Node:
         """A node that a life keeps, which has its stiffnesses; not if only times count."""
@@ -177,7 +108,7 @@ class Grooves:
             return node
         states = node.states if node.states is self._last else self.state(node.worn)
         solved = all(state.is_solved for state in states)
-        return node._replace(states=self.with_stiffness(states)) if solved else node
+        return node._replace(states=self.with_stiffness()) if solved else node
 
     def rates(self, node: Node) -> Wears:
         """Wear per second of each bearing."""
@@ -241,12 +172,18 @@ def follow_grooves(wearing: Grooves) -> Life:
     return life
 
 
+def _at_any_temperature(side: Solver) -> Worn:
+    solver = side.solver if isinstance(side, Warm) else side
+    assert isinstance(solver, Worn)
+    return solver
+
+
 def _losing(state: State, rate: np.ndarray) -> State:
     """A state with the rate of its loss, by both ways of counting [m/s]."""
     return state.with_values({"ball_diameter_loss_rate": rate})
 
 
-def _loss_rates(side: WornSide, states: list[State], times: np.ndarray) -> list[np.ndarray]:
+def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[np.ndarray]:
     """Rates (2,) at which the even loss of a bearing grows, of each state [m/s]."""
     if len(states) < 2:
         first, point = states[0], point_of(states[0])

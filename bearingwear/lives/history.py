@@ -8,7 +8,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
 from bearingwear.model import parameters
 from bearingwear.model.films import Films
-from bearingwear.model.pair_case import stacked_sides
+from bearingwear.model.rotor import stacked_sides
 from bearingwear.model.state import State, history_values
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.sides import SHARED

@@ -11,8 +11,8 @@ from bearingwear.lives.ends import check_depth, check_end
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
-from bearingwear.lives.states import is_unlike, one_of_alike, states_of
 from bearingwear.lives.surfaces import surface_life
+from bearingwear.model.compose import solver_of
 from bearingwear.model.criterion import end_attribute
 from bearingwear.model.fidelity import choice_for_life
 from bearingwear.model.growth_told import growth_values
@@ -68,8 +68,8 @@ def life(
             if followed is not None:
                 values, attrs = groove_life(followed)
             else:
-                values, attrs = hertzian_life(one_of_alike(scene), chosen.fidelity)
-        if scene.pair is not None and not is_unlike(scene):
+                values, attrs = hertzian_life(scene.one_of_alike, chosen.fidelity)
+        if scene.one_of_alike is not scene:
             values = joined([values, values])
     elapsed = time.perf_counter() - started
     if scene.thermal is None and scene.pair is None:  # or each bearing has its own
@@ -80,7 +80,7 @@ def life(
 
 def hertzian_life(scene: Scene, fidelity: str) -> tuple[dict, dict]:
     """Values and attributes of a life whose contacts stay Hertzian, with its error if steady."""
-    found = surface_life(scene, states_of(scene, fidelity))
+    found = surface_life(scene, solver_of(scene, fidelity))
     values = life_values(scene, found)
     if fidelity == "steady":
         values |= surface_error(scene, found)

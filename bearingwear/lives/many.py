@@ -21,9 +21,9 @@ from bearingwear.lives.grooves import (
     follow_grooves,
 )
 from bearingwear.lives.methods import QUARTERS
-from bearingwear.lives.states import WELL_BALANCED, is_unlike, one_of_alike, states_of
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.measures import MEASURES, Measure
+from bearingwear.model.compose import WELL_BALANCED, solver_of
 from bearingwear.model.rotor import lowest_frequency
 from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.scene.scene import EndOfLife, Scene
@@ -39,8 +39,8 @@ class HertzianLives:
     """
 
     def __init__(self, scene: Scene):
-        self._between = (0.5,) if is_unlike(scene) else QUARTERS
-        self._states = states_of(scene, "steady", WELL_BALANCED)
+        self._between = QUARTERS if len(scene.one_of_alike.sides) == 1 else (0.5,)
+        self._states = solver_of(scene, tolerance=WELL_BALANCED)
 
     @property
     def solves(self) -> int:
@@ -143,7 +143,7 @@ def first_met(life: Life, scene: Scene) -> float:
     """
     if life.nodes[0].status != code.OK:
         return np.nan
-    times, criteria, first = life.times[:, 1], Criteria(one_of_alike(scene)), np.inf
+    times, criteria, first = life.times[:, 1], Criteria(scene.one_of_alike), np.inf
     for margin in np.array([criteria.margins(node.states) for node in life.nodes]).T:
         met = np.flatnonzero(margin <= 0.0)
         if not met.size:

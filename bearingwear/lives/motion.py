@@ -15,13 +15,14 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Node, States
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.model import parameters
+from bearingwear.model.condition import Condition, SolvedBearing, Solver
 from bearingwear.model.dynamic_run import solve_dynamic
 from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.heat import warmed_for, warmth_of
-from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.on_rotor import half_of_pair
+from bearingwear.model.race_control import RaceControl
 from bearingwear.model.state import State, case_state
-from bearingwear.model.states_at_loss import in_half_of_pair
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.steady import Steady
+from bearingwear.model.warm import warm_scene, warmth_of
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 
@@ -90,7 +91,7 @@ class Motion:
             return Run(code.CRITERION_NOT_REACHED)
         warmth: dict[str, Any] = {}
         if scene.thermal is not None:
-            warm, _ = warmed_for(scene, "dynamic")
+            warm = warm_scene(scene)
             if warm.status != code.OK:
                 return Run(warm.status, residual=warm.sentence)
             scene, warmth = warm.scene, warmth_of(scene, warm)
@@ -117,11 +118,11 @@ class Motion:
         The steady one where the scene has a steady state but for how the balls have worn.
         """
         if asymmetries(self.scene):
-            values, _ = solve_race_control(scene)
-            return float(values.get("quasistatic_axial_stiffness", math.nan))
-        problem = ThrustProblem.of(scene).without_finer
-        case = problem.solve(float(parameters.ball_diameters(scene).mean()))
-        return problem.g.n_balls * case.S_quasistatic if case.status == code.OK else math.nan
+            solver: Solver = RaceControl(scene)
+            return solver(solver.start).quasistatic
+        solver, loss = Steady(scene), float(np.mean(scene.wear.ball_diameter_loss_um))
+        found = solver(Condition(loss * parameters.UM))
+        return found.quasistatic if found.status == code.OK else math.nan
 
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
         """A run from a start of its own; with a cage after `life_run_in_turns`.
@@ -148,7 +149,15 @@ class Motion:
         more = dict(zip(_CLEARANCES, self.parts.clearances(worn), strict=True))
         if state.is_solved:
             power = float(run.values["friction_heat"].sum()) + float(run.values["drag_power"])
-            state = in_half_of_pair(self.scene, self._mounted, state)
+            solved = SolvedBearing(
+                status=state.status,
+                condition=Condition(loss),
+                scene=self.scene,
+                stiffness=state["axial_stiffness"],
+                quasistatic=state["quasistatic_axial_stiffness"],
+                place=state["axial_displacement"],
+            )
+            more |= half_of_pair(self.scene, self._mounted, solved).values
             more |= {"friction_power": power} | run.warmth
         return (replace(state.with_values(more), answer=run),)
 

@@ -13,7 +13,8 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
-from bearingwear.lives.states import Condition, KnownStates, one_of_alike
+from bearingwear.model.compose import Remembered
+from bearingwear.model.condition import Condition
 from bearingwear.model.films import Cover, Films, mean_pressure
 from bearingwear.model.mounted import MM, UM
 from bearingwear.model.state import State
@@ -126,7 +127,7 @@ class Surfaces:
         Index into `COUNTS`.
     """
 
-    def __init__(self, scene: Scene, states: KnownStates, counts: int):
+    def __init__(self, scene: Scene, states: Remembered, counts: int):
         self.states, self.counts = states, counts
         self.each = [
             FilmWear(side) if changes_as_it_wears(side) else EvenWear(side) for side in scene.sides
@@ -177,7 +178,7 @@ class Surfaces:
 
 def surface_life(
     scene: Scene,
-    states: KnownStates,
+    states: Remembered,
     bounded: bool = True,
     counts: Sequence[int] = range(len(COUNTS)),
     between: Sequence[float] = QUARTERS,
@@ -190,7 +191,7 @@ def surface_life(
     Parameters
     ----------
     scene : Scene
-    states : KnownStates
+    states : Remembered
         Of that scene, or of one that differs by its end.
     bounded : bool
         Whether the error of a way of its own is found, by a looser one.
@@ -199,7 +200,7 @@ def surface_life(
     between : sequence of float
         As of `RungeKutta`.
     """
-    scene = one_of_alike(scene)
+    scene = scene.one_of_alike
     ends, tolerance, own = Criteria(scene), scene.model.tolerance, COUNTS.index(scene.wear.counts)
     smallest = min(side.bearing.ball_diameter_mm for side in scene.sides) * MM
     first = len(scene.sides) * FIRST_STEP * smallest
@@ -207,7 +208,7 @@ def surface_life(
     def along(k: int, tolerance: float, first: float) -> Life:
         return follow(Surfaces(scene, states, k), ends, RungeKutta(tolerance, first, k, between))
 
-    if scene.pair is None and not changes_as_it_wears(scene):
+    if len(scene.sides) == 1 and not changes_as_it_wears(scene):
         wearing = Surfaces(scene, states, own)
         wearing.origin = float(wearing.start[0])
         method: Method = Simpson(tolerance, first)

@@ -47,7 +47,7 @@ from bearingwear.kernels.state import (
 from bearingwear.kernels.step_control import StepControl, Tally
 from bearingwear.model import parameters
 from bearingwear.model.bearing_model import bearing_model
-from bearingwear.model.race_control import unseated
+from bearingwear.model.race_control_problem import unseated
 from bearingwear.scene.scene import Scene
 
 CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start

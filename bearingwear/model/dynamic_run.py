@@ -20,7 +20,8 @@ from bearingwear.model.periodic import PeriodicMotion, periodic_motion
 from bearingwear.model.solution import is_found_periodic
 from bearingwear.model.stability import is_marched_instead
 from bearingwear.model.start import Start, start_of, thrust_alone
-from bearingwear.model.steady import ThrustProblem, steady_answers
+from bearingwear.model.steady import steady_answers
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.model.time_run import FAR_FROM_LAND, INTEGRATORS, RunGrid, TimeRun
 from bearingwear.scene.scene import Scene
 

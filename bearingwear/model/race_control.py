@@ -1,258 +1,122 @@
-"""Jones-Harris race control for any load: equilibrium of balls and race, slip as an estimate."""
+"""Slip of race control, an estimate: a solver, and its cases."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.contact import LARGEST_AXIS
 from bearingwear.kernels.ellipse import Rule
-from bearingwear.kernels.equilibrium import (
-    cold_start,
-    groove_distance,
-    thrust_equilibrium,
-)
-from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL, race_control
-from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
-from bearingwear.kernels.profile import contact_approach, semi_axis
-from bearingwear.kernels.race import (
-    LOAD_FIELDS,
-    MODEL,
-    OMEGA_I,
-    OMEGA_O,
-    ORBIT_RATE,
-    PACKED,
-    axial_stiffness,
-    race_equilibrium,
-    unpack_ball_state,
-)
-from bearingwear.kernels.steady_balance import LAST_BIT
+from bearingwear.kernels.equilibrium import groove_distance
+from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, workspace
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.kernels.verification import polygon_residual
 from bearingwear.model import parameters
+from bearingwear.model.at_rest import Mechanics
+from bearingwear.model.condition import CaseValues, Condition, Place, SolvedBearing
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, measured, summed
-from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.films import Bare, friction_law
-from bearingwear.model.outputs import contact_values, stiffness_matrix, wear_values
+from bearingwear.model.fidelity import NEEDS_SLIP
+from bearingwear.model.outputs import contact_values, loss_per_wear, stiffness_matrix, wear_values
+from bearingwear.model.race_control_problem import (
+    Balance,
+    RaceControlProblem,
+    controlled_balance,
+    geometric_status,
+    load_rounding,
+)
+from bearingwear.model.state import State, case_state
 from bearingwear.model.stiffness import race_control_matrix, radially_free
+from bearingwear.model.thermal import HeatFlow
 from bearingwear.scene.scene import Scene
 
 LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced
-LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost off
 
 
-@dataclass(frozen=True)
-class Balance:
-    """Balls and inner race in equilibrium."""
+class RaceControl:
+    """A bearing by race control, also under radial load."""
 
-    status: int
-    delta: np.ndarray  # (3,) displacement (axial, Y, Z) of the inner race [m]
-    states: list[BallState]  # one, standing for all, where the scene is symmetric
-    stiffness: float  # axial [N/m]
-    race_residual: float  # force left unbalanced on the inner race, recomputed [N]
+    unsteady = code.NO_RACE_CONTROL
 
+    def __init__(self, scene: Scene):
+        self.scene, self.problem = scene, RaceControlProblem.of(scene)
+        self.mounted = self.problem.delta_a
+        self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
 
-@dataclass(frozen=True)
-class RaceControlProblem:
-    """A scene as the race-control kernels see it."""
+    def at(self, scene: Scene) -> "RaceControl":
+        return RaceControl(scene)
 
-    g: Geometry
-    op: OperatingPoint
-    constant_force: bool
-    F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
-    delta_a: float  # static displacement under the initial preload alone [m]
-    tilt: float  # [rad]
-    D: np.ndarray  # (n,) worn diameters; one entry where the scene is symmetric [m]
-
-    @classmethod
-    def of(cls, scene: Scene) -> "RaceControlProblem":
-        g, operation = parameters.geometry(scene), scene.operation
-        F_y, F_z = operation.radial_load_N
-        F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
-        D = parameters.ball_diameters(scene)
-        return cls(
-            g=g,
-            op=parameters.operating_point(scene),
-            constant_force=operation.preload_method == "constant_force",
-            F=F,
-            delta_a=parameters.static_place(scene),
-            tilt=operation.tilt_mrad * 1e-3,
-            D=D if asymmetries(scene) else D[:1],
-        )
-
-    def where_bare(self, scene: Scene, bare: Bare) -> "RaceControlProblem":
-        """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
-
-    @property
-    def psi(self) -> np.ndarray:
-        """Azimuth of the balls solved; the first stands at +Z [rad]."""
-        return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
-
-    def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
-        """Equilibrium with the kinematics model of each ball (n,), of ORBIT at Omega [rad/s]."""
-        op, load = self.op, self.load(models[0], Omega)
-        if len(self.D) == 1:
-            return self.thrust_balance(load)
-        loads = np.zeros((len(self.D), LOAD_FIELDS))
-        loads[:, MODEL], loads[:, ORBIT_RATE] = models, Omega
-        loads[:, OMEGA_I], loads[:, OMEGA_O] = op.omega_i, op.omega_o
-        packed_states = np.empty((len(self.D), PACKED))
-        delta = np.array([self.delta_a, 0.0, 0.0])
-        if self.constant_force and self.F[0] > 0.0:
-            # Worn balls: start where the thrust alone would press the race to.
-            delta[0], _ = thrust_equilibrium(
-                self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        g, op = self.problem.g, self.problem.op
+        if Omega is None:
+            kinematics = race_control(
+                OUTER_CONTROL, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0
             )
-        first = 0 if self.constant_force else 1
-        status, _, stiffness = race_equilibrium(
-            self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, packed_states
-        )
-        states = [unpack_ball_state(row) for row in packed_states]
-        return Balance(
-            status=status,
-            delta=delta,
-            states=states,
-            stiffness=axial_stiffness(stiffness),
-            race_residual=self.unbalanced(states),
-        )
+            Omega = float(kinematics.Omega)
+        return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
 
-    def load(self, model: int, Omega: float = 0.0) -> BallLoad:
-        """Load of a ball by its kinematics model, of ORBIT at Omega [rad/s]."""
-        return BallLoad(
-            kinematics_model=int(model),
-            Omega=Omega,
-            omega_i=self.op.omega_i,
-            omega_o=self.op.omega_o,
-            P_x=0.0,
-            P_r=0.0,
-            T_i=0.0,
-            T_o=0.0,
+    def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        problem = self.held(condition)
+        values, attrs = solve_race_control(self.scene, problem)
+        if "axial_stiffness" not in values:
+            return SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
+        return SolvedBearing(
+            status=values["status"],
+            condition=condition,
+            scene=self.scene,
+            force=float(values["residual_preload"]),
+            stiffness=float(values["axial_stiffness"]),
+            quasistatic=float(values["quasistatic_axial_stiffness"]),
+            place=float(values["axial_displacement"]),
+            problem=problem,
+            answer=(values, attrs),
         )
 
-    def thrust_balance(self, load: BallLoad) -> Balance:
-        """Equilibrium of a symmetric scene, one ball standing for all."""
-        n = self.g.n_balls
-        delta_a, state = thrust_equilibrium(
-            self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
-        )
-        status, residual = state.status, 0.0
-        if self.constant_force:
-            residual = abs(n * state.F_ix - self.F[0])
-            if status == code.OK and residual > MOST_ROUNDING * n * max(state.Q_i, state.Q_o):
-                status = code.NOT_CONVERGED  # the load of the ball jumps past the spring's
-        return Balance(
-            status=status,
-            delta=np.array([delta_a, 0.0, 0.0]),
-            states=[state],
-            stiffness=n * state.S_xx,
-            race_residual=residual,
-        )
+    def held(self, condition: Condition) -> RaceControlProblem:
+        """The problem in a condition; every ball loses as much."""
+        problem, hold = self.problem, condition.hold
+        if isinstance(hold, Place):
+            problem = replace(problem, constant_force=False, delta_a=hold.delta_a)
+        elif hold is not None:
+            F = np.array([hold.F_x, *problem.F[1:]])
+            problem = replace(problem, constant_force=True, F=F)
+        if any(condition.bare):
+            problem = problem.where_bare(self.scene, condition.bare)
+        return replace(problem, D=problem.D - (condition.loss - self.start.loss))
 
-    def reason(self) -> int:
-        """Status of a scene that has no equilibrium under race control.
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        return heat_of_values(self.scene, solution.answer[0])
 
-        The same balls without the friction forces that carry their gyroscopic moments hang on
-        springs and have an equilibrium, or are loose.
-        """
-        op, alpha0 = self.op, self.g.alpha0
-        k = race_control(
-            OUTER_CONTROL, op.omega_i, op.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0
-        )
-        without = self.balance(np.full(len(self.D), ORBIT), k.Omega)
-        if without.status == code.NOT_CONVERGED and unseated(without.states):
-            return code.RACE_UNSEATED
-        return code.NO_RACE_CONTROL if without.status == code.OK else without.status
+    def state(self, solution: SolvedBearing) -> State:
+        values, loss = solution.answer[0], solution.condition.loss
+        known = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
+        state = case_state(loss, known)
+        if not state.is_solved:
+            return state
+        problem, op = solution.problem, solution.problem.op
+        worn_by = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
+        more = {
+            "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
+            "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *worn_by),
+        }
+        return state.with_values(more)
 
-    def unbalanced(self, states: list[BallState]) -> float:
-        """Force left on the inner race, summed anew from the balls' forces [N]."""
-        axial = np.array([s.F_ix for s in states])
-        radial = np.array([s.F_ir for s in states])
-        sums = np.array(
-            [axial.sum(), -(radial * np.sin(self.psi)).sum(), (radial * np.cos(self.psi)).sum()]
-        )
-        return float(np.abs(sums - self.F)[0 if self.constant_force else 1 :].max())
+    def case(self, solution: SolvedBearing) -> CaseValues:
+        values, attrs = solution.answer
+        return dict(values), dict(attrs)
+
+    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+        return None  # there is one solution
 
 
-def unseated(states: list[BallState]) -> bool:
-    """Whether the inner race has come off a ball, or nearly so."""
-    light = LIGHT_LOAD * max(s.Q_i for s in states)
-    return any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states)
-
-
-def outer_controls(state: BallState) -> bool:
-    """Whether the spin moment of the outer contact holds the ball (theory.md Eq. 23)."""
-    a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
-    a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
-    outer = state.Q_o * a_o * state.hertz_o.E * math.cos(state.alpha_i - state.alpha_o)
-    return outer > state.Q_i * a_i * state.hertz_i.E
-
-
-def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
-    """Equilibrium with the controlling race of each ball chosen by the spin-moment check.
-
-    All balls start under outer control; those that fail the check, or all if that has no
-    equilibrium, go over to inner control and stay there. Where that has none (a friction force on
-    a ball without load), the equilibrium found before is kept.
-
-    Returns
-    -------
-    Balance
-    models : ndarray (n,)
-        OUTER_CONTROL or INNER_CONTROL of each ball.
-    """
-    models = np.full(len(problem.D), OUTER_CONTROL)
-    balance = problem.balance(models)
-    if balance.status == code.NOT_CONVERGED:
-        # Where the outer race cannot carry the gyroscopic moments there is no such equilibrium.
-        models = np.full(len(problem.D), INNER_CONTROL)
-        balance = problem.balance(models)
-        if balance.status == code.NOT_CONVERGED:
-            balance = replace(balance, status=problem.reason())
-        return balance, models
-    while True:
-        failed = [
-            j
-            for j, state in enumerate(balance.states)
-            if models[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
-        ]
-        if not failed:
-            return balance, models
-        changed = models.copy()
-        changed[failed] = INNER_CONTROL
-        found = problem.balance(changed)
-        if found.status == code.NOT_CONVERGED:
-            return balance, models
-        balance, models = found, changed
-
-
-def geometric_status(states: list[BallState], D: np.ndarray) -> int:
-    """OK where every loaded contact lies within its groove and is small against its ball."""
-    for state, diameter in zip(states, D, strict=True):
-        loaded = (
-            (state.Q_i, state.alpha_i, state.hertz_i),
-            (state.Q_o, state.alpha_o, state.hertz_o),
-        )
-        for Q, alpha, hertz in loaded:
-            if Q > 0.0 and not abs(alpha) < 0.5 * math.pi:
-                return code.BEYOND_GROOVE
-            if semi_axis(hertz.c_a, Q) >= LARGEST_AXIS * 0.5 * diameter:
-                return code.OUTSIDE_HERTZ_RANGE
-    return code.OK
-
-
-def load_rounding(g: Geometry, state: BallState) -> float:
-    """Relative error of a ball's loads by the rounding of its position; 0 without loads [1].
-
-    A light load's deformation is a small difference of large lengths.
-    """
-    loads = ((state.Q_i, state.hertz_i.K, g.r_i), (state.Q_o, state.hertz_o.K, g.r_o))
-    return max(1.5 * LAST_BIT * r / contact_approach(K, Q) if Q > 0.0 else 0.0 for Q, K, r in loads)
+def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
+    """Heat of a result, by whatever model."""
+    n = scene.bearing.ball_count
+    inner, outer = (float(n * heat) for heat in np.mean(values["friction_heat"], axis=0))
+    return HeatFlow(inner, outer, drag=float(values["drag_power"]))
 
 
 def race_control_motion(scene: Scene) -> np.ndarray | None:
@@ -342,12 +206,14 @@ def controlled_error_estimates(
     return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
 
 
-def solve_race_control(
-    scene: Scene, problem: RaceControlProblem | None = None
-) -> tuple[dict, dict]:
+def solve_race_control(scene: Scene, problem: RaceControlProblem | None = None) -> CaseValues:
     """Values and attributes of the race-control solution.
 
-    `problem`, if given, takes the place of the scene's own, as one bearing of a pair is pressed.
+    Parameters
+    ----------
+    scene : Scene
+    problem : RaceControlProblem, optional
+        In place of the scene's own, where something else holds the bearing.
     """
     problem = problem or RaceControlProblem.of(scene)
     g, op, D = problem.g, problem.op, problem.D

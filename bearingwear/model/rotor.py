@@ -1,11 +1,13 @@
-"""A rigid rotor on the two bearings of a pair: its stiffness and natural frequencies."""
+"""A rigid rotor on two bearings: its stiffness, frequencies, lift-off and balance."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh
 
+from bearingwear.model.at_rest import Mechanics, lift_off_rigid, lift_off_spring
 from bearingwear.model.mounted import MM, mounted_geometry
 from bearingwear.model.outputs import stiffness_of_loads
 from bearingwear.model.state import State
@@ -18,6 +20,7 @@ SLENDER = 1.0 / 12.0
 """Transverse moment of inertia over mass and span squared of a slender rod, assumed."""
 
 KG_MM2 = 1e-6
+N_UM = 1e6  # in N/m
 _AXIAL, _PLANE = 0, (2, 3)
 
 
@@ -108,3 +111,83 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
         each.append(n * state["axial_stiffness"] / K[0, 0] * K)
     found = natural_frequencies(a, np.array(each), states[0]["system_axial_stiffness"])
     return math.nan if found is None else float(found.min())
+
+
+def lift_off(scene: Scene, resting: Sequence[Mechanics], mounted: Sequence[float]) -> float:
+    """Least axial force on the rotor that lifts off a bearing at rest [N].
+
+    Parameters
+    ----------
+    scene : Scene
+    resting : sequence of Mechanics
+        Both sides, with all their bearings.
+    mounted : sequence of float
+        Their axial displacements when mounted [m].
+    """
+    a, (first, second), (one, two) = scene.pair, resting, mounted
+    assert a is not None
+    if a.kind == "rigid_pair":
+        return lift_off_rigid(first, second, one + two)
+    F_s, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
+    return lift_off_spring(first, second, (one, two), F_s, k_s)
+
+
+def rotor_balance(
+    scene: Scene, mounted: Sequence[float], each: Sequence[Mapping[str, Any]]
+) -> float:
+    """Residual of the rotor's balance by places and forces of both, over the preload [1].
+
+    From their results alone: the force on the rotor, and by the stiffness what lacks of the
+    distance of the bearings, or of the extension of the spring.
+    """
+    a = scene.pair
+    assert a is not None
+    tandem = np.array(a.tandem)
+    F = tandem * np.array([float(side["residual_preload"]) for side in each])
+    moved = np.array([float(side["axial_displacement"]) for side in each]) - mounted
+    left = [abs(F[0] - F[1] - a.external_axial_N)]
+    if a.kind == "rigid_pair":
+        k = tandem * np.array([float(side["axial_stiffness"]) for side in each])
+        left.append(abs(moved.sum()) * k.max())
+    else:
+        given = scene.operation.preload_N - a.spring_stiffness_N_um * N_UM * moved.sum()
+        left.append(abs(F[1] - given))
+    return float(max(left) / F.max())
+
+
+def stacked_sides(each: Sequence[Mapping[str, Any]]) -> dict:
+    """Values of both bearings along a first dimension; NaN and -1 where one has fewer of them."""
+    names = dict.fromkeys(name for side in each for name in side if name != "status")
+    made = {}
+    for name in names:
+        found = [side.get(name) for side in each]
+        known = [np.shape(one) for one in found if one is not None]
+        alike = len(known) == len(found) and len(set(known)) == 1
+        made[name] = np.array(found) if alike else _filled(found)
+    return made
+
+
+def _filled(found: Sequence[Any]) -> np.ndarray:
+    """Arrays of unlike shapes along a first dimension."""
+    known = [np.asarray(one) for one in found if one is not None]
+    shape = np.max([one.shape for one in known], axis=0).astype(int)
+    whole = all(one.dtype.kind in "iub" for one in known)
+    filled = np.full((len(found), *shape), -1 if whole else np.nan)
+    for k, one in enumerate(found):
+        if one is not None:
+            place: tuple[Any, ...] = (k, *(slice(n) for n in np.shape(one)))
+            filled[place] = one
+    return filled
+
+
+def joined_attributes(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Attributes of both: sentences one after the other, counts added."""
+    made: dict[str, Any] = {}
+    for name in each[0].keys() | each[1].keys():
+        both = [attrs.get(name) for attrs in each]
+        if any(isinstance(one, str) for one in both):
+            each_one = enumerate(both, 1)
+            made[name] = "; ".join(f"bearing {k}: {one}" for k, one in each_one if one is not None)
+        else:
+            made[name] = sum(one for one in both if one is not None)
+    return dict(sorted(made.items()))

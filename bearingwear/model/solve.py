@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bearingwear.kernels import status as code
+from bearingwear.model.compose import solver_of
+from bearingwear.model.condition import Accuracy, CaseValues
 from bearingwear.model.fidelity import Choice, NotAvailable, choice
-from bearingwear.model.growth_told import growth_values, is_held
-from bearingwear.model.heat import network_values, preload_spread, warmed_for
+from bearingwear.model.growth_told import growth_values
 from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.race_control import solve_race_control
 from bearingwear.model.result import Result
-from bearingwear.model.steady import solve_steady
+from bearingwear.model.warm import network_values, warm_scene
 from bearingwear.model.warned import warnings_of
 from bearingwear.scene.scene import Scene
 
@@ -59,40 +59,23 @@ def solve(
 
 def solved(
     scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
-) -> tuple[dict, dict]:
+) -> CaseValues:
     """Values and attributes of a scene solved with the model of that fidelity."""
-    if scene.pair is not None:
-        from bearingwear.model.pair_case import solve_pair
+    if fidelity != "dynamic":
+        return solver_of(scene, fidelity, Accuracy.CHECKED).bearings.case()
+    # its kernels take long to load, and the other models need none of them
+    from bearingwear.model.dynamic_run import solve_dynamic
 
-        alike = solved(scene.sides[0], fidelity, None, None) if scene.pair.is_symmetric else None
-        return solve_pair(scene, fidelity, alike)
     if scene.thermal is None:
-        values, attrs = solved_as_given(scene, fidelity, restart, progress)
+        values, attrs = solve_dynamic(scene, restart=restart, progress=progress)
         return values | growth_values(scene), attrs
-    found, heat = warmed_for(scene, fidelity)
+    found = warm_scene(scene)
     if found.status != code.OK:
         return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}
-    if fidelity == "steady":  # the state whose heat it is, where there are others nearby
-        values, attrs = solve_steady(found.scene, heat.problem, heat.case)
-    else:
-        values, attrs = solved_as_given(found.scene, fidelity, restart, progress)
-    if fidelity == "steady" and is_held(scene):
-        attrs["preload_spread"] = preload_spread(scene)
+    values, attrs = solve_dynamic(found.scene, restart=restart, progress=progress)
     if "friction_heat" in values:
-        values |= network_values(scene, found, values, fidelity)
+        values |= network_values(scene, found, values["status"], found.heat)
     return values | growth_values(found.scene), attrs
-
-
-def solved_as_given(
-    scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
-) -> tuple[dict, dict]:
-    """The same, no temperatures left to find."""
-    if fidelity == "dynamic":
-        # its kernels take long to load, and the other models need none of them
-        from bearingwear.model.dynamic_run import solve_dynamic
-
-        return solve_dynamic(scene, restart=restart, progress=progress)
-    return solve_steady(scene) if fidelity == "steady" else solve_race_control(scene)
 
 
 def check_restart(scene: Scene, chosen: Choice) -> None:

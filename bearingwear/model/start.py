@@ -8,7 +8,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.model import parameters
 from bearingwear.model.race_control import race_control_motion
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.scene import Scene
 
 

@@ -1,221 +1,185 @@
-"""The friction-balanced steady state of a thrust-loaded scene."""
+"""The friction-balanced steady state of a thrust-loaded bearing."""
 
+import copy
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.ellipse import Rule, most_points
-from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
-from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.search import settled_elsewhere
-from bearingwear.kernels.steady_balance import (
-    BalanceProblem,
-    Preload,
-    ThrustBearing,
-    balance_problem,
+from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.kernels.summary import (
+    ANGLE,
+    FRICTION,
+    HEAT,
+    LOAD,
+    MAJOR,
+    PRESSURE,
+    QV,
+    SHARE,
+    TORQUE,
+    TRACK,
 )
-from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, MAJOR, QV, TORQUE, TRACK
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase, thrust_case
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.model import parameters
+from bearingwear.model.at_rest import Mechanics
+from bearingwear.model.condition import Accuracy, CaseValues, Condition, Place, SolvedBearing
 from bearingwear.model.estimate import DOUBLED, changed, halved_part, summed
-from bearingwear.model.films import Bare, friction_law
 from bearingwear.model.outputs import (
     TURN,
     contact_values,
     diameter_loss_rates,
+    friction_used,
+    loss_per_wear,
     stiffness_matrix,
     wear_rates,
+    wear_values,
 )
+from bearingwear.model.state import State
 from bearingwear.model.stiffness import quasistatic_matrix
+from bearingwear.model.thermal import HeatFlow
+from bearingwear.model.thrust_problem import ThrustProblem
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
-FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
-VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
-STABILITY_POINTS = 512
-LIKE_STATE = 1e-2  # share of the speeds by which one state may differ between two rules
-UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED, code.CONTACT_LOST)
-SEARCH_SLIP = 3e-3  # least regularisation of the search for others, as a share of the same speed
-SAME_STATE = 1e-4  # relative difference below which two steady states are one
+SAME_MOTION = 1e-12
 
 
-@dataclass(frozen=True)
-class ThrustProblem:
-    """A thrust-loaded scene as kernels see it; built once and solved for many wear states."""
+class Steady:
+    """A bearing under thrust in the steady state that friction decides."""
 
-    g: Geometry
-    op: OperatingPoint
-    preload: Preload
-    rule: Rule
-    fine_rule: Rule
-    search_rule: Rule
-    traction: bool  # in the balance of normal forces
+    unsteady = code.NO_STEADY_STATE
 
-    @classmethod
-    def of(cls, scene: Scene) -> "ThrustProblem":
-        g = parameters.geometry(scene)
-        F_x = float(scene.operation.preload_N)
-        rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
-        constant_force = scene.operation.preload_method == "constant_force"
-        preload = Preload(
-            constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
-        )
-        op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
-        traction = scene.model.traction_bears
-        return cls(g, op, preload, rule, fine_rule, search_rule, traction)
+    def __init__(self, scene: Scene, accuracy: Accuracy = Accuracy.BRIEF):
+        self.scene, self.problem = scene, ThrustProblem.of(scene)
+        self.mounted = self.problem.preload.delta_a
+        self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
+        if accuracy is Accuracy.BRIEF:
+            self.problem = self.problem.without_finer
+        elif accuracy is not Accuracy.CHECKED:
+            halved, twice = self.problem.perturbed(scene)
+            self.problem = halved if accuracy is Accuracy.HALF_SLIP else twice
 
-    def bearing(self, D: float) -> ThrustBearing:
-        """The bearing with balls of diameter D [m]."""
-        return ThrustBearing(
-            g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
-        )
+    def at(self, scene: Scene) -> "Steady":
+        warm = copy.copy(self)
+        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
+        return warm
 
-    def where_bare(self, scene: Scene, bare: Bare) -> "ThrustProblem":
-        """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        if Omega is None:
+            Omega = float(self.problem.kinematic_start(OUTER_CONTROL)[3])
+        return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
 
-    def balance(self, D: float) -> BalanceProblem:
-        """The equations of motion of a ball of diameter D [m]."""
-        return balance_problem(self.bearing(D), self.rule, self.traction)
-
-    def kinematic_start(self, kinematics_model: int) -> np.ndarray:
-        """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
-        g, op = self.g, self.op
-        k = race_control(kinematics_model, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
-        return np.array(
-            [k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega]
+    def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        problem = self.held(condition)
+        status = problem.undetermined()
+        if status != code.OK:
+            return SolvedBearing(status, condition, self.scene, problem=problem)
+        start = None if near is None else near.answer.u
+        case = problem.solve(problem.g.D0 - condition.loss, start)
+        n = problem.g.n_balls
+        return SolvedBearing(
+            status=case.status,
+            condition=condition,
+            scene=self.scene,
+            force=axial_force(case, n),
+            stiffness=float(n * case.S_xx),
+            quasistatic=float(n * case.S_quasistatic),
+            place=case.delta_a,
+            problem=problem,
+            answer=case,
         )
 
-    def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
-        """Steady state with balls of diameter D [m], from a state nearby or without one."""
-        case = self._solve(D, start, self.rule, self.fine_rule)
-        if self.rule.split and case.status in UNSETTLED:
-            # With a tiny v_r the sums jump where points gather anew: no state may fit them.
-            n = most_points(self.rule)
-            m = self.rule.across.size
-            sizes = [(n, m), (4 * n, m) if m == 1 else (2 * n, 2 * m)]
-            rules = (parameters.ellipse_rule("gauss", *size) for size in sizes)
-            held = self._solve(D, start, *rules)
-            if held.status not in UNSETTLED:
-                return held._replace(held=True)
-        return case
+    def held(self, condition: Condition) -> ThrustProblem:
+        """The problem in a condition, but for its wear."""
+        problem, hold = self.problem, condition.hold
+        if isinstance(hold, Place):
+            held = problem.preload._replace(constant_force=False, delta_a=hold.delta_a)
+            problem = replace(problem, preload=held)
+        elif hold is not None:
+            held = problem.preload._replace(constant_force=True, F_x=hold.F_x)
+            problem = replace(problem, preload=held)
+        return problem.where_bare(self.scene, condition.bare) if any(condition.bare) else problem
 
-    def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
-        op = self.op
-        if start is not None:
-            u, v_start = start, op.v_r
-        else:
-            u = self.kinematic_start(OUTER_CONTROL)
-            v_start = VISCOUS_START * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o)
-        return thrust_case(self.bearing(D), rule, fine, u, v_start, FRICTION_TOLERANCE)
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        problem, case, loss = solution.problem, solution.answer, solution.condition.loss
+        inner, outer = (float(problem.g.n_balls * heat) for heat in case.contacts[:, HEAT])
+        return HeatFlow(inner, outer, drag=float(drag_power(problem, problem.g.D0 - loss, case)))
 
-    @property
-    def without_finer(self) -> "ThrustProblem":
-        """The problem without the finer copies that the checks compare with."""
-        return replace(self, fine_rule=self.rule)
+    def state(self, solution: SolvedBearing) -> State:
+        loss, problem, case = solution.condition.loss, solution.problem, solution.answer
+        if solution.status != code.OK:
+            return State.unsolved(solution.status, loss)
+        g, c = problem.g, case.contacts
+        D = np.array([g.D0 - loss])
+        worn_by = c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
+        wear = wear_values(self.scene, D, *worn_by)
+        gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
+        used = friction_used(c[None, :, FRICTION], D, gyroscopic, c[None, :, LOAD])
+        values = {
+            "ball_diameter_loss": loss,
+            "ball_diameter_loss_rate": wear["ball_diameter_loss_rate"],
+            "residual_preload": solution.force,
+            "contact_load": c[:, LOAD],
+            "contact_angle": c[:, ANGLE],
+            "semi_major_axis": c[:, MAJOR],
+            "qv": c[:, QV],
+            "total_qv": float(g.n_balls * c[:, QV].sum()),
+            "gyroscopic_slip_share": c[:, SHARE],
+            "skid_ratio": case.skid,
+            "maximum_pressure": float(c[:, PRESSURE].max()),
+            "axial_stiffness": solution.stiffness,
+            "quasistatic_axial_stiffness": solution.quasistatic,
+            "friction_power": self.heat(solution).total,
+            "ball_wear_rate": float(wear["ball_wear_rate"][0]),
+            "race_wear_rate": wear["race_wear_rate"],
+            "axial_displacement": solution.place,
+            "friction_used_by_gyroscopic_moment": float(used[0]),
+            "friction_coefficient": c[:, FRICTION],
+        }
+        if changes_as_it_wears(self.scene):
+            values["loss_per_wear"] = loss_per_wear(g.n_balls, D, *worn_by)
+        return State(solution.status, values, solution)
 
-    def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
-        """The problem with half the regularisation, and with twice the points, `without_finer`."""
-        halved = replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r))
-        twice = replace(self, rule=parameters.quadrature(scene, refined=2))
-        return halved.without_finer, twice.without_finer
+    def case(self, solution: SolvedBearing) -> CaseValues:
+        return steady_case(self.scene, self.mounted, solution)
 
-    def undetermined(self) -> int:
-        """Status that is known before any solve, or OK."""
-        op = self.op
-        if not max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:
-            return code.UNDETERMINED
-        if self.preload.constant_force and self.preload.F_x == 0.0:
-            return code.PRELOAD_GONE
-        return code.OK
-
-    def linear_motion(self, D: float, case: ThrustCase) -> np.ndarray:
-        """Derivative (4, 4) of the rates of (w_x, w_y, w_z, Omega) by these, at the state [1/s]."""
-        m = ball_mass(self.g.rho, D)
-        inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
-        return case.jacobian / inertia[:, None]
-
-    def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
-        """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
-        return np.linalg.eigvals(self.linear_motion(D, case))
-
-    def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
-        """Whether a small disturbance of the state decays.
-
-        With a tiny v_r the slowest motions are damped in narrow places where the slip reverses,
-        which few points may miss. A state that seems unstable is checked again with many.
-
-        Parameters
-        ----------
-        scales : ndarray (4,), optional
-            The state's `time_scales`, if they are known.
-        """
-        if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
-            return True
-        many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
-        again = replace(self, rule=many, fine_rule=many).solve(D, start=case.u)
-        same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
-        return bool(
-            again.status == code.OK and same and self.time_scales(D, again).real.max() < 0.0
-        )
-
-    def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
-        """Steady states other than `case` (`stable` or not), searched for over the orbit rate.
-
-        At most so many motions are tried as a start, those nearest to rolling first.
-        """
-        if most == 0:
-            return []
-        op, found = self.op, [case]
-        v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
-        rules = self.rule, self.search_rule
-        args = case.delta_a, case.u, not stable, most
-        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
-            # Newton may go on from a motion that had not settled to a state that is known.
-            if is_new(u, found):
-                other = self.solve(D, start=u)
-                if other.status == code.OK and is_new(other.u, found):
-                    found.append(other)
-        others = found[1:]
-        if len(others) > 1:
-            rolling = self.kinematic_start(OUTER_CONTROL)[3]
-            others.sort(key=lambda c: abs(c.u[3] - rolling))
-        return others
+    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+        if "orbit_speed" not in values:
+            return None
+        u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])
+        if np.abs(u - solution.answer.u).max() <= SAME_MOTION * np.abs(u).max():
+            return None
+        return solution._replace(answer=solution.answer._replace(u=u))
 
 
-def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
-    """Whether a motion (4,) is none of the states found."""
-    near = SAME_STATE * np.abs(u).max()
-    return all(np.abs(u - case.u).max() > near for case in found)
+def solve_steady(scene: Scene) -> CaseValues:
+    """Values and attributes of the friction-balanced steady state."""
+    solver = Steady(scene, Accuracy.CHECKED)
+    return solver.case(solver(solver.start))
 
 
-def solve_steady(
-    scene: Scene, problem: ThrustProblem | None = None, case: ThrustCase | None = None
-) -> tuple[dict, dict]:
-    """Values and attributes of the friction-balanced steady state.
+def steady_case(scene: Scene, mounted: float, solution: SolvedBearing) -> CaseValues:
+    """Values and attributes of a solution, or of a stable state near an unstable one.
 
     Parameters
     ----------
     scene : Scene
-    problem : ThrustProblem, optional
-        In place of the scene's own, as one bearing of a pair is pressed.
-    case : ThrustCase, optional
-        Its state, if it is known.
+    mounted : float
+        Axial displacement when mounted [m].
+    solution : SolvedBearing
     """
-    mounted = parameters.static_place(scene) if problem else None  # its own is found with it
-    problem = problem or ThrustProblem.of(scene)
-    D = float(parameters.worn_diameters(scene, problem.g)[0])
+    problem, case = solution.problem, solution.answer
+    D = problem.g.D0 - solution.condition.loss
     values: dict = {
-        "status": problem.undetermined(),
+        "status": solution.status,
         "ball_diameter_loss": np.array([problem.g.D0 - D]),
-        "initial_axial_displacement": problem.preload.delta_a if mounted is None else mounted,
+        "initial_axial_displacement": mounted,
     }
-    if values["status"] != code.OK:
+    if case is None:
         return values, {"residual": "not solved"}
-    case = case or problem.solve(D)
-    values["status"] = case.status
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
     if case.status in (code.OK, code.UNVERIFIED):
         scales = problem.time_scales(D, case)

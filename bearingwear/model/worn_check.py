@@ -10,7 +10,7 @@ from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.worn_balance import WornForce, WornRace
 from bearingwear.kernels.worn_state import WornSeat
 from bearingwear.kernels.worn_verification import check_influence, contact_check, friction_of_cells
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 LARGEST_GAP = 1e-7  # left by a contact, over the approach
 LARGEST_POWER_ERROR = 1e-8  # of the shaft power

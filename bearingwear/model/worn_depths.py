@@ -13,7 +13,7 @@ from bearingwear.kernels.summary import ANGLE, LOAD
 from bearingwear.kernels.thrust import ThrustCase
 from bearingwear.kernels.worn_balance import Arc, WornForce, spline_pieces
 from bearingwear.kernels.worn_state import WornSeat, pitch
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
 _NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)

@@ -32,7 +32,7 @@ from bearingwear.kernels.worn_friction import (
     worn_dissipation,
 )
 from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.model.worn_check import WornCheck
 from bearingwear.model.worn_depths import (
     UNWORN_ARC,

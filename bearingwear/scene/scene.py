@@ -185,6 +185,11 @@ class Scene:
         """Each bearing of the arrangement as a single one."""
         return sides_of(self)
 
+    @property
+    def one_of_alike(self) -> Scene:
+        """One of two identical bearings; another scene as it is."""
+        return self.sides[0] if self.pair is not None and self.pair.is_symmetric else self
+
     @functools.cached_property
     def without_cage(self) -> Scene:
         """The scene without its cage, and without the limits of its wear."""

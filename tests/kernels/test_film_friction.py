@@ -22,7 +22,7 @@ from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
 from bearingwear.kernels.verification import friction_check
 from bearingwear.model.parameters import ellipse_rule, line_points, split_points
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.variant import variant
 
 MU_EVEN = 0.05

@@ -16,7 +16,7 @@ from bearingwear.kernels.summary import QV
 from bearingwear.kernels.traction import strip_traction
 from bearingwear.model.dynamic import DynamicSystem
 from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 R = 1e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, 0.1)

@@ -35,7 +35,7 @@ from bearingwear.kernels.steady_balance import (
     orbit_equilibrium,
 )
 from bearingwear.model import parameters
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 
 @pytest.fixture(

@@ -10,7 +10,7 @@ from bearingwear.kernels.thrust import LARGEST_RESIDUAL, Residuals, case_status
 from bearingwear.kernels.verification import friction_check, polygon_residual
 from bearingwear.model import steady
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 DRAG = {"lubricant.drag_density_kg_m3": 300.0}
 

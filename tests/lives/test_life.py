@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from bearingwear.lives.life import life
-from bearingwear.model.states_at_loss import steady_states
+from bearingwear.model.compose import solver_of
 from bearingwear.scene.blocks import CRITERIA
 
 POSITION = {"operation.preload_method": "fixed_position"}
@@ -30,7 +30,7 @@ def test_against_adaptive_quadrature(scene, changes):
     """Life and its end against SciPy's quad and brentq on single solves."""
     s = scene("gyro_s1", changes)
     v = life(s).values
-    state, end = steady_states(s), s.wear.end_of_life
+    state, end = solver_of(s).at, s.wear.end_of_life
     name = CRITERIA[v["end_criterion"]]
     beyond = {
         "preload_fraction": lambda x: state(x)["residual_preload"] - 7.0 * end.preload_fraction,

@@ -15,7 +15,7 @@ from bearingwear.kernels.state import BALL
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.summary import QV
 from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 HERTZ = {"model.contact": "hertz"}  # with traction in the balance of normal forces
 WHATEVER_THE_ERROR = 1e12  # tolerance of steps that are as long as they are allowed to be

@@ -12,7 +12,7 @@ from bearingwear.lives.life import life
 from bearingwear.model.fidelity import choice, spin_across_share
 from bearingwear.model.parameters import ellipse_rule
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 HERTZ = {
     "model.contact": "hertz",

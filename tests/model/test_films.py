@@ -20,14 +20,13 @@ from bearingwear.kernels.steady_balance import (
 from bearingwear.kernels.verification import friction_check
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.life import life
-from bearingwear.lives.states import KnownStates
 from bearingwear.lives.surfaces import surface_life
+from bearingwear.model.compose import solver_of
 from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.model.films import Cover, Films
 from bearingwear.model.solve import solve
 from bearingwear.model.state import State
-from bearingwear.model.states_at_loss import steady_states
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.errors import SceneError
@@ -202,13 +201,13 @@ def test_a_film_like_what_lies_below_changes_nothing(scene):
 def test_time_to_wear_through_is_thickness_over_rate(scene):
     """While wear is even: of a film so thin that nothing else changes."""
     given = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
-    state = steady_states(given)(0.0)
+    state = solver_of(given).at(0.0)
     rate = state["loss_per_wear"][1] * 1e-6 / 6.6e9
     first, later = np.argsort(-rate)
     found = through(life(given))
     assert found[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
     # then one track is bare, and the other slips as it did not before
-    after = steady_states(given)(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
+    after = solver_of(given).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
     rest = (1e-11 - found[first] * rate[later]) / after[later]
     assert found[later] == pytest.approx(found[first] + rest, rel=1e-4)
 
@@ -324,15 +323,17 @@ def even(scene, **changes):
     """A march with slip that stays as it is: rates go by K_s/H alone."""
     per_wear = np.array([[2.0e6, 3.0e6], [4.0e7, 5.0e7]])  # [m Pa/s]
 
-    def state(loss, bare):
-        values = {"ball_diameter_loss": loss, "residual_preload": 7.0, "loss_per_wear": per_wear}
-        values |= {"qv": np.array([1e-2, 2e-2]), "semi_major_axis": np.array([1e-4, 1e-4])}
-        return State(code.OK, values)
+    class Even:
+        solves = 0
+
+        def __call__(self, conditions):
+            values = {"ball_diameter_loss": conditions[0].loss, "loss_per_wear": per_wear}
+            values |= {"qv": np.array([1e-2, 2e-2]), "semi_major_axis": np.array([1e-4, 1e-4])}
+            return (State(code.OK, values | {"residual_preload": 7.0}),)
 
     end = EndOfLife(ball_diameter_loss_um=0.7)
     scene = with_end(replace(scene, model=replace(scene.model, tolerance=1e-8)), end)
-    states = KnownStates(lambda conditions: (state(*conditions[0]),))
-    return surface_life(scene, states, bounded=False, counts=(1,)), per_wear
+    return surface_life(scene, Even(), bounded=False, counts=(1,)), per_wear
 
 
 def test_running_in_in_closed_form(scene):

@@ -24,7 +24,7 @@ from bearingwear.model.growth_told import change_at_speed, change_by_warm_ring
 from bearingwear.model.mounted import mounted_geometry
 from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 HELD = {"operation.preload_method": "fixed_position"}
 PAPER = HELD

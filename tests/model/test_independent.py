@@ -16,7 +16,7 @@ from bearingwear.kernels.race import PACKED, race_equilibrium
 from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, QV, TORQUE
 from bearingwear.model import parameters
 from bearingwear.model.race_control import RaceControlProblem
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 
 @pytest.fixture(scope="module")

@@ -11,10 +11,10 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.model import parameters
 from bearingwear.model.at_rest import Mechanics, lift_off_rigid
+from bearingwear.model.compose import solver_of
+from bearingwear.model.condition import Accuracy
 from bearingwear.model.fidelity import NotAvailable, choice
-from bearingwear.model.pair import Pair
-from bearingwear.model.pair_case import rotor_balance
-from bearingwear.model.rotor import natural_frequencies, rotor_stiffness
+from bearingwear.model.rotor import natural_frequencies, rotor_balance, rotor_stiffness
 from bearingwear.model.solve import solve
 from bearingwear.scene.arrangement import Arrangement
 from bearingwear.sides import SHARED, of_bearing
@@ -217,13 +217,14 @@ def test_stiffness_is_the_slope_of_the_shift(solved):
 def test_check_of_the_rotor_says_no(scene):
     """Another place or force by a millionth is seen."""
     made = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
-    pair = Pair.of(made, "steady")
-    state = pair.solve(pair.losses)
-    each = [side.values(one)[0] for side, one in zip(pair.sides, state.sides, strict=True)]
-    assert rotor_balance(made, pair, each) < 1e-9
+    pair = solver_of(made, "steady", Accuracy.CHECKED).bearings
+    state = pair.solve(pair.start)
+    each = [side.case(one)[0] for side, one in zip(pair.sides, state.sides, strict=True)]
+    mounted = [side.mounted for side in pair.sides]
+    assert rotor_balance(made, mounted, each) < 1e-9
     for name in ("residual_preload", "axial_displacement"):
         wrong = [each[0] | {name: each[0][name] * (1.0 + 1e-6)}, each[1]]
-        assert rotor_balance(made, pair, wrong) > 1e-7
+        assert rotor_balance(made, mounted, wrong) > 1e-7
 
 
 # lift-off

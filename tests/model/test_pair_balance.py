@@ -8,7 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.model.pair_balance import Nearby, RotorTrial, SideState, balanced
+from bearingwear.model.condition import Condition, SolvedBearing
+from bearingwear.model.rotor_balance import Nearby, RotorTrial, balanced
 from bearingwear.model.solve import solve
 
 HELD = 1e6  # slope that each trial says [N/m]
@@ -16,13 +17,15 @@ HELD = 1e6  # slope that each trial says [N/m]
 
 def search(left, start=0.0, nearby=None):
     """Place or status where a force `left(place)` vanishes, and how many trials it took."""
-    sides = SideState(code.OK), SideState(code.OK)
+    solved, lost = (
+        SolvedBearing(status, Condition(0.0), None) for status in (code.OK, code.CONTACT_LOST)
+    )
     trials = []
 
     def trial(x):
         trials.append(x)
         beyond = abs(x) > 1e-3
-        states = (SideState(code.CONTACT_LOST), sides[1]) if beyond else sides
+        states = (lost if beyond else solved, solved)
         return RotorTrial(states, left(x), HELD, 10.0)
 
     x, found = balanced(trial, start, 1e-20, nearby or Nearby())

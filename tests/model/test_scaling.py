@@ -11,7 +11,7 @@ from support import scene_file
 
 from bearingwear.kernels import status as code
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
 
 # What Newton leaves: 1e-12 of the friction forces, times the softness of the slow spin-axis drift.

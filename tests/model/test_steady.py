@@ -11,7 +11,7 @@ from support import benchmark
 from bearingwear.kernels import status as code
 from bearingwear.model.parameters import ball_diameters, ellipse_rule
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 
 # The 2 mm bearing of the Jones-Harris benchmark, constant force 7 N, v_r = 1e-3 m/s. Two programs
 # agree to 0.2 % in speeds and 1 % in QV; these are the digits of the one converged in quadrature.
@@ -133,7 +133,7 @@ def test_time_scales_agree_with_integration(scene):
 
     from bearingwear.kernels.equilibrium import cold_start
     from bearingwear.kernels.steady_balance import Seat, friction_balance, orbit_equilibrium
-    from bearingwear.model.steady import ThrustProblem
+    from bearingwear.model.thrust_problem import ThrustProblem
 
     problem = ThrustProblem.of(scene("gyro_s1", {"friction.ball_race": 0.08}))
     D = problem.g.D0

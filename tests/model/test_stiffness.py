@@ -10,9 +10,11 @@ from bearingwear.api import new
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady_balance import Seat, friction_balance, motion_equilibrium
-from bearingwear.model.race_control import RaceControlProblem, solve_race_control
+from bearingwear.model.race_control import solve_race_control
+from bearingwear.model.race_control_problem import RaceControlProblem
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem, axial_force
+from bearingwear.model.steady import axial_force
+from bearingwear.model.thrust_problem import ThrustProblem
 
 N_UM = 1e-6
 AXIAL = ("axial_stiffness", "quasistatic_axial_stiffness")

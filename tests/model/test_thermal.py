@@ -9,14 +9,17 @@ from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.lives.life import life
 from bearingwear.lives.motion import Motion
-from bearingwear.model.heat import SteadyHeat, warmed_for
+from bearingwear.model.condition import Condition
 from bearingwear.model.solve import solve
+from bearingwear.model.steady import Steady
 from bearingwear.model.thermal import (
     HeatFlow,
+    Warmed,
     at_temperatures,
     heat_flow_residual,
     network_temperatures,
 )
+from bearingwear.model.warm import Warm
 from bearingwear.scene.warmth import Conductance, Thermal
 
 HELD = {"operation.preload_method": "fixed_position"}
@@ -101,7 +104,7 @@ def test_few_solves_do(scene):
     for name in ("constant_force", "fixed_position"):
         for changes in (MILD, network(0.1, 0.1, 0.05), network(1.0, 1.0, 0.1)):
             made = scene("gyro_s1", changes | {"operation.preload_method": name})
-            assert 2 <= warmed_for(made, "steady")[0].solves <= 6
+            assert 2 <= warmed_steady(made).solves <= 6
 
 
 def test_a_spring_hardly_feels_the_heat(scene):
@@ -111,16 +114,21 @@ def test_a_spring_hardly_feels_the_heat(scene):
     assert warm["contact_angle"][0, 0] != cold["contact_angle"][0, 0]
 
 
+def warmed_steady(scene) -> Warmed:
+    return Warm(Steady(scene))(Condition(0.0)).warmed
+
+
 def followed_up(scene) -> tuple[str, np.ndarray]:
     """Heat from none upwards, each found at the temperatures of the last: the plain way."""
-    heats, h = SteadyHeat(0.0), np.zeros(3)
+    h = np.zeros(3)
     for _ in range(300):
         warm = at_temperatures(scene, HeatFlow(*h))
         if warm is None:
             return "beyond", h
-        status, made = heats(warm)
-        if status != code.OK:
+        found = Steady(warm)(Condition(0.0))
+        if found.status != code.OK:
             return "beyond", h
+        made = Steady(warm).heat(found)
         if np.abs(np.array(made) - h).max() < 1e-9 * made.total:
             return "balance", np.array(made)
         h = np.array(made)
@@ -135,7 +143,7 @@ def test_random_networks_against_the_plain_way(scene):
         G = 10.0 ** random.uniform([-4.5, -3.0, -3.5], [-1.5, -1.0, -1.0])
         changes = HELD | network(*G) | {"friction.ball_race": float(random.choice([0.05, 0.1]))}
         made = scene("gyro_s1", changes)
-        (found, _), (end, heat) = warmed_for(made, "steady"), followed_up(made)
+        found, (end, heat) = warmed_steady(made), followed_up(made)
         assert end != "slow"
         assert (found.status == code.OK) == (end == "balance")
         if end == "balance":

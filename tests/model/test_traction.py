@@ -25,7 +25,8 @@ from bearingwear.model import parameters
 from bearingwear.model.fidelity import choice, gyroscopic_share
 from bearingwear.model.quadrature import gauss_legendre
 from bearingwear.model.solve import solve
-from bearingwear.model.steady import ThrustProblem, axial_force
+from bearingwear.model.steady import axial_force
+from bearingwear.model.thrust_problem import ThrustProblem
 
 LINE = {
     "model.contact": "paper",

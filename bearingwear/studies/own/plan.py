@@ -88,7 +88,7 @@ def _losses(scene: Scene) -> list[float]:
     Where one of the methods has no solution so far worn, to the sooner of the ends of their lives.
     """
     from bearingwear.kernels.status import OK
-    from bearingwear.model.states_at_loss import steady_states
+    from bearingwear.model.compose import solver_of
     from bearingwear.scene.arrangement import held_by
     from bearingwear.studies.design.map import life_point
 
@@ -97,8 +97,8 @@ def _losses(scene: Scene) -> list[float]:
     for method in PRELOAD_METHODS:
         one = held_by(scene, method)
         ends[method] = 1e6 * life_point(one, None).get("loss_at_end", 0.0)
-        states.append(steady_states(one))
+        states.append(solver_of(one))
     last = math.ceil(100.0 * (ends[operation.preload_method] or max(ends.values()))) / 100.0
-    if any(state(1e-6 * last).status != OK for state in states):
+    if any(state.at(1e-6 * last).status != OK for state in states):
         last = math.floor(100.0 * min((end for end in ends.values() if end), default=0.0)) / 100.0
     return sorted({round(last * k / STATES_OF_WEAR, 2) for k in range(STATES_OF_WEAR + 1)})

@@ -24,7 +24,7 @@ from bearingwear.model.race_control import race_control_motion
 from bearingwear.model.result import Result
 from bearingwear.model.solve import solve
 from bearingwear.model.start import start_of, thrust_alone
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.model.time_run import TimeRun
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import dataset

@@ -3,9 +3,10 @@
 from dataclasses import replace
 
 from bearingwear.kernels import status as code
+from bearingwear.model.condition import Condition
 from bearingwear.model.growth_told import WARMER, assumed_bore
-from bearingwear.model.heat import SteadyHeat
 from bearingwear.model.mounted import MM
+from bearingwear.model.steady import Steady
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Conductance, Temperature, Thermal
 
@@ -28,7 +29,8 @@ def grown_scene(scene: Scene, warmth: str) -> Scene:
     if warmth == "warm_ring":
         warm = Temperature(inner_ring_C=20.0 + WARMER, balls_C=20.0 + 0.5 * WARMER)
         return replace(turning, temperature=warm)
-    status, heat = SteadyHeat(loss=0.0)(scene)
-    G = heat.total / NETWORK_KELVIN if status == code.OK else 1.0
+    solver = Steady(scene)
+    found = solver(Condition(0.0))
+    G = solver.heat(found).total / NETWORK_KELVIN if found.status == code.OK else 1.0
     network = Conductance(inner_ring_shaft=G, outer_ring_housing=G, ball_race=G)
     return replace(turning, thermal=Thermal(conductance_W_K=network))

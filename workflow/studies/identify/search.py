@@ -20,8 +20,8 @@ from bearingwear.kernels.status import OK
 from bearingwear.kernels.thrust import OUTER_SPIN
 from bearingwear.lives.many import HertzianLives
 from bearingwear.model import parameters
-from bearingwear.model.states_at_loss import steady_states
-from bearingwear.model.steady import ThrustProblem
+from bearingwear.model.compose import solver_of
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.checking import record
@@ -93,7 +93,7 @@ def running(scene: Scene, method: str, mu: float, drag: float = 0.0) -> Scene:
 def preload_loss(scene: Scene, stated: Statements) -> float:
     """Share of the initial preload that the stated wear takes, fixed position; NaN if unsolved."""
     given = running(scene, "fixed_position", stated.high_friction)
-    state = steady_states(given)(stated.preload_loss_at_um * parameters.UM)
+    state = solver_of(given).at(stated.preload_loss_at_um * parameters.UM)
     return (
         1.0 - state["residual_preload"] / scene.operation.preload_N
         if state.status == OK
@@ -132,7 +132,7 @@ def spins_outside(scene: Scene, stated: Statements) -> int:
         if mu == stated.high_friction and case.branch != OUTER_SPIN:
             return SPINS_INSIDE
         share.append(
-            steady_states(running(scene, "fixed_position", mu))(0.0)["gyroscopic_slip_share"].max()
+            solver_of(running(scene, "fixed_position", mu)).at(0.0)["gyroscopic_slip_share"].max()
         )
     return FITS if share[1] > share[0] else NO_SLIP
 
@@ -142,7 +142,7 @@ def qv_fits(scene: Scene, drag: float, stated: Statements) -> tuple[bool, float]
 
     Fixed position. Where a state was not solved, it does not.
     """
-    solve = steady_states(running(scene, "fixed_position", stated.low_friction, drag))
+    solve = solver_of(running(scene, "fixed_position", stated.low_friction, drag)).at
     states = [solve(loss * parameters.UM) for loss in QV_LOSSES_UM]
     if any(state.status != OK for state in states):
         return False, np.nan

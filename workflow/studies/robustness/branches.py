@@ -9,7 +9,8 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.model import parameters
-from bearingwear.model.steady import ThrustProblem, steady_values
+from bearingwear.model.steady import steady_values
+from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import COUNTS

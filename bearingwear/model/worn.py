@@ -1,7 +1,9 @@
-"""One bearing whose grooves are followed as they wear: alone, or a side of a pair (section 21)."""
+"""One bearing whose grooves are followed as they wear (section 21)."""
 
+import copy
 import functools
-from dataclasses import replace
+import math
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,15 +13,13 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.profile import contact_approach, semi_axis
-from bearingwear.kernels.thrust import ThrustCase, skid_ratio
+from bearingwear.kernels.thrust import skid_ratio
 from bearingwear.model import parameters
-from bearingwear.model.heat import NOTHING
+from bearingwear.model.condition import Condition, SolvedBearing
 from bearingwear.model.outputs import friction_used
-from bearingwear.model.pair import SteadySide, with_warmth
-from bearingwear.model.pair_balance import SideState
 from bearingwear.model.state import State
-from bearingwear.model.steady import ThrustProblem
-from bearingwear.model.thermal import HeatFlow, warmed
+from bearingwear.model.steady import Steady
+from bearingwear.model.thermal import HeatFlow
 from bearingwear.model.worn_depths import WornDepths, WornPoint, seat_force
 from bearingwear.model.worn_films import WornFilms
 from bearingwear.model.worn_states import WornBearing
@@ -31,99 +31,94 @@ _NEAR = 0.02  # of the approaches: where an even loss is looked for first, besid
 _FURTHER = 12  # times farther away, each time twice as far
 
 
-class WornSide(SteadySide):
+@dataclass
+class _Memory:
+    """What later solves and states take from earlier ones, at whatever temperatures.
+
+    Attributes
+    ----------
+    slope : float
+        Stiffness last found [N/m].
+    offset : float, optional
+        Of the even loss, at the start [m].
+    ahead : float
+        Of the last even loss to that of the approaches, over the approaches.
+    states : dict
+        Points with their values.
+    """
+
+    slope: float
+    offset: float | None = None
+    ahead: float = 0.0
+    states: dict[int, tuple[WornPoint, dict[str, Any]]] = field(default_factory=dict)
+
+
+class Worn(Steady):
     """A bearing with worn grooves; each solve starts from the last one.
 
     Parameters
     ----------
     scene : Scene
         Of this bearing alone.
-    tandem : int
-        Like bearings in tandem on this side.
-    problem : ThrustProblem
-    case : ThrustCase
-        Its unworn state.
+    unworn : SolvedBearing
+        Of `Steady`, as it is held at the start.
     cells : tuple of int
         See `WornBearing`.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        tandem: int,
-        problem: ThrustProblem,
-        case: ThrustCase,
-        cells: tuple[int, int],
-    ):
-        super().__init__(scene, tandem)
-        self.problem = problem
+    def __init__(self, scene: Scene, unworn: SolvedBearing, cells: tuple[int, int]):
+        self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
         self.mounted = parameters.static_place(scene)
         self.factors = parameters.wear_factors(scene)
         filmed = scene.friction.film is not None or changes_as_it_wears(scene)
         self.bearing = WornBearing(
-            problem,
-            case,
-            self.loss,
+            self.problem,
+            unworn.answer,
+            self.start.loss,
             cells,
             bands=scene.wear.ball_track == "bands",
             wander=scene.wear.track_wander,
             films=WornFilms.of(scene) if filmed else None,
         )
-        self.wear = WornDepths(0.0, np.zeros(0), np.zeros(0))
-        n = self.tandem * problem.g.n_balls
-        self._slopes = float(n * case.S_xx), float(n * case.S_quasistatic)
-        self._offset: float | None = None  # of the even loss, at the start [m]
-        self._ahead = 0.0  # of the last even loss to that of the approaches, over the approaches
-        self._states: dict[int, tuple[WornPoint, State]] = {}
+        self.memory = _Memory(unworn.steepness)
 
-    @property
-    def progress(self) -> float:
-        """How far it has worn [m]."""
-        return self.wear.ball + float(self.wear.grooves.max(axis=1, initial=0.0).sum())
+    @staticmethod
+    def condition(wear: WornDepths) -> Condition:
+        """With some wear; as loss counts how far it has gone."""
+        deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
+        return Condition(wear.ball + deepest, depths=wear)
 
-    def alone(self) -> SideState:
-        """The state under the preload of the scene."""
-        return self._solved(0.0)
+    def at(self, scene: Scene) -> "Worn":
+        warm = copy.copy(self)  # with the same bearing, which goes on from its last state
+        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
+        return warm
 
-    def _solved(self, loss: float, **held: Any) -> SideState:
-        problem = replace(self.problem, preload=self.problem.preload._replace(**held))
-        point = self._point(problem)
+    def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        assert condition.depths is not None
+        point = self.bearing.solve(condition.depths, self.held(condition))
         if point.status != code.OK:
-            return SideState(point.status)
-        return SideState(
+            return SolvedBearing(point.status, condition, self.scene)
+        return SolvedBearing(
             status=point.status,
-            force=self.tandem * seat_force(point.problem.g, point.seat),
-            stiffness=self._slopes[0],
-            quasistatic=self._slopes[1],
+            condition=condition,
+            scene=self.scene,
+            force=seat_force(point.problem.g, point.seat),
+            slope=self.memory.slope,
             place=point.seat.delta_a,
             problem=point.problem,
             answer=point,
-            warmed=self._warmed,
         )
 
-    def with_stiffness(self, state: SideState) -> SideState:
-        """The state last solved with stiffnesses of its own, not those of an earlier one."""
-        one = self.bearing.axial_stiffness(state.answer)
-        other = self.bearing.quasistatic_stiffness(state.answer)
-        self._slopes = self.tandem * one, self.tandem * other
-        return replace(state, stiffness=self._slopes[0], quasistatic=self._slopes[1])
+    def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
+        """The solution found last, with both stiffnesses."""
+        dynamic = self.bearing.axial_stiffness(solution.answer)
+        quasistatic = self.bearing.quasistatic_stiffness(solution.answer)
+        found = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
+        self.memory.slope = found.steepness
+        return found
 
-    def _point(self, problem: ThrustProblem) -> WornPoint:
-        """The state of a problem, at the temperatures of its own heat where a network has them."""
-        if self.scene.thermal is None or self.kept_warm:
-            return self.bearing.solve(self.wear, problem)
-        last = WornPoint(code.NO_HEAT_BALANCE, self.wear, problem)
-
-        def heats(scene: Scene) -> tuple[int, HeatFlow]:
-            nonlocal last
-            last = self.bearing.solve(self.wear, replace(problem, g=parameters.geometry(scene)))
-            return last.status, heat_of_point(last) if last.status == code.OK else NOTHING
-
-        found = warmed(self.scene, heats, self._warmed)
-        if found.status != code.OK:
-            return WornPoint(found.status, self.wear, problem)
-        self._warmed, self.problem = found, replace(self.problem, g=last.problem.g)
-        return last
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        return heat_of_point(solution.answer)
 
     def rate(self, point: WornPoint) -> WornDepths:
         """Wear per second."""
@@ -131,7 +126,7 @@ class WornSide(SteadySide):
 
     def approach_loss(self, point: WornPoint) -> float:
         """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
-        loss = self.loss + point.wear.ball
+        loss = self.start.loss + point.wear.ball
         for k, force in enumerate(self.bearing.forces(point)):
             depth = self.bearing.lengths(point)[k]
             loss += depth - contact_approach(force.hertz.K, force.Q)
@@ -142,10 +137,10 @@ class WornSide(SteadySide):
 
         Counted from that of the start, where it is that of the scene.
         """
-        if self._offset is None:
-            self._offset = 0.0
-            self._offset = self.even_loss(point) - self.loss
-            return self.loss
+        if self.memory.offset is None:
+            self.memory.offset = 0.0
+            self.memory.offset = self.even_loss(point) - self.start.loss
+            return self.start.loss
         g, held, seat = point.problem.g, point.problem.preload, point.seat
         preload = seat_force(g, seat)
         load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
@@ -162,7 +157,7 @@ class WornSide(SteadySide):
             return 1.0 - g.n_balls * state.F_ix / preload
 
         scale = seat.inner.approach + seat.outer.approach
-        guess = self.approach_loss(point) + self._ahead * scale
+        guess = self.approach_loss(point) + self.memory.ahead * scale
         width, low, high = _NEAR * scale, guess, guess
         for _ in range(_FURTHER):
             low, high, width = low - width, high + width, 2.0 * width
@@ -172,18 +167,25 @@ class WornSide(SteadySide):
             root = float(brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14))
         except ValueError:
             return float("nan")
-        self._ahead += (root - guess) / scale
-        return root - self._offset
+        self.memory.ahead += (root - guess) / scale
+        return root - self.memory.offset
 
-    def life_state(self, loss: float, state: SideState) -> State:
-        """A point as the other lives have it; the rate of loss is not known from it alone."""
-        point = state.answer
-        known = self._states.get(id(point))
+    def state(self, solution: SolvedBearing) -> State:
+        """A point as the other lives have it; the rate of loss is not known from it alone.
+
+        A stiffness is there if it was looked for.
+        """
+        point = solution.answer
+        known = self.memory.states.get(id(point))
         if known is None or known[0] is not point:
-            values = self._values(point) | self._of_films(point)
-            known = point, with_warmth(self.scene, state, State(point.status, values))
-            self._states[id(point)] = known
-        return known[1]
+            known = point, self._values(point) | self._of_films(point)
+            self.memory.states[id(point)] = known
+        found = {
+            "axial_stiffness": solution.stiffness,
+            "quasistatic_axial_stiffness": solution.quasistatic,
+        }
+        found = {name: value for name, value in found.items() if not np.isnan(value)}
+        return State(point.status, known[1] | found, solution)
 
     def too_deep(self, point: WornPoint, new: WornPoint, step: float) -> bool:
         """Whether a groove wore by far more than `step` of the gap, having worn through a film."""

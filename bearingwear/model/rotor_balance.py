@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.model.thermal import Warmed
+from bearingwear.model.condition import USABLE, SolvedBearing
 
 ROTOR_BALANCED = 1e-12  # force left on the rotor, over the larger one, where its place is found
 _MOST_STEPS = 40
@@ -18,33 +17,13 @@ _NARROW = 1e-9  # of a place: a range in which a force does not change but jumps
 _STALLED = 3  # trials without gain after which it is rounding that is left, where that is
 _LIGHT = 1e-5  # of the forces at the most
 GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
-USABLE = (code.OK, code.UNVERIFIED)
-
-
-@dataclass(frozen=True)
-class SideState:
-    """One bearing at a place or under a force."""
-
-    status: int
-    force: float = math.nan  # axial, of its inner race on the balls [N]
-    stiffness: float = math.nan  # axial, dynamic [N/m]
-    quasistatic: float = math.nan  # axial, quasi-static [N/m]
-    place: float = math.nan  # axial displacement [m]
-    problem: Any = None  # that was solved
-    answer: Any = None
-    warmed: Warmed | None = None  # where a network finds the temperatures
-
-    @property
-    def slope(self) -> float:
-        """Of the force over the place, where it rises; NaN and falling ones are no use [N/m]."""
-        return self.quasistatic if self.quasistatic > 0.0 else self.stiffness
 
 
 @dataclass(frozen=True)
 class RotorTrial:
     """Both bearings at a place of the rotor, and what is left of its balance."""
 
-    states: tuple[SideState, SideState]
+    states: tuple[SolvedBearing, SolvedBearing]
     left: float  # [N]
     slope: float  # of `left`, about [N/m]
     scale: float  # of the forces [N]
@@ -180,11 +159,11 @@ def balanced(
     return x, code.NO_STEADY_STATE if nowhere else code.NOT_CONVERGED
 
 
-def worse_status(states: Sequence[SideState]) -> int:
+def worse_status(states: Sequence[SolvedBearing]) -> int:
     return next((state.status for state in states if state.status != code.OK), code.OK)
 
 
-def failed_status(states: Sequence[SideState]) -> int:
+def failed_status(states: Sequence[SolvedBearing]) -> int:
     """Why there is no balance: a side that alone lost its contact has lifted off."""
     failed = [state.status for state in states if state.status not in USABLE]
     if not failed:
