@@ -73,19 +73,22 @@ def _groove(e: Evidence) -> Finding | None:
     b = e.scene.bearing
     radii = _MM * b.ball_diameter_mm * np.array([b.inner_groove_factor, b.outer_groove_factor])
     curvature = 0.5 * (2.0 / (_MM * b.ball_diameter_mm) - 1.0 / radii)
-    value = e.loss / np.min(curvature * e.major.mean(axis=0) ** 2)
-    words = {"loss": e.loss / _UM, "value": value, "limit": FLAT_GROOVE}
+    loss, major = e.mean("ball_diameter_loss"), e.contacts("semi_major_axis").mean(axis=0)
+    value = loss / np.min(curvature * major**2)
+    words = {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
     return value / FLAT_GROOVE, words
 
 
 def _rounded(e: Evidence) -> Finding | None:
     """Whether the balls slip so slowly that the friction law is not yet Coulomb's."""
-    if not e.slip > 0.0:
+    load = e.contacts("contact_load").sum()
+    slip = e.contacts("qv").sum() / load if load else math.nan
+    if not slip > 0.0:
         return None
-    v_r = e.scene.friction.slip_regularisation_m_s
-    by = f", by about {100.0 * e.torque_error:.2g} %" if e.torque_error < 1.0 else ""
-    words = {"v_r": v_r, "slip": e.slip, "by": by, "better": 0.01 * e.slip}
-    return v_r / (ROUNDED_SLIP * e.slip), words
+    v_r, error = e.scene.friction.slip_regularisation_m_s, e.state["shaft_torque_error_estimate"]
+    by = f", by about {100.0 * error:.2g} %" if error < 1.0 else ""
+    words = {"v_r": v_r, "slip": slip, "by": by, "better": 0.01 * slip}
+    return v_r / (ROUNDED_SLIP * slip), words
 
 
 def _unwatched(e: Evidence) -> Finding | None:
@@ -285,7 +288,7 @@ CAUTIONS = (
     ),
     Caution(
         "motion_unstable",
-        lambda e: unstable_told(e.scene, e.growth),
+        lambda e: unstable_told(e.scene, e.state.values),
         "the periodic motion does not last: {said}",
         "{advice}",
     ),

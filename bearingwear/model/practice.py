@@ -73,6 +73,7 @@ MOST_TILT = 2.9
 bearing; one with angular contact is allowed 2 to 4."""
 
 _GPA, _MPA, _MM = 1e9, 1e6, 1e-3
+_CONTACT = "contact_angle", "contact_load", "semi_major_axis"
 
 
 def _yield_pressure(e: Evidence) -> tuple[float, str]:
@@ -93,14 +94,14 @@ def _for_less_pressure(e: Evidence) -> str:
 
 def dents(e: Evidence) -> Finding:
     limit, source = _yield_pressure(e)
-    value = e.pressure / _GPA
+    value = float(np.max(e.state["maximum_pressure"])) / _GPA
     words = {"value": value, "limit": limit, "source": source, "take": _for_less_pressure(e)}
     return value / limit, words
 
 
 def pressed_hard(e: Evidence) -> Finding | None:
     limit, _ = _yield_pressure(e)
-    value = e.pressure / _GPA
+    value = float(np.max(e.state["maximum_pressure"])) / _GPA
     if value > limit:  # another warning says so
         return None
     words = {"value": value, "limit": LONG_LIVED * limit, "take": _for_less_pressure(e)}
@@ -111,14 +112,19 @@ def over_shoulder(e: Evidence) -> Finding:
     """The edge of the ellipse that comes closest to its shoulder, as angles from the bottom."""
     b = e.scene.bearing
     D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
+    angle, load, major = (e.contacts(name) for name in _CONTACT)
+    if e.case is not None and "maximum_contact_load" in e.case:  # the largest, not the mean
+        with np.errstate(invalid="ignore", divide="ignore"):
+            peak = np.cbrt(np.asarray(e.case["maximum_contact_load"]) / load)
+        major = major * np.where(np.isfinite(peak), peak, 1.0)
     found = []
     for race, side, factor, shoulder in (
         (INNER_SIDE, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
         (OUTER_SIDE, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
     ):
         r = factor * D
-        edges = np.degrees(e.angle[:, race] + e.major[:, race] / (r * _MM))
-        edges = np.where(e.load[:, race] > 0.0, edges, -np.inf)  # not where a ball is lifted off
+        edges = np.degrees(angle[:, race] + major[:, race] / (r * _MM))
+        edges = np.where(load[:, race] > 0.0, edges, -np.inf)  # not where a ball is lifted off
         limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
         source = "where a shoulder is assumed"
         if shoulder is not None:
@@ -175,10 +181,13 @@ def hoop_stress(e: Evidence) -> Finding | None:
 def inner_load(e: Evidence) -> Finding | None:
     if e.scene.operation.shaft_speed_rpm == e.scene.operation.outer_speed_rpm == 0.0:
         return None  # nothing skids
-    share = np.min(e.load[:, INNER_SIDE] / e.load[:, OUTER_SIDE])
-    if e.lifted > LONGEST_LIFTED:
-        said = f"a ball is off the inner race {e.lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
-        return e.lifted / LONGEST_LIFTED, {"said": said}
+    load = e.contacts("contact_load")
+    share = np.min(load[:, INNER_SIDE] / load[:, OUTER_SIDE])
+    known = e.state.values.get("unloaded_share", load == 0.0)
+    lifted = float(np.max(known[:, INNER_SIDE]))
+    if lifted > LONGEST_LIFTED:
+        said = f"a ball is off the inner race {lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
+        return lifted / LONGEST_LIFTED, {"said": said}
     said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
     return LIGHTEST_INNER / share, {"said": said}
 
@@ -204,12 +213,13 @@ def friction_beyond(e: Evidence) -> Finding | None:
 def temperature_beyond(e: Evidence) -> Finding | None:
     """The part farthest beyond what its material bears, in kelvin over the allowed span."""
     b, cage, found = e.scene.bearing, e.scene.cage, []
-    for part, kelvin in zip(("inner ring", "balls", "outer ring"), e.warmth[:3], strict=True):
+    inner, balls, outer, *_ = e.state["part_temperature"]
+    for part, kelvin in (("inner ring", inner), ("balls", balls), ("outer ring", outer)):
         name = b.ball_material if part == "balls" else b.race_material
         if e.scene.materials[name].density_kg_m3 >= CERAMIC_DENSITY:
             found.append((part, name, kelvin, WARMEST_STEEL))
     if cage is not None and e.scene.materials[cage.material].youngs_modulus_GPa < POLYMER_GPA:
-        found.append(("cage", cage.material, max(e.warmth[0], e.warmth[2]), WARMEST_POLYMER))
+        found.append(("cage", cage.material, max(inner, outer), WARMEST_POLYMER))
     worst = None
     for part, name, value, warmest in found:
         for limit, side in ((warmest, "above"), (COLDEST, "below")):
@@ -235,8 +245,9 @@ def grown_preload(e: Evidence) -> Finding | None:
     o = e.scene.operation
     if o.preload_method != "fixed_position" or not o.preload_N > 0.0:
         return None
-    ratio = e.preload / o.preload_N
-    return ratio / MOST_GROWN, {"ratio": ratio, "value": e.preload, "preload": o.preload_N}
+    preload = e.mean("residual_preload")
+    ratio = preload / o.preload_N
+    return ratio / MOST_GROWN, {"ratio": ratio, "value": preload, "preload": o.preload_N}
 
 
 def tilt_beyond(e: Evidence) -> Finding:
