@@ -142,7 +142,8 @@ def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration
     Parameters
     ----------
     scene : path, dict or Scene
-        With a lognormal `uncertainty.wear_coefficient`, and something that scatters.
+        With an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
+        then that of the table of coefficients is taken.
     tests : path
         CSV: a line of column names, then a test each (docs/calibrate.md).
     workers : int

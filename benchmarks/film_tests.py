@@ -110,7 +110,7 @@ def _wrapped(line: str) -> str:
 
 def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
     figure, ((left, right),) = new_figure(1, 2, 7.2, 2.8)
-    left.plot(ends, (0, 0), color="C0", linewidth=6, alpha=0.4)
+    left.plot(ends, (0, 0), color="C0", linewidth=6, alpha=0.4, solid_capstyle="butt")
     left.plot(rev, 0, "o", color="C0")
     left.plot(SEEN, 1, ">", color="C1")
     left.set_xscale("log")
@@ -122,6 +122,9 @@ def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
     right.plot(LOADS, lives, "o-", color="C0")
     right.set_xscale("log")
     right.set_yscale("log")
+    right.set_xticks(LOADS, [f"{load:g}" for load in LOADS])
+    right.set_yticks((4e4, 1e5, 4e5), ("4e+04", "1e+05", "4e+05"))
+    right.minorticks_off()
     right.set_xlabel("load (g)")
     right.set_ylabel("cycles")
     handles = [

@@ -23,6 +23,9 @@ KIND = "uncertainty"
 PLACES_BESIDE = ("spread/*.nc", "design/uncertainty.nc", "uncertainty.nc")
 """Where such files stand beside the results of a scene; the last is that of the design study."""
 
+TAKEN = "spread_taken"
+"""Attribute of such a file: what distributions it has where the scene has none."""
+
 PRELOAD_CHOICE, UNCERTAIN_INPUTS = "preload_choice", "uncertain_inputs"
 """Dimensions of such a file: which preload, and which of the uncertain inputs vary."""
 
@@ -122,7 +125,7 @@ def spreads_of(
     known: Iterable[xr.Dataset],
     scene: Mapping[str, Any],
     method: str,
-    friction: float,
+    friction: float | None,
     choice: int = GIVEN,
 ) -> Spreads | None:
     """The spread of the life of a scene; None if it was not computed for exactly that scene.
@@ -134,12 +137,14 @@ def spreads_of(
     scene : mapping
         The life's, as its file states it; that of a study leaves out what is varied.
     method, friction
-        Of the life.
+        Of the life; no friction of one with a film.
     choice : int
         The preload: the scene's own or the recommended one.
     """
     for dataset in known:
         sampled = json.loads(dataset.attrs["scene"])
+        if TAKEN in dataset.attrs and "uncertainty" not in scene:
+            del sampled["uncertainty"]
         flags = dataset["preload_method"].attrs["flag_meanings"].split()
         methods = [flags[int(flag)] for flag in dataset["preload_method"].values]
         if (
@@ -178,10 +183,10 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
     Settings of accuracy move a life by far less than it spreads; they may differ.
     """
     wear = {"ball_diameter_loss_um": 0.0} | scene["wear"]
-    mu = scene["friction"]["ball_race"] if friction is None else friction
+    mu = {} if friction is None else {"ball_race": friction}
     return {key: scene[key] for key in scene if key not in ("description", "model")} | {
         "operation": scene["operation"] | {"preload_method": method},
-        "friction": scene["friction"] | {"ball_race": mu},
+        "friction": scene["friction"] | mu,
         "wear": wear,
     }
 

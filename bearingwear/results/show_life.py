@@ -27,7 +27,7 @@ from bearingwear.results.rows import (
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.units import Interval, Rough, display
 from bearingwear.results.variables import RACES
-from bearingwear.scene.coefficients import NINETY
+from bearingwear.scene.coefficients import NINETY, usual_spread
 from bearingwear.scene.scene import COUNTS, WORN
 
 LIVES = ("life", "normalised_life")
@@ -74,15 +74,19 @@ def _life_blocks(file: Any) -> list[Block]:
     )
     life = _life_of(file, counted)
     own = Row(f"counts: {COUNTED[counted]}", "h", (Rough(life),), "life_of_the_scene")
-    band = _by_wear(scene, life)
+    spread, taken = scene.get("uncertainty"), ""
+    if scene and not spread:
+        spread, taken = usual_spread(scene)
+    band = _by_wear(spread or {}, life)
     label = "  90 % of bearings, by wear"
     by_wear = () if band is None else (Row(label, "h", (band,), "life_by_wear_alone"),)
+    from_table = (taken,) if taken and band else ()
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     said = (str(file.ended_by),) if hasattr(file, "ended_by") else ()
     blocks = [
         Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
-        Block("life", (), (own, *by_wear, ended, loss), (*said, *_calibrated(scene))),
+        Block("life", (), (own, *by_wear, ended, loss), (*said, *_calibrated(scene), *from_table)),
     ]
     if "step" in file.dimensions and file.dimensions["step"].size:
         more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
@@ -97,12 +101,12 @@ def _life_blocks(file: Any) -> list[Block]:
     return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]
 
 
-def _by_wear(scene: Mapping[str, Any], life: float) -> Interval | None:
-    """Between which lives bearings lie by what the scene does not know of wear; life goes as 1/K_s.
+def _by_wear(spread: Mapping[str, Any], life: float) -> Interval | None:
+    """Between which lives bearings lie by what is not known of wear; life goes as 1/K_s.
 
-    None where it does not say, or not as lognormal.
+    None where the distributions do not say, or not as lognormal.
     """
-    given = {n: one for n, one in (scene.get("uncertainty") or {}).items() if n in WORN}
+    given = {n: one for n, one in spread.items() if n in WORN}
     if (
         not given
         or not life > 0.0

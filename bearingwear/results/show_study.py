@@ -19,6 +19,7 @@ from bearingwear.results.quantiles import (
     PRELOAD_CHOICE,
     RECOMMENDED,
     SEE,
+    TAKEN,
     causes_told,
     spreads_of,
     uncertainties_at,
@@ -96,7 +97,8 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
             for name in dict.fromkeys(name for one in every for name in one)
         ]
     where = "" if missing == len(lives) else f" for the other {missing}"
-    lines = [causes_told(scene)] if rows else []
+    taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
+    lines = [*filter(None, [causes_told(scene)]), *taken] if rows else []
     lines += [f"{NO_QUANTILES}{where}; {SEE}"] if missing else []
     return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), tuple(lines))]
 
@@ -112,15 +114,17 @@ def _life_name(label: str) -> str:
     return f"life_{label.strip()}".replace("%", "percent").replace(" ", "_")
 
 
-def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float, int]]:
-    """Label, preload method, friction and choice of preload of each life that may have L10."""
+def _lives_with_quantiles(file: Any) -> Iterator[tuple[str, str, float | None, int]]:
+    """Label, preload method, friction and choice of preload of each life that may have L10.
+
+    A film has no one friction.
+    """
     kind = kind_of(file)
     if kind == LIFE_KIND:
         scene = json.loads(file.scene)
-        if "ball_race" in scene["friction"]:  # no study samples lives with a film
-            yield "", scene["operation"]["preload_method"], scene["friction"]["ball_race"], GIVEN
+        yield "", scene["operation"]["preload_method"], scene["friction"].get("ball_race"), GIVEN
     elif kind == "recommendation" or (kind == KIND and PRELOAD_CHOICE in file.variables):
-        mu = json.loads(file.scene)["friction"]["ball_race"]
+        mu = json.loads(file.scene)["friction"].get("ball_race")
         for method in _methods(file):
             for choice in values(file, PRELOAD_CHOICE) if kind == KIND else (RECOMMENDED,):
                 where = "own" if choice == GIVEN else "recommended"

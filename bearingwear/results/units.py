@@ -153,6 +153,7 @@ def in_print(unit: str) -> str:
 
 
 KEY_UNITS = {
+    "_MPa": "MPa",
     "_N_um": "N/um",
     "_kg_m3": "kg/m3",
     "_m_s": "m/s",

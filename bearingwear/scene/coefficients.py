@@ -6,11 +6,14 @@ nothing heavy: the command line takes its options from it.
 
 from __future__ import annotations
 
+import csv
 import math
 import sys
 import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from bearingwear.scene.errors import yaml_number
 
@@ -23,7 +26,7 @@ NINETY = 1.6449
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """A row: what one source says of what rubs.
+    """A row of coefficients.csv: what one source says of what rubs.
 
     Attributes
     ----------
@@ -40,136 +43,78 @@ class Measured:
 
     surface: str
     against: str
-    film: str = ""
+    film: str
     wear: tuple[float, float]
-    friction: tuple[float, float] = (math.nan, math.nan)
+    friction: tuple[float, float]
     conditions: str
     source: str
     url: str
-    read: str = "abstract"
+    read: str
 
 
-NOT_SAID = math.nan
+def _measured(row: Mapping[str, str]) -> Measured:
+    ends = {
+        of: tuple(float(row[f"{end}_{of}"] or math.nan) for end in ("least", "largest"))
+        for of in ("wear", "friction")
+    }
+    words = ("surface", "against", "film", "conditions", "source", "url", "read")
+    return Measured(**ends, **{name: row[name] for name in words})  # type: ignore[arg-type]
 
-MEASURED_WEAR = {
-    "archard": Measured(
-        surface="tool steel",
-        against="tool steel",
-        wear=(1.5e-5, 2.0e-5),
-        friction=(NOT_SAID, NOT_SAID),
-        conditions="pin and ring, dry, in air; K_s 1.3e-4, over 8.5 GPa (their steel) to 6.6 GPa "
-        "(bearing steel of the scenes)",
-        source="Archard and Hirst, Proc. R. Soc. A 236 (1956) 397",
-        url="https://doi.org/10.1098/rspa.1956.0144",
-        read="recalled",
+
+def _table() -> dict[str, Measured]:
+    text = Path(__file__).with_suffix(".csv").read_text(encoding="utf-8")
+    return {row["name"]: _measured(row) for row in csv.DictReader(text.splitlines())}
+
+
+MEASURED_WEAR = _table()
+"""What was found in the open."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assumed:
+    """K_s/H that no source was found for."""
+
+    surface: str
+    wear: float  # [m2/N]; NaN where nothing is assumed, either
+    taken_by: str
+    why: str
+
+
+ASSUMED = (
+    Assumed(
+        surface="races and balls of the study",
+        wear=7.6e-16,
+        taken_by="`gyro_s1` to `s3`, `bearing218` and `new` without `--pair`; 7.2e-16 by `turbine` "
+        "and `turbopump`",
+        why="the paper's value is not known; a solid film's, by its size",
     ),
-    "dry_steel": Measured(
-        surface="steel",
-        against="steel",
-        wear=(NOT_SAID, NOT_SAID),
-        friction=(0.8, 0.8),
-        conditions="dry",
-        source="PTC Windchill, reference guide, prediction, friction_coefficients.html",
-        url="https://support.ptc.com/help/wrr/r12.0.0.0/en/",
-        read="page",
+    Assumed(
+        surface="silicon nitride on steel",
+        wear=6.7e-17,
+        taken_by="`turbopump`, `new --ball-material silicon_nitride`",
+        why="abstracts of papers on the pair have no number: on M50 in vacuum (Tong and others, "
+        "2011), in fretting on bearing steel (Kalin and others, 1997)",
     ),
-    "two_discs": Measured(
-        surface="steel",
-        against="steel",
-        film="mos2",
-        wear=(4e-6, 4e-6),
-        conditions="sputtered, on a disc; two discs that roll with 10.5 % slip, vacuum, 1.1 to "
-        "1.6 GPa, 1000 cycles: running in",
-        source="Seynstahl and others, Lubricants 11 (2023) 335",
-        url="https://www.mdpi.com/2075-4442/11/8/335",
+    Assumed(
+        surface="phenolic cage on steel",
+        wear=3.3e-13,
+        taken_by="cages of `gyro_s1` to `s3` and of `new`",
+        why="open numbers are of other fibres, or under oil",
     ),
-    "miyoshi": Measured(
-        surface="440C",
-        against="440C",
-        film="mos2",
-        wear=(NOT_SAID, 1e-6),
-        conditions="magnetron-sputtered; ball on disc, 5.9 N, 0.79 GPa mean, 0.2 m/s; ultra-high "
-        "vacuum, nitrogen and humid air: 'on the order of 1e-6 or less'",
-        source="Miyoshi, NASA Glenn, report on bonded and sputtered MoS2 and silver films",
-        url="https://publicpdfs.com/nasa-technical-reports-server-ntrs-friction-pdf-3",
+    Assumed(
+        surface="steel cage",
+        wear=1.7e-15,
+        taken_by="`turbine`, `turbopump`",
+        why="the wear coefficient of the races, with a softer steel",
     ),
-    "bearing_in_vacuum": Measured(
-        surface="440C",
-        against="440C",
-        film="mos2",
-        wear=(NOT_SAID, 3.6e-9),
-        conditions="0.6 um sputtered; angular-contact bearing, 137.9 N, 1750 r/min, vacuum, 1.05e8 "
-        "revolutions without failure; K_s/H by this program, with grooves as they wear 2.9e-18 "
-        "(docs/film_tests.md)",
-        source="NASA, bearing endurance tests in vacuum for sputtered molybdenum disulfide films",
-        url="https://core.ac.uk/works/24927645",
+    Assumed(
+        surface="lead film on steel",
+        wear=math.nan,
+        taken_by="nothing",
+        why="lives of bearings are known ([films against tests](film_tests.md)), K_s/H is not",
     ),
-    "spalvins": Measured(
-        surface="steel",
-        against="steel",
-        film="mos2",
-        wear=(NOT_SAID, NOT_SAID),
-        friction=(0.03, 0.04),
-        conditions="0.2 to 0.65 um sputtered; pin on disc, 250 to 1000 g, 40 to 80 r/min",
-        source="Spalvins, ASLE Transactions 14 (1971) 267",
-        url="https://ntrs.nasa.gov/citations/19720029182",
-    ),
-    "nitride": Measured(
-        surface="silicon nitride",
-        against="silicon nitride",
-        wear=(1e-5, 1e-4),
-        friction=(0.15, 0.8),
-        conditions="dry, 0.5 to 5.5 m/s, 225 and 450 N",
-        source="friction and wear of two silicon nitrides and two silicon carbides, dynamometer",
-        url="https://katalog.lib.cas.cz/KNAV/EdsRecord/edo,ejs16430344",
-    ),
-    "nitride_rolling": Measured(
-        surface="silicon nitride",
-        against="silicon nitride",
-        wear=(NOT_SAID, 1e-6),
-        conditions="dry, two discs that roll with 10 % slip",
-        source="Woydt and Schwenzien, Tribology International 26 (1993) 165",
-        url="https://acnpsearch.tweb-dev.unibo.it/singlejournalindex/5809285",
-    ),
-    "ptfe": Measured(
-        surface="PTFE",
-        against="stainless steel",
-        wear=(6e-4, 6e-4),
-        friction=(0.11, 0.36),
-        conditions="unfilled; 6.35 MPa, 50 mm/s, air; friction of all blends with PEEK",
-        source="Burris and Sawyer, Wear 261 (2006) 410",
-        url="https://www.scribd.com/document/521472447",
-    ),
-    "ptfe_peek": Measured(
-        surface="PTFE with 20 % PEEK",
-        against="stainless steel",
-        wear=(2.3e-9, 2.3e-9),
-        friction=(0.11, 0.36),
-        conditions="as above",
-        source="Burris and Sawyer, Wear 261 (2006) 410",
-        url="https://www.scribd.com/document/521472447",
-    ),
-    "peek_eptfe": Measured(
-        surface="PEEK with PTFE filaments",
-        against="steel",
-        wear=(7e-8, NOT_SAID),
-        friction=(NOT_SAID, 0.125),
-        conditions="the best of several, 2 million cycles",
-        source="Vail and others, Wear 270 (2011) 737",
-        url="https://studylib.net/doc/18268665/polytetrafluoroethylene--ptfe--fiber-reinforced",
-    ),
-    "handbook_cage": Measured(
-        surface="cage",
-        against="ball",
-        wear=(4e-6, 4e-6),
-        conditions="an example, not a measurement: coefficient of variation 0.6",
-        source="ESA, handbook of reliability prediction",
-        url="https://github.com/paulremo/NRPMHandbook",
-        read="examples",
-    ),
-}
-"""What was found in the open. Of lead films, phenolic cages and silicon nitride on steel nothing
-with a number was."""
+)
+"""What stands for a number that was looked for and not found."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -311,15 +256,54 @@ def rubbing(pair: str | None, film: str | None) -> Rubbing:
     )
 
 
+_STEEL = ((180.0, 230.0), (7400.0, 8300.0))
+"""Young's modulus [GPa] and density [kg/m3] by which a material of a scene is taken for steel."""
+
+
+def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+    """Distributions for a scene without any, by the row of what rubs in it, and what they are.
+
+    Parameters
+    ----------
+    scene : mapping
+        As `Scene.to_dict` has it. The middle of each distribution is the scene's own value.
+    """
+    of, on_it = scene["bearing"], scene["friction"].get("film")
+    parts = [scene["materials"][of[f"{part}_material"]] for part in ("ball", "race")]
+    coated = on_it is not None or any(part.get("film") for part in parts)
+    pair = "steel/steel" if all(map(_is_steel, parts)) else ""
+    row = RUBBING.get((pair, "mos2" if coated else "none"))
+    wear, friction = (row.wear, row.friction) if row else (ASSUMED_WEAR, ASSUMED_FRICTION)
+    block, key = (on_it, "shear_strength_MPa") if on_it else (scene["friction"], "ball_race")
+    factors = {"wear_coefficient": wear.factor, "wear_scatter": WEAR_SCATTER}
+    if block.get(key):
+        factors[key] = friction.factor
+    text = {name: f"{factor:.2g}" for name, factor in factors.items()}
+    if row:
+        film = "film mos2 (no other has a source)" if coated else "dry"
+        said = f"spread of {pair}, {film}, from {', '.join(row.rows)}"
+    else:
+        said = "spread assumed, since no source has one of what rubs here"
+    said += f": K_s/H by a factor of {text['wear_coefficient']}"
+    said += f", friction by {text[key]}" if key in text else ""
+    spread = {name: {"distribution": "lognormal", "factor": float(f)} for name, f in text.items()}
+    return spread, f"{said}; within a batch by {text['wear_scatter']} (assumed)"
+
+
+def _is_steel(material: Mapping[str, float]) -> bool:
+    values = (material["youngs_modulus_GPa"], material["density_kg_m3"])
+    return all(low <= one <= high for one, (low, high) in zip(values, _STEEL, strict=True))
+
+
 _INTRODUCTION = """\
 # Wear and friction coefficients
 
 <!-- made by `python -m bearingwear.scene.coefficients docs/coefficients.md` -->
 
 Volumes wear as K_s/H times load times slip. Papers give K_s/H in mm³/(N m), which is 1e-9 m²/N.
-Each item has a source that can be opened, and says what of it was read. Of lead films, of phenolic
-cages and of silicon nitride on steel no number was found in the open: a scene that takes one calls
-it assumed.
+Each item has a source that can be opened, and says what of it was read. What is
+[assumed](#assumed) stands apart: of lead films, of phenolic cages and of silicon nitride on steel
+no number was found in the open.
 
 The coefficient of one pair differs by decades between sources, and a test of your own bearing says
 more than this table: [from a test to hours](calibrate.md). [Films against tests](film_tests.md)
@@ -329,22 +313,22 @@ _TAKEN = """\
 `bearingwear new mine.yaml 7008C --pair steel/steel --film mos2` takes a pair: its middle, and a
 lognormal spread with 90 % between the ends of its rows."""
 
-_SCENES = """\
-| scene | K_s/H, m²/N | from |
-| --- | --- | --- |
-| `gyro_s1` to `s3`, the study of the paper | 7.6e-16 | assumed; the paper's value is not known |
-| `mos2_gyro` | film 1.2e-16, steel below 2.0e-14 | pair steel/steel, mos2; archard |
-| `turbine`, `turbopump`, `bearing218` | 7.2e-16 to 7.6e-16 | assumed, as the study's |
-| turbopump, silicon nitride balls | 6.7e-17 | assumed; no source for it on steel |
-| cages: phenolic 3.3e-13, steel 1.7e-15 | | assumed |
-| written by `new` without `--pair` | 7.6e-16 | assumed, with a factor of 3 |"""
+_SPREAD = """\
+`uncertainty` and `calibrate` take the spread of a pair where a scene has no `uncertainty`, about
+the scene's own values, and say so: steel by its stiffness and density, a film as MoS2, which is the
+only one with a source. Of any other pair the spread is assumed: {wear.factor:g} of K_s/H,
+{friction.factor:g} of friction. Bearings of a batch wear unlike by {scatter:g}, assumed."""
+
+_NO_SOURCE = """\
+`mos2_gyro` takes steel/steel with mos2 for its film, 1.2e-16 m²/N, and archard below it,
+2.0e-14 m²/N. All other scenes take what was looked for and not found:"""
 
 
 def page_of_coefficients() -> str:
     """The page, in Markdown."""
     rows = [
         f"**{name}**: {m.surface} on {m.against}{f', film {m.film}' if m.film else ''}. K_s/H "
-        f"{_span(m.wear, M2_PER_N)} m²/N, friction {_span(m.friction)}. {m.conditions}. "
+        f"{_span(m.wear, M2_PER_N, ' m²/N')}, friction {_span(m.friction)}. {m.conditions}. "
         f"[{m.source}]({m.url}), {m.read}."
         for name, m in MEASURED_WEAR.items()
     ]
@@ -354,25 +338,34 @@ def page_of_coefficients() -> str:
         f"{', '.join(one.rows)}: {one.why}."
         for (pair, film), one in RUBBING.items()
     ]
-    parts = [_INTRODUCTION, _items(rows), "## Pairs", _TAKEN, _items(pairs)]
-    return "\n\n".join([*parts, "## What the scenes take", _SCENES]) + "\n"
+    assumed = [
+        f"**{one.surface}**: {'none' if math.isnan(one.wear) else f'{one.wear:.2g} m²/N'}. Taken "
+        f"by {one.taken_by}. {one.why[0].upper()}{one.why[1:]}."
+        for one in ASSUMED
+    ]
+    spread = _SPREAD.format(wear=ASSUMED_WEAR, friction=ASSUMED_FRICTION, scatter=WEAR_SCATTER)
+    parts = [_INTRODUCTION, _items(rows), "## Pairs", _TAKEN, _items(pairs), _wrapped(spread)]
+    return "\n\n".join([*parts, "## Assumed", _wrapped(_NO_SOURCE), _items(assumed)]) + "\n"
 
 
 def _items(texts: list[str]) -> str:
-    return "\n".join(
-        textwrap.fill(
-            text, 100, initial_indent="- ", subsequent_indent="  ",
-            break_long_words=False, break_on_hyphens=False,
-        )
-        for text in texts
+    return "\n".join(_wrapped(text, "- ") for text in texts)
+
+
+def _wrapped(text: str, mark: str = "") -> str:
+    return textwrap.fill(
+        text, 100, initial_indent=mark, subsequent_indent=" " * len(mark),
+        break_long_words=False, break_on_hyphens=False,
     )  # fmt: skip
 
 
-def _span(ends: tuple[float, float], unit: float = 1.0) -> str:
-    low, high = (f"{unit * end:.2g}" for end in ends)
+def _span(ends: tuple[float, float], unit: float = 1.0, after: str = "") -> str:
+    low, high = (f"{unit * end:.3g}" for end in ends)
     if "nan" in (low, high):
-        return "not given" if low == high else f"at most {high}" if low == "nan" else f"from {low}"
-    return low if low == high else f"{low} to {high}"
+        if low == high:
+            return "not given"
+        return f"at most {high}{after}" if low == "nan" else f"from {low}{after}"
+    return f"{low}{after}" if low == high else f"{low} to {high}{after}"
 
 
 if __name__ == "__main__":

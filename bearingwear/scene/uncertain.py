@@ -23,6 +23,7 @@ UNCERTAIN = {
     "preload_N": "operation",
     "ball_race": "friction",
     "shear_strength_MPa": "friction.film",
+    "thickness_um": "friction.film",
     "drag_density_kg_m3": "lubricant",
     "wear_scatter": "",
 }
@@ -164,6 +165,9 @@ def check_uncertainty(scene: Scene) -> None:
                 raise SceneError(
                     key, f"got it with friction.{other}; only allowed with friction.{own}", (key,)
                 )
+        if name == "thickness_um" and scene.friction.film and not scene.friction.film.thickness_um:
+            problem = "got it without friction.film.thickness_um; only allowed with a thickness"
+            raise SceneError(key, problem, (key,))
         if name == "wear_scatter" and given.distribution != "lognormal":
             raise SceneError(
                 f"{key}.distribution", f"got {given.distribution}, expected lognormal", (key,)

@@ -10,8 +10,8 @@ from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene, SceneError
 
 
-def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
-    """A scene with an end of life and a steady state.
+def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = False) -> Scene:
+    """A scene with an end of life and a steady state; `films` says whether it may have any.
 
     Raises
     ------
@@ -22,7 +22,7 @@ def life_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
     from bearingwear.scene.read import for_life, load_scene
 
     scene = for_life(load_scene(path, settings), os.fspath(path))
-    if scene.friction.film is not None or changes_as_it_wears(scene):
+    if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):
         raise SceneError(
             "friction.film",
             "got a film, or materials with one or with running_in, expected, for a study, one "

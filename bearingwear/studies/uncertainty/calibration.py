@@ -37,6 +37,7 @@ from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
 from bearingwear.studies.uncertainty.perturbed import perturbed, with_wear
+from bearingwear.studies.uncertainty.plan import with_usual_spread
 from bearingwear.studies.uncertainty.posterior import (
     LogModel,
     Normal,
@@ -125,7 +126,8 @@ def calibrated(
     Parameters
     ----------
     scene : Scene
-        With a lognormal `uncertainty.wear_coefficient`, and something that scatters.
+        With an `uncertainty.wear_coefficient` and something that scatters, or no `uncertainty`:
+        then that of the table of coefficients is taken.
     tests : path
     workers : int
         Processes that share the lives.
@@ -137,7 +139,9 @@ def calibrated(
     SceneError, CaseFileError
         One line: the scene lacks a distribution, or a row is wrong.
     """
-    scene = for_life(scene)
+    scene, said = with_usual_spread(for_life(scene))
+    if tell and said:
+        tell(said)
     friction = _checked(scene)
     found = bearing_tests(tests, scene)
     digest = hashlib.sha256(Path(tests).read_bytes()).hexdigest()

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+from bearingwear.scene.coefficients import usual_spread
 from bearingwear.scene.records import Key
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies.life_scene import life_scene
+from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
 
 OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
@@ -49,20 +51,36 @@ class UncertaintyPlan:
             uncertain_scene(Path(folder) / f"{name}.yaml")
 
 
-def uncertain_scene(path: str | Path, settings: Sequence[str] = ()) -> Scene:
+def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
+    """A scene with distributions, and what they are; empty where they are its own."""
+    if scene.uncertainty:
+        return scene, ""
+    spread, said = usual_spread(scene.to_dict())
+    return scene.with_({"uncertainty": spread}), said
+
+
+def uncertain_scene(
+    path: str | Path, settings: Sequence[str] = (), tell: Tell | None = None
+) -> Scene:
     """A scene whose lives can be sampled: `life_scene`, with distributions.
+
+    Parameters
+    ----------
+    path, settings
+        As of `life_scene`.
+    tell : callable, optional
+        Given what distributions are taken where the scene has none.
 
     Raises
     ------
     SceneError
         One line.
     """
-    scene, source = life_scene(path, settings), os.fspath(path)
-    if not scene.uncertainty:
-        raise SceneError(
-            "uncertainty", "got nothing, expected at least one distribution", source=source
-        )
-    for name, given in scene.uncertainty.items():
+    scene, source = life_scene(path, settings, films=True), os.fspath(path)
+    scene, said = with_usual_spread(scene)
+    if tell and said:
+        tell(said)
+    for name, given in (scene.uncertainty or {}).items():
         # not an error of the scene: other values may be set in it, which no sample is asked of
         if given.distribution == "lognormal" and (given.median or scene.nominal(name)) <= 0.0:
             raise SceneError(

@@ -17,7 +17,7 @@ from scipy import stats
 
 from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE
+from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, TAKEN
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
@@ -147,10 +147,13 @@ def life_quantiles(
     except SceneError as error:
         raise CaseFileError(f"--{error.key}: {error.problem}") from None
     settings = [] if friction is None else [f"friction.ball_race={friction!r}"]
-    base = uncertain_scene(scene, settings)
-    return own_quantiles(
-        base, list(dict.fromkeys(methods or [base.operation.preload_method])), plan, workers, tell
-    )
+    said: list[str] = []
+    base = uncertain_scene(scene, settings, said.append)
+    if tell and said:
+        tell(said[0])
+    methods = list(dict.fromkeys(methods or [base.operation.preload_method]))
+    found = own_quantiles(base, methods, plan, workers, tell)
+    return found.assign_attrs({TAKEN: said[0]} if said else {})
 
 
 def own_quantiles(

@@ -49,7 +49,8 @@ def test_which_values_are_those_of_a_batch():
     given = Distribution(distribution="uniform", low=1.0, high=2.0)
     of_batch = {name for name in UNCERTAIN if is_same_for_batch(name, given)}
     scatters = {"ball_diameter_mm", "contact_angle_deg", "inner_groove_factor", "preload_N"}
-    assert of_batch == UNCERTAIN.keys() - scatters - {"outer_groove_factor", "wear_scatter"}
+    scatters |= {"outer_groove_factor", "thickness_um", "wear_scatter"}
+    assert of_batch == UNCERTAIN.keys() - scatters
     told = Distribution(distribution="uniform", low=1.0, high=2.0, same_for_batch=False)
     assert not is_same_for_batch("wear_coefficient", told)
     scene = with_spread(

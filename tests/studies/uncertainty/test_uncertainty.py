@@ -8,9 +8,12 @@ from numpy.testing import assert_allclose
 from scipy import stats
 from support import scene_file
 
+import bearingwear
+from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.variable import HOURS_PER_SECOND
+from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset
@@ -130,3 +133,74 @@ def test_spread_of_a_life_is_that_of_the_design_study():
     sampled = sample_part(scene, plan, "fixed_position")["life"].values
     found = own_quantiles(scene, ["fixed_position"], plan)["life_sample"].values[0, 0, 0]
     assert_allclose(found, np.sort(sampled[:, [0, -1]].reshape(-1, 2), axis=0), rtol=1e-12)
+
+
+FILM = ["friction.film.thickness_um=0.15", "model.contact=hertz"]
+UNKNOWN_FILM = {
+    "wear_coefficient": {"distribution": "lognormal", "factor": 3.0},
+    "shear_strength_MPa": {"distribution": "lognormal", "factor": 1.2},
+    "thickness_um": {"distribution": "normal", "standard_deviation": 0.02},
+}
+
+
+def film_scene(**changed):
+    plain = load_scene(scene_file("mos2_gyro"), FILM)
+    return scene_from_dict(plain.to_dict() | changed)
+
+
+def test_lives_with_films_are_those_of_life():
+    """Film and steel wear in proportion, so K_s scales a life exactly, through a film's end too."""
+    scene = film_scene(
+        uncertainty=UNKNOWN_FILM,
+        wear={"end_of_life": {"ball_diameter_loss_um": 1.0}, "counts": "ball_and_races"},
+    )
+    rows = sample(scene, Sampling(samples=1, chunks=1, seed=3))[0]
+    found = lives(scene, rows)
+    assert (found.status == 0).all()
+    names, through = list(scene.uncertainty), 0
+    for row, hours in zip(rows, found.life, strict=True):
+        one = life(perturbed(scene, dict(zip(names, map(float, row), strict=True)))).values
+        assert_allclose(hours, one["life"], rtol=1e-9)
+        through += np.isfinite(one["race_film_worn_through"]).any()
+    assert through > 0 and np.ptp(found.life[:, 1] / found.wear_factor) > 0.0
+
+
+def test_thickness_is_that_of_a_film_that_has_one():
+    endless = film_scene().to_dict()
+    for key in ("thickness_um", "bare_ball_race"):
+        del endless["friction"]["film"][key]
+    del endless["wear"]["end_of_life"]["film_worn_share"]
+    with pytest.raises(SceneError, match="uncertainty.thickness_um: got it without friction.film"):
+        scene_from_dict(endless | {"uncertainty": UNKNOWN_FILM})
+
+
+@pytest.mark.parametrize(
+    "name, settings, said",
+    [
+        (
+            "gyro_s1",
+            [],
+            "spread of steel/steel, dry, from archard, dry_steel: K_s/H by",
+        ),
+        ("mos2_gyro", FILM, "spread of steel/steel, film mos2 (no other has a source), from"),
+        ("turbopump", ["model.contact=hertz"], "spread assumed, since no source has one"),
+    ],
+)
+def test_a_scene_without_distributions_takes_those_of_the_table(
+    name, settings, said, tmp_path, capsys
+):
+    plain = load_scene(scene_file(name), settings).to_dict()
+    plain.pop("uncertainty", None)
+    path, out = tmp_path / "mine.yaml", tmp_path / "uncertainty.nc"
+    bearingwear.save(scene_from_dict(plain), path)
+    assert main(["uncertainty", str(path), "-o", str(out), "--samples", "8"]) == 0
+    shown, told = capsys.readouterr()
+    assert said in shown and said in told and "90 % of bearings" in shown
+    # the sheet of the life has the interval beside it, and the band by wear that holds without
+    assert main(["life", str(path), "-o", str(tmp_path / "life.nc")]) == 0
+    shown = capsys.readouterr().out
+    assert "scatter within a batch" in shown and shown.count(said) == 2
+    out.unlink()
+    assert main(["show", str(tmp_path / "life.nc")]) == 0
+    shown = capsys.readouterr().out
+    assert "90 % of bearings, by wear" in shown and said in shown
