@@ -26,6 +26,7 @@ from bearingwear.kernels.summary import ANGLE, PRESSURE, QV
 from bearingwear.kernels.thrust import skid_ratio
 from bearingwear.model import parameters
 from bearingwear.model.dynamic import DynamicSystem
+from bearingwear.model.films import Films, pressure_of_load
 from bearingwear.model.outputs import contact_values
 from bearingwear.model.time_run import TimeRun, wear_per_joule
 from bearingwear.scene.scene import Scene
@@ -153,6 +154,10 @@ def histories(scene: Scene, history: History, length: int) -> dict:
     """Variables of the instants kept, the first `length` of them."""
     log = History._make(column[:length] for column in history)
     ball, race = parameters.wear_factors(scene)
+    films = Films.of(scene)
+    worn_by = log.qv
+    if films.exponent:
+        worn_by = log.qv * films.pressed(pressure_of_load(scene, log.load))
     in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
     values = {
         "time": log.time,
@@ -162,8 +167,9 @@ def histories(scene: Scene, history: History, length: int) -> dict:
         "history_orbit_lead": log.lead,
         "history_residual_preload": log.preload,
         "history_race_displacement": log.displacement,
-        "history_ball_wear_rate": ball * (log.qv.sum(axis=2) + in_pocket / ball * log.pocket_power),
-        "history_race_wear_rate": race * log.qv.sum(axis=1),
+        "history_ball_wear_rate": ball
+        * (worn_by.sum(axis=2) + in_pocket / ball * log.pocket_power),
+        "history_race_wear_rate": race * worn_by.sum(axis=1),
     }
     if scene.cage is None:
         return values

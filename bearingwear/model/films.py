@@ -190,12 +190,23 @@ def friction_law(scene: Scene, bare: Bare = COVERED) -> dict[str, float]:
     return law
 
 
-def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
-    """Of Hertz's contacts with these semi-major axes (..., 2) [m]; by fitted factors [Pa]."""
+def _semi_axis_factors(scene: Scene) -> np.ndarray:
+    """Semi-axes over the cube root of the load (2, 2): of both contacts, major and minor."""
     g = mounted_geometry(scene)
     races = (INNER_RACE, OUTER_RACE)
-    factors = [fitted_factors(g, race, g.D0, math.cos(g.alpha0)) for race in races]
-    return major / (math.pi * np.array([c_a * c_a * c_b for _, c_a, c_b in factors]))
+    return np.array([fitted_factors(g, race, g.D0, math.cos(g.alpha0))[1:] for race in races]).T
+
+
+def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
+    """Of Hertz's contacts with these semi-major axes (..., 2) [m]; by fitted factors [Pa]."""
+    c_a, c_b = _semi_axis_factors(scene)
+    return major / (math.pi * c_a * c_a * c_b)
+
+
+def pressure_of_load(scene: Scene, load: np.ndarray) -> np.ndarray:
+    """Mean pressure of Hertz's contacts under these loads (..., 2) [N], as `mean_pressure`."""
+    c_a, _ = _semi_axis_factors(scene)
+    return mean_pressure(scene, c_a * np.cbrt(load))
 
 
 def friction_at(scene: Scene, pressure: float) -> float:

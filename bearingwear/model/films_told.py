@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.kernels.params import Geometry
-from bearingwear.model.films import Films, friction_at, friction_law
-from bearingwear.model.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
-from bearingwear.model.mounted import UM, mounted_geometry
+import numpy as np
+
+from bearingwear.model.films import Films, friction_at, friction_law, pressure_of_load
+from bearingwear.model.mounted import GPA, UM, mounted_geometry
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 
@@ -20,6 +20,12 @@ def films_told(scene: Scene) -> list[str]:
         told.append(
             f"friction: of a film, {given.shear_strength_MPa:g} MPa over the mean pressure of each "
             f"contact{_and(given.pressure_coefficient)}; about {_at_rest(scene)} at rest"
+        )
+    if films.exponent:
+        told.append(
+            f"wear of films: as (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, p the mean "
+            "pressure of each contact; of a dynamic case by its mean load, in its history by the "
+            "load at the instant"
         )
     coated = {"races": films.race, "balls": films.ball}
     for part, surface in coated.items():
@@ -84,11 +90,6 @@ def _at_rest(scene: Scene) -> str:
     sine = math.sin(g.alpha0)
     if not (preload > 0.0 and sine > 0.0):
         return f"{friction_law(scene)['mu_i']:.3g} and more"
-    Q = preload / (g.n_balls * sine)
-    pair = (friction_at(scene, _mean_pressure(g, race, Q)) for race in (INNER_RACE, OUTER_RACE))
+    loads = np.full(2, preload / (g.n_balls * sine))
+    pair = (friction_at(scene, float(p)) for p in pressure_of_load(scene, loads))
     return " (inner) and ".join(f"{mu:.2g}" for mu in pair) + " (outer)"
-
-
-def _mean_pressure(g: Geometry, race: float, Q: float) -> float:
-    _, c_a, c_b = fitted_factors(g, race, g.D0, math.cos(g.alpha0))
-    return Q ** (1.0 / 3.0) / (math.pi * c_a * c_b)

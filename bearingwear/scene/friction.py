@@ -95,7 +95,7 @@ class FilmFriction:
         float | None,
         Key(
             "Power of the mean contact pressure, over reference_pressure_GPa, with which the film "
-            "wears, not in the dynamic model (none if left out)",
+            "wears, not in dynamic lives (none if left out)",
             "1",
             "[0, 10]",
         ),

@@ -477,6 +477,22 @@ def test_wear_of_a_film_by_pressure(scene):
         assert 0.95 * expected.min() < ratio < 1.05 * expected.max()
 
 
+def test_wear_by_pressure_in_a_dynamic_case(scene):
+    """Pure thrust: as the steady state has it, in the means and in the history."""
+    by_pressure = {
+        "friction.film.pressure_exponent": 3.6,
+        "friction.film.reference_pressure_GPa": 1,
+    }
+    given = scene("mos2_gyro", {"model.contact": "hertz"} | by_pressure)
+    steady, dynamic = (solve(given, fidelity) for fidelity in ("steady", "dynamic"))
+    for name in ("race_wear_rate", "ball_wear_rate"):
+        assert_allclose(dynamic.values[name].mean(), steady.values[name].mean(), rtol=1e-3)
+        history = dynamic.values[f"history_{name}"].mean(axis=0)
+        # pressures of the means by their axes, of the history by their loads
+        assert_allclose(history, dynamic.values[name], rtol=0.02)
+    assert "wear of films: as (p/1 GPa)^3.6" in dynamic.attrs["modelled"]
+
+
 @pytest.mark.parametrize("name", ["pressure_exponent", "reference_pressure_GPa"])
 def test_wear_by_pressure_needs_both(scene, name):
     changes = {"friction.ball_race": None, "uncertainty": None}
