@@ -10,7 +10,8 @@ passed by more than a tenth on both sides. `--whole N` takes 2 % everywhere for 
 shows what that leaves out. Besides there are the bearings whose recommended life was once far below
 another.
 
-A scene that is in the file is not solved again: the program may be stopped and goes on.
+A scene that is in the file is not solved again: the program may be stopped and goes on. `--again`
+solves the recommendations of a file again, beside the best of its grids.
 """
 
 import argparse
@@ -34,7 +35,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.map import followed_point
-from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.plan import COARSE, DesignLimits, MapAxes, axes_around
 from bearingwear.studies.design.recommend import mapped
 
 SEED, SCENES = 7, 60
@@ -58,6 +59,7 @@ STEEP = (  # contact angles of 40 degrees; gyroscopic slip ends the life at once
     ("7207B", 1000, 9500, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 20.0}),
     ("7210B", 1500, 7000, {"maximum_pressure_GPa": 2.0, "axial_stiffness_N_um": 25.0}),
 )
+FOUND = ("name", "rows", "seconds", "impractical")
 COLUMNS = ("bearing", "limits", "method", "recommended N", "h", "best of all N", "h", "ratio")
 
 
@@ -129,31 +131,44 @@ def solved(job: tuple[str, dict[str, Any], bool]) -> dict[str, Any]:
     """The recommendation of a case, and the best of the grid by each method."""
     name, case, whole = job
     scene, limits = scene_of(case), DesignLimits(**case["limits"])
+    found = recommended(case)
+    ends = axes_of(scene).preload_N[0], axes_of(scene).preload_N[-1]
+    for row in found["rows"]:
+        life = 0.0 if math.isnan(row["life"]) else row["life"]
+        best, lives = brute(scene, row["method"], limits, ends, life, whole)
+        row |= {"best_preload": best[1], "best_life": best[0], "lives": lives, "whole": whole}
+    return {"name": name, **case, **found}
+
+
+def solved_again(one: dict[str, Any]) -> dict[str, Any]:
+    """A case of a file with its recommendation as it is now."""
+    found = recommended({key: value for key, value in one.items() if key not in FOUND})
+    rows = [old | new for old, new in zip(one["rows"], found["rows"], strict=True)]
+    return one | found | {"rows": rows}
+
+
+def axes_of(scene: Scene) -> MapAxes:
+    return axes_around(scene, [scene.friction.coefficient], factors=COARSE)
+
+
+def recommended(case: dict[str, Any]) -> dict[str, Any]:
+    """What `recommend` finds by each method, in which CPU time [s]."""
+    scene = scene_of(case)
     started = time.process_time()
-    axes = axes_around(scene, [scene.friction.coefficient], factors=COARSE)
-    _, found = mapped(scene, axes, limits, quick=True)
-    spent = time.process_time() - started
-    rows = []
-    for k, method in enumerate(PRELOAD_METHODS):
-        one = found.isel(preload_method=k)
-        life = float(one["life"][1])
-        ends = axes.preload_N[0], axes.preload_N[-1]
-        best, lives = brute(scene, method, limits, ends, 0.0 if math.isnan(life) else life, whole)
-        rows.append(
-            {
-                "method": method,
-                "preload": float(one["preload"]),
-                "life": life,
-                "best_preload": best[1],
-                "best_life": best[0],
-                "lives": lives,
-                "whole": whole,
-                "cliff": float(one["cliff_preload"]),
-                "none": found.attrs.get("none_because", ""),
-            }
-        )
+    _, found = mapped(scene, axes_of(scene), DesignLimits(**case["limits"]), quick=True)
+    rows = [
+        {
+            "method": method,
+            "preload": float(one["preload"]),
+            "life": float(one["life"][1]),
+            "cliff": float(one["cliff_preload"]),
+        }
+        for k, method in enumerate(PRELOAD_METHODS)
+        for one in [found.isel(preload_method=k)]
+    ]
     warned = [one["id"] for one in impractical_warnings(found.attrs)]
-    return {"name": name, **case, "rows": rows, "seconds": spent, "impractical": warned}
+    spent = time.process_time() - started
+    return {"rows": rows, "seconds": spent, "impractical": warned}
 
 
 def brute(
@@ -238,6 +253,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--whole", type=int, default=0, metavar="N", help="2 %% everywhere in N")
+    parser.add_argument("--again", action="store_true", help="the recommendations of a file anew")
     args = parser.parse_args()
     known = {}
     if args.output.exists():
@@ -248,12 +264,16 @@ def main() -> None:
     whole = [name for name in wanted if name[0].isdigit()][: args.whole]
     jobs = [(name, case, name in whole) for name, case in wanted.items() if name not in known]
     jobs.sort(key=lambda job: "model.contact=hertz" not in job[1]["settings"])  # cheap ones first
-    with ProcessPoolExecutor(args.workers) as pool, args.output.open("a") as file:
-        for one in pool.map(solved, jobs):
-            known[one["name"]] = one
-            file.write(json.dumps(one) + "\n")
-            file.flush()
-    print(table([known[name] for name in wanted]))
+    with ProcessPoolExecutor(args.workers) as pool:
+        if args.again:
+            known = {one["name"]: one for one in pool.map(solved_again, known.values())}
+            args.output.write_text("".join(json.dumps(one) + "\n" for one in known.values()))
+        with args.output.open("a") as file:
+            for one in pool.map(solved, [] if args.again else jobs):
+                known[one["name"]] = one
+                file.write(json.dumps(one) + "\n")
+                file.flush()
+    print(table([known[name] for name in wanted if name in known]))
 
 
 if __name__ == "__main__":

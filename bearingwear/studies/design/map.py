@@ -18,6 +18,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.ends import with_end
+from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import HertzianLives, first_met, worn_life, worse_states
 from bearingwear.measures import LIMITED
 from bearingwear.model.cautions import CAUTIONS
@@ -66,6 +67,17 @@ def _extremes() -> list[Variable]:
     ]
 
 
+def _at_ends() -> list[Variable]:
+    """Of what stands in short tables, the value when new and at the end of life."""
+    return [
+        Variable(f"{name}_at_{at}", (), one.si_unit, f"{one.words_of(name)} {when}")
+        for one in LIMITED.values()
+        if one.brief
+        for name in one.extremes
+        for at, when in (("start", "when new"), ("end", "at the end of life"))
+    ]
+
+
 POINT = table(
     STATUS,
     Variable("end_criterion", (), "", "criterion that ends the life", dtype="i1", flags=CRITERIA),
@@ -83,13 +95,7 @@ POINT = table(
     Variable("residual_preload_at_start", (), "N", "running preload when new"),
     Variable("residual_preload_at_end", (), "N", "residual preload at the end of life"),
     Variable("loss_at_end", (), "m", "interference loss at the end of life"),
-    Variable(
-        "friction_power_at_start",
-        (),
-        "W",
-        "power of friction and drag of the whole bearing when new",
-    ),
-    Variable("axial_stiffness_at_start", (), "N m-1", "dynamic axial stiffness when new"),
+    *_at_ends(),
     *_extremes(),
     Variable(
         "impractical",
@@ -120,6 +126,9 @@ POINT = table(
 
 Numbers are NaN where the life was not solved.
 """
+
+MET_WHEN_NEW = EndOfLife(maximum_pressure_GPa=1e-9)
+"""An end that every bearing has met when new."""
 
 NO_LIFE: dict[str, Any] = dict.fromkeys(("solves", "failed_solves", "impractical", "groove"), 0)
 NO_LIFE |= {"status": -1, "end_criterion": len(CRITERIA) - 1}
@@ -158,6 +167,14 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
     return found
 
 
+def new_point(scene: Scene) -> dict[str, Any]:
+    """What limits look at, of the new bearing alone (SI); its status alone where it is not ok."""
+    until = with_end(scene, MET_WHEN_NEW)
+    one = HertzianLives(until)(until)
+    found = {"status": one.status}
+    return found | _extremes_of(scene, worse_states(one, scene)) if one.status == OK else found
+
+
 def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) -> dict[str, Any]:
     """`life_point` of the groove that `life` follows, and the life with the Hertzian one.
 
@@ -168,9 +185,11 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
     scene, slip_limit
         As of `life_point`.
     quick : bool
-        Whether worn grooves have the cells and steps of a quick life, not those of `life`.
+        Whether worn grooves have the cells and steps of a quick life, not those of `life`; the life
+        with the Hertzian ones is left out.
     """
-    found = life_point(scene, slip_limit)
+    only_worn = quick and grooves_followed(scene, "steady")[0] is not None
+    found = dict(NO_LIFE) if only_worn else life_point(scene, slip_limit)
     hertzian = found.get("life", np.full(2, np.nan))
     found |= {"groove": HERTZIAN_GROOVE, "hertzian_life": hertzian}
     if hertzian[1] == 0.0:
@@ -201,10 +220,18 @@ def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
         "residual_preload_at_start": new["residual_preload"],
         "residual_preload_at_end": worn["residual_preload"],
         "loss_at_end": worn.loss,
-        "friction_power_at_start": new["friction_power"],
-        "axial_stiffness_at_start": new["axial_stiffness"],
         "impractical": _impractical(scene, [new, worn]),
     }
+    for one in LIMITED.values():
+        for name in one.extremes if one.brief else ():
+            found |= {f"{name}_at_start": one.extreme(new[name])}
+            found |= {f"{name}_at_end": one.extreme(worn[name])}
+    return found | _extremes_of(scene, states)
+
+
+def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
+    """Of all that may be limited, the worst of some states."""
+    found = {}
     along = [state.with_values({"lowest_frequency": _frequency(scene, state)}) for state in states]
     for one in LIMITED.values():
         for name, variable in zip(one.extremes, one.variables, strict=True):

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.lives.many import HertzianLives, worn_life, worse_states
-from bearingwear.measures import MEASURES
-from bearingwear.model.state import State
 from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display
-from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.recommend import mapped
 from bearingwear.studies.design.show import recommendation_sheet
-from bearingwear.studies.design.words import brief_numbers, brief_units
+from bearingwear.studies.design.words import SHORT_TABLE, brief_numbers, brief_units
 from bearingwear.studies.pool import Tell
 
 
@@ -47,21 +45,32 @@ def recommended_sheet(
     axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
     design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
     chosen = recommendation_sheet(found)
-    states = [
-        (f"{method_words(scene.to_dict(), method)}, {when}", state)
+    every = [] if limits.given else _over_preload(design)
+    sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *_at_ends(found), *every))
+    return sheet, bool((design["status"] == OK).any())
+
+
+def _at_ends(found: xr.Dataset) -> list[Block]:
+    """Of the recommended bearings, when new and at the end of life."""
+    columns = {
+        f"{method_words(scene_of(found), method)}, {when}": (one, at)
         for method, one in methods(found)
         if one["status"] == OK
-        for when, state in zip(("new", "worn"), _states(scene, method, one), strict=True)
-    ]
-    rows = [_row("residual preload", "N", [state["residual_preload"] for _, state in states])]
-    for one in (one for one in MEASURES if one.brief):
-        numbers = [one.critical(state.__getitem__)[0] for _, state in states]
-        rows.append(_row(one.short, one.si_unit, numbers, one.shown_as))
-    columns = tuple(name for name, _ in states)
-    worn = [Block("at that preload", columns, tuple(rows))] if states else []
-    every = [] if limits.given else _over_preload(design)
-    sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *worn, *every))
-    return sheet, bool((design["status"] == OK).any())
+        for when, at in (("new", "start"), ("worn", "end"))
+    }
+    if not columns:
+        return []
+
+    def value(column: tuple[xr.Dataset, str], name: str) -> float:
+        one, at = column
+        return float(one[f"{name}_at_{at}"])
+
+    of = [partial(value, column) for column in columns.values()]
+    rows = [_row("residual preload", "N", [each("residual_preload") for each in of])]
+    for measure in SHORT_TABLE:
+        numbers = [measure.critical(each)[0] for each in of]
+        rows.append(_row(measure.short, measure.si_unit, numbers, measure.shown_as))
+    return [Block("at that preload", tuple(columns), tuple(rows))]
 
 
 def _over_preload(design: xr.Dataset) -> list[Block]:
@@ -85,11 +94,3 @@ def _over_preload(design: xr.Dataset) -> list[Block]:
 def _row(label: str, units: str, numbers: list[float], shown: str = "") -> Row:
     unit = display(units, numbers, shown=shown)
     return Row(label, unit.unit, tuple(float(unit.of(number)) for number in numbers))
-
-
-def _states(scene: Scene, method: str, one: xr.Dataset) -> list[State]:
-    """The bearing at the recommended preload when new, and at the end of its life."""
-    at_preload = held_by(scene, method, float(one["preload"]))
-    life = worn_life(at_preload, quick=False) or HertzianLives(at_preload)(at_preload)
-    states = worse_states(life, at_preload)
-    return [states[0], states[-1]]

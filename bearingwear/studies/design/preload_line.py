@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bearingwear.kernels.status import OK
+from bearingwear.measures import LIMITED
 from bearingwear.studies.design.choice import limit_margins
 from bearingwear.studies.design.plan import DesignLimits
 
@@ -21,9 +22,14 @@ STEEPEST_LIFE = 1.5
 """How fast a life rises between two preloads at most, as a power, other than at a jump."""
 
 _SLACK = 0.4  # by which a slope inside an interval may differ from those outside of it
-_NEAR = 0.06  # width in log preload, below which it is half as much
+_WIDE = 0.45  # width in log preload of an interval that needs most of that
 _SAFETY = 2.0  # widths to where a limit is met, as interpolated
-_BEND = 0.25  # of a limit's steps: how far it may bend between two preloads
+_WITHIN = 0.25  # of a gain that does not matter: how far within a limit to look, in log preload
+_BEND = 0.25  # of how much wear takes of a limit: how far that may bend between two preloads
+_LEAST = -0.99  # of a margin, as nothing is a logarithm of minus infinity
+_NEAR_LIMIT = 0.5  # of a limit: how far a peak of margins may be for a limit to be met beside it
+_NARROW = 0.01  # of gaps between new bearings, in log preload
+_BESIDE = 0.3  # in log preload, as far as quick lives are corrected by an exact one
 _SAME = 1e-9
 
 
@@ -57,10 +63,34 @@ class Tried:
         if not self.solved:
             return np.full(len(limits.given) + 1, -1.0)
         practical = -1.0 if self.values.get("impractical") else 1.0
-        return _room([*limit_margins(self.values, limits), practical])
+        return np.append(_room(self.values, limits), practical)
 
     def is_allowed(self, limits: DesignLimits) -> bool:
         return self.life > 0.0 and bool(np.all(self.margins(limits) >= 0.0))
+
+
+class Guess(NamedTuple):
+    """What is known of lives at preloads: at those tried, and between them by the new bearing.
+
+    Attributes
+    ----------
+    x : ndarray (n,)
+        Logarithm of the preload [N].
+    life : ndarray (n,)
+        [s]; zero where it is not known.
+    room : ndarray (limits + 1, n)
+        How far the limits are, as `_room`.
+    spread : ndarray (limits + 1, n)
+        By how much that may be more between two preloads.
+    at : dict
+        Places by the preloads tried.
+    """
+
+    x: np.ndarray
+    life: np.ndarray
+    room: np.ndarray
+    spread: np.ndarray
+    at: Mapping[float, int]
 
 
 class Neighbours(NamedTuple):
@@ -70,28 +100,41 @@ class Neighbours(NamedTuple):
     a: Tried
     b: Tried
     after: Tried | None
+    guess: Guess
 
     @property
     def width(self) -> float:
         return math.log(self.b.preload / self.a.preload)
 
-    def longest(self, limits: DesignLimits) -> float:
+    @property
+    def _places(self) -> slice:
+        return slice(self.guess.at[self.a.preload], self.guess.at[self.b.preload] + 1)
+
+    @property
+    def _least_room(self) -> np.ndarray:
+        """How far the nearest limit is, from one end to the other."""
+        return self.guess.room[:, self._places].min(axis=0)
+
+    def longest(self) -> float:
         """No life [s] within the limits between the two is taken to be longer than this."""
-        if not self._may_be_allowed(limits):
-            return 0.0
         lives, width = (self.a.life, self.b.life), self.width
-        if not max(lives) > 0.0:
+        may_be = (self.guess.room + self.guess.spread)[:, self._places].min(axis=0) >= 0.0
+        if not (max(lives) > 0.0 and may_be.any()):
             return 0.0
         if self.jumps:
             return max(lives) * math.exp(STEEPEST_LIFE * width)
-        slack = _SLACK if width > _NEAR else 0.5 * _SLACK
+        slack = _SLACK * min(1.0, 0.25 + width / _WIDE)
         step = math.log(lives[1] / lives[0])
-        if self.a.is_allowed(limits) != self.b.is_allowed(limits):
-            end, share = self.limit_met(limits)
-            rise = max(step if end is self.a else -step, 0.0) + slack * width
-            return end.life * math.exp(rise * min(1.0, _SAFETY * share))
-        rise = min(_slope(self.before, self.a, STEEPEST_LIFE) + slack, STEEPEST_LIFE)
-        fall = max(_slope(self.b, self.after, -STEEPEST_LIFE) - slack, -STEEPEST_LIFE)
+        if (met := self.limit_met()) is not None:
+            end, share, is_all = met
+            if is_all:
+                rise = max(step if end is self.a else -step, 0.0) + slack * width
+                return end.life * math.exp(rise * min(1.0, _SAFETY * share))
+        # beyond the ends of the map the life goes on as it does between these two
+        before = (self.before, self.a) if self.before else (self.a, self.b)
+        after = (self.b, self.after) if self.after else (self.a, self.b)
+        rise = min(_slope(*before, STEEPEST_LIFE) + slack, STEEPEST_LIFE)
+        fall = max(_slope(*after, -STEEPEST_LIFE) - slack, -STEEPEST_LIFE)
         if rise * width <= step or -fall * width <= -step:
             return max(lives)
         at = (step - fall * width) / (rise - fall)  # where both lines meet
@@ -105,59 +148,64 @@ class Neighbours(NamedTuple):
             return True
         return abs(math.log(lives[1] / lives[0])) > STEEPEST_LIFE * self.width
 
-    def limit_met(self, limits: DesignLimits) -> tuple[Tried, float]:
-        """The end within the limits, and which share of the width they are still kept."""
-        inside, outside = (self.a, self.b) if self.a.is_allowed(limits) else (self.b, self.a)
-        kept, passed = inside.margins(limits), outside.margins(limits)
-        shares = [g / (g - h) for g, h in zip(kept, passed, strict=True) if h < 0.0]
-        return inside, min(shares, default=0.5)
+    def limit_met(self) -> tuple[Tried, float, bool] | None:
+        """If one end is within the limits: that end, over which share of the width they are still
+        kept, and whether they are kept nowhere else between.
+        """
+        room, x = self._least_room, self.guess.x[self._places]
+        kept = room >= 0.0
+        if kept[0] == kept[-1]:
+            return None
+        if not kept[0]:
+            room, x, kept = room[::-1], x[::-1], kept[::-1]
+        k = int(np.argmin(kept))
+        met = x[k - 1] + (x[k] - x[k - 1]) * room[k - 1] / (room[k - 1] - room[k])
+        share = abs(met - x[0]) / self.width
+        end = self.a if self._least_room[0] >= 0.0 else self.b
+        return end, float(share), not kept[k:].any()
 
-    def split(self, limits: DesignLimits) -> float:
-        """The preload to solve next: where a limit is met, or in the middle [N]."""
+    def split(self, gain: float) -> float:
+        """The preload to solve next: where a limit is met, or in the middle [N].
+
+        Parameters
+        ----------
+        gain : float
+            Factor of the life that does not matter: so much within the limit.
+        """
         low, high = math.log(self.a.preload), math.log(self.b.preload)
         middle = 0.5 * (low + high)
-        flips = self.a.is_allowed(limits) != self.b.is_allowed(limits)
-        if flips and min(self.a.life, self.b.life) > 0.0 and not self._turns_impractical():
-            end, share = self.limit_met(limits)
-            share = min(max(share, 0.02), 0.98)
+        met = self.limit_met()
+        if met is not None and not self.jumps and not self._turns_impractical():
+            end, share, _ = met
+            share = min(max(share - _WITHIN * math.log(gain) / self.width, 0.02), 0.98)
             middle = low + share * (high - low) if end is self.a else high - share * (high - low)
+        elif met is None and len(room := self._least_room) > 2 and max(room[0], room[-1]) < 0.0:
+            middle = self.guess.x[self._places][1 + int(np.argmax(room[1:-1]))]
         return round_number(math.exp(middle), self.a.preload, self.b.preload)
 
     def _turns_impractical(self) -> bool:
         return bool(self.a.values.get("impractical")) != bool(self.b.values.get("impractical"))
 
-    def _may_be_allowed(self, limits: DesignLimits) -> bool:
-        """Whether each limit is kept at an end, or may be between them where its margin peaks."""
-        a, b = (t.margins(limits) if t.solved else None for t in (self.a, self.b))
-        if a is None or b is None:
-            return a is not b
-        kept = np.maximum(a, b) >= 0.0
-        if kept.all() or not kept[-1]:
-            return bool(kept.all())
-        rises = falls = np.full(len(a), True)
-        steps = [np.abs(b - a)]
-        if self.before is not None and self.before.solved:
-            steps.append(a - self.before.margins(limits))
-            rises = steps[-1] > 0.0
-        if self.after is not None and self.after.solved:
-            steps.append(self.after.margins(limits) - b)
-            falls = steps[-1] < 0.0
-        peak = np.maximum(a, b) + _BEND * np.max(np.abs(steps), axis=0)
-        return bool(np.all(kept | (rises & falls & (peak >= 0.0))))
 
-
-def _slope(a: Tried | None, b: Tried | None, unknown: float) -> float:
+def _slope(a: Tried, b: Tried, unknown: float) -> float:
     """Of the life over preload, both as logarithms; at most the steepest."""
-    if a is None or b is None or not min(a.life, b.life) > 0.0:
+    if not min(a.life, b.life) > 0.0:
         return unknown
     slope = math.log(b.life / a.life) / math.log(b.preload / a.preload)
     return slope if abs(slope) < STEEPEST_LIFE else unknown
 
 
-def _room(margins: Sequence[Any]) -> np.ndarray:
-    """Margins on a scale on which what goes as a power of the preload is straighter."""
-    values = np.array(margins, dtype=float)
-    return np.sign(values) * np.log1p(np.abs(values))
+def _room(values: Mapping[str, Any], limits: DesignLimits) -> np.ndarray:
+    """Logarithms of limits over values, or of values over limits that are least ones (limits, ...).
+
+    What goes as a power of the preload is straight in them; they are positive within the limits.
+    """
+    margins = limit_margins(values, limits)
+    found = []
+    for name, margin in zip(limits.given, np.array(margins, dtype=float), strict=True):
+        sign = 1.0 if LIMITED[name].falls else -1.0
+        found.append(sign * np.log1p(np.maximum(sign * margin, _LEAST)))
+    return np.array(found)
 
 
 def round_number(target: float, low: float, high: float) -> float:
@@ -171,6 +219,35 @@ def round_number(target: float, low: float, high: float) -> float:
     return target
 
 
+def _corrected(x: np.ndarray, rows: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """Values (rows, n) at places (n,), of quick lives corrected by what exact ones beside differ
+    by.
+    """
+    found = rows.copy()
+    for row, values in zip(found, rows, strict=True):
+        quick, sure = (np.isfinite(values) & each for each in (~exact, exact))
+        if quick.any() and sure.any():
+            differ = values[sure] - np.interp(x[sure], x[quick], values[quick])
+            nearest = np.abs(x[quick, None] - x[sure]).min(axis=1)
+            fades = np.clip(1.0 - nearest / _BESIDE, 0.0, 1.0)
+            row[quick] += fades * np.interp(x[quick], x[sure], differ)
+    return found
+
+
+def denser(preloads: Sequence[float], margins: Sequence[np.ndarray]) -> list[float]:
+    """Middles of the gaps, until these are narrow, beside preloads [N] that come nearer to the
+    limits than others on both sides, or are just within them.
+    """
+    x, least = np.log(preloads), np.min(margins, axis=0)
+    peaks = [
+        k
+        for k in range(1, len(x) - 1)
+        if abs(least[k]) < _NEAR_LIMIT and least[k] >= max(least[k - 1], least[k + 1])
+    ]
+    gaps = sorted({j for k in peaks for j in (k - 1, k) if x[j + 1] - x[j] > _NARROW})
+    return [math.exp(0.5 * (x[j] + x[j + 1])) for j in gaps]
+
+
 @dataclass
 class PreloadLine:
     """Lives of one method over preload.
@@ -178,20 +255,26 @@ class PreloadLine:
     Attributes
     ----------
     method : str
+    basis : int
+        Index along the loss basis.
+    new : mapping, optional
+        What `new_point` finds at many preloads, as arrays, and these as `preload` [N]: it shows
+        where limits are met between the preloads tried.
     tried : dict
         By preload [N].
     """
 
     method: str
     basis: int
+    new: Mapping[str, np.ndarray] | None = None
     tried: dict[float, Tried] = field(default_factory=dict)
-    _arrays: dict[str, np.ndarray] | None = None
+    _guesses: dict[DesignLimits, Guess] = field(default_factory=dict)
 
     def add(self, preload: float, values: Mapping[str, Any], exact: bool) -> None:
         solved = values["status"] == OK
         life = float(values["life"][self.basis]) if solved else 0.0
         self.tried[preload] = Tried(preload, values, life if life > 0.0 else 0.0, exact)
-        self._arrays = None
+        self._guesses.clear()
 
     def is_exact(self, preload: float) -> bool:
         return preload in self.tried and self.tried[preload].exact
@@ -201,16 +284,16 @@ class PreloadLine:
         between = [p for p, t in self.tried.items() if low < p < high and not t.exact]
         for preload in between:
             del self.tried[preload]
-            self._arrays = None
+        self._guesses.clear()
 
     @property
     def in_order(self) -> list[Tried]:
         return [self.tried[preload] for preload in sorted(self.tried)]
 
-    def intervals(self) -> Iterator[Neighbours]:
-        known = [None, *self.in_order, None]
+    def intervals(self, limits: DesignLimits) -> Iterator[Neighbours]:
+        known, guess = [None, *self.in_order, None], self.guess(limits)
         for k in range(1, len(known) - 2):
-            yield Neighbours(*known[k - 1 : k + 3])  # type: ignore[arg-type]
+            yield Neighbours(*known[k - 1 : k + 3], guess)  # type: ignore[arg-type,call-arg]
 
     def best(self, limits: DesignLimits, gain: float) -> Tried | None:
         """The longest life within the limits; a quick one if it is so much longer."""
@@ -223,7 +306,7 @@ class PreloadLine:
 
     def doubtful(self, limits: DesignLimits, enough: float, narrowest: float) -> Neighbours | None:
         """Where a life within the limits may be longest, and longer than is enough [s]."""
-        wide = ((one.longest(limits), one) for one in self.intervals() if one.width > narrowest)
+        wide = ((one.longest(), one) for one in self.intervals(limits) if one.width > narrowest)
         longest, one = max(wide, key=lambda pair: pair[0], default=(0.0, None))
         return one if longest > enough else None
 
@@ -232,10 +315,10 @@ class PreloadLine:
         return max((t.life for t in self.in_order if t.is_allowed(limits)), default=0.0)
 
     def interpolated_best(self, limits: DesignLimits) -> tuple[float, float]:
-        """Longest life within the limits [s] and its preload [N], with lives and limited values
-        linear between neighbours; zero where there is none.
+        """Longest life within the limits [s] and its preload [N], as guessed between those tried;
+        zero where there is none.
         """
-        p, lives, kept = self._table(limits)
+        x, lives, kept, *_ = self.guess(limits)
         both = (lives[:-1] > 0.0) & (lives[1:] > 0.0)
         start, step = kept[:, :-1], np.diff(kept, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -243,9 +326,8 @@ class PreloadLine:
             low = np.max(np.where(step > 0.0, root, 0.0), axis=0, initial=0.0)
             high = np.min(np.where(step < 0.0, root, 1.0), axis=0, initial=1.0)
             never = np.any((step == 0.0) & (start < 0.0), axis=0)
-            shares = np.array([low, high])[:, both & ~never & (low <= high)]
-            x, y = np.log(p), np.log(lives)
-        k = np.flatnonzero(both & ~never & (low <= high))
+            k = np.flatnonzero(both & ~never & (low <= high))
+            shares, y = np.array([low, high])[:, k], np.log(lives)
         alone = np.flatnonzero((lives > 0.0) & np.all(kept >= 0.0, axis=0))
         at = np.concatenate([x[alone], *(x[k] + shares * (x[k + 1] - x[k]))])
         found = np.concatenate([y[alone], *(y[k] + shares * (y[k + 1] - y[k]))])
@@ -254,18 +336,41 @@ class PreloadLine:
         best = int(np.argmax(found))
         return math.exp(found[best]), math.exp(at[best])
 
-    def _table(self, limits: DesignLimits) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Preloads (n,), lives (n,) and how far the limits are (limits, n)."""
-        if self._arrays is None:
+    def guess(self, limits: DesignLimits) -> Guess:
+        """Lives and how far the limits are: as new, less what wear takes at the preloads tried.
+
+        Between these, that is linear, as is the logarithm of the life.
+        """
+        if limits not in self._guesses:
             known = self.in_order
-            names = {name for t in known for name in t.values}
-            self._arrays = {
-                name: np.array([t.values.get(name, np.nan) for t in known], dtype=float)
-                for name in names
-                if all(np.ndim(t.values.get(name, np.nan)) == 0 for t in known)
-            }
-            self._arrays["life"] = np.array([t.life for t in known])
-            self._arrays["preload"] = np.array([t.preload for t in known])
-        values = self._arrays
-        margins = _room([*limit_margins(values, limits), 1.0 - 2.0 * (values["impractical"] > 0)])
-        return values["preload"], values["life"], np.where(values["status"] == OK, margins, -1.0)
+            tried = np.log([t.preload for t in known])
+            margins = np.transpose([t.margins(limits) for t in known])
+            every = tried if self.new is None else np.log(self.new["preload"])
+            every = every[(every >= tried[0]) & (every <= tried[-1])]
+            x = np.unique(np.concatenate([tried, every]))
+            new = np.array([*self._new_room(limits, x), np.zeros(len(x))])
+            at = np.searchsorted(x, tried)
+            exact = np.array([t.exact for t in known])
+            worn = _corrected(tried, margins - new[:, at], exact)
+            steps = np.diff(worn, axis=1, append=worn[:, -1:])
+            spread = _BEND * np.abs(steps[:, np.searchsorted(tried, x, side="right") - 1])
+            spread[:, at] = spread[-1] = 0.0
+            room = new + [np.interp(x, tried, row) for row in worn]
+            room[:, at[exact]] = margins[:, exact]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                lives = _corrected(tried, np.log([[t.life for t in known]]), exact)
+                life = np.exp(np.interp(x, tried, lives[0]))
+            life[at] = np.exp(lives[0])
+            places = {t.preload: int(k) for t, k in zip(known, at, strict=True)}
+            self._guesses[limits] = Guess(x, np.nan_to_num(life), room, spread, places)
+        return self._guesses[limits]
+
+    def _new_room(self, limits: DesignLimits, x: np.ndarray) -> np.ndarray:
+        """How far the limits (limits, n) are as new at logarithms of preloads (n,)."""
+        if self.new is None:
+            return np.zeros((len(limits.given), len(x)))
+        solved = self.new["status"] == OK
+        at = np.log(self.new["preload"])[solved]
+        if not at.size:
+            return np.zeros((len(limits.given), len(x)))
+        return np.array([np.interp(x, at, row[solved]) for row in _room(self.new, limits)])

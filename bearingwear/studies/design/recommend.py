@@ -35,6 +35,7 @@ from bearingwear.studies.design.choice import (
     NOT_PRACTICAL,
     OTHER_END,
     UNLIMITED,
+    limit_margins,
     limits_of,
     whole_map,
     why_none,
@@ -45,11 +46,12 @@ from bearingwear.studies.design.map import (
     POINT,
     filled_points,
     followed_point,
+    new_point,
     part_of,
     scenes_of_part,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
-from bearingwear.studies.design.preload_line import PreloadLine
+from bearingwear.studies.design.preload_line import PreloadLine, denser
 from bearingwear.studies.design.room import (
     Assumption,
     criteria_room,
@@ -92,6 +94,7 @@ CLIFF = table(
     Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
 )
 NO_ERRORS = np.full(2, np.nan)
+NEW_APART = 0.1  # in log preload, new bearings between the preloads of a map
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
 
 
@@ -253,14 +256,33 @@ class Search:
     def _line(self, one: xr.Dataset) -> PreloadLine:
         """Lives of one method that were solved, as they are in a file."""
         one = one.squeeze("preload_method")
-        line = PreloadLine(PRELOAD_METHODS[int(one["preload_method"])], self.basis)
-        for k, preload in enumerate(one["preload"].values.tolist()):
+        method, preloads = PRELOAD_METHODS[int(one["preload_method"])], one["preload"].values
+        line = PreloadLine(method, self.basis, self._new(method, preloads[0], preloads[-1]))
+        for k, preload in enumerate(preloads.tolist()):
             values = {name: one[name].values[k] for name in POINT if name in one}
             for name in _IN_HOURS & set(values):
                 values[name] = values[name] / HOURS_PER_SECOND
             exact = QUICK not in one.attrs or values["groove"] == HERTZIAN_GROOVE
             line.add(preload, values, exact)
         return line
+
+    def _new(self, method: str, low: float, high: float) -> dict[str, np.ndarray] | None:
+        """What limits look at, of new bearings between two preloads [N]; denser where some limit
+        is passed by less than on both sides.
+        """
+        if not self.limits.given:
+            return None
+        points: dict[float, dict[str, Any]] = {}
+        more = np.geomspace(low, high, 1 + math.ceil(math.log(high / low) / NEW_APART)).tolist()
+        while more:
+            points |= {preload: new_point(self._at(method, preload)) for preload in more}
+            preloads = sorted(points)
+            names = {name for point in points.values() for name in point}
+            found = {
+                name: np.array([points[p].get(name, math.nan) for p in preloads]) for name in names
+            }
+            more = denser(preloads, limit_margins(found, self.limits))
+        return found | {"preload": np.array(preloads)}
 
     def _solve(self, requests: Sequence[Request]) -> list[dict[str, Any]]:
         slip_limit = self.limits.gyroscopic_slip_share
@@ -287,7 +309,10 @@ class Search:
         room = [] if first is None else self._limits_room(lines, first)
         asked: list[Callable[[], Any]] = [partial(lives_by_track, scenes, lives, self.basis)]
         if first is not None and len(both) == 2:
-            asked += [partial(f, both, self.basis, first) for f in (criteria_room, friction_room)]
+            asked += [
+                partial(criteria_room, both, self.basis, first),
+                partial(friction_room, both, lives, self.basis, first),
+            ]
         tracks, *rooms = self.each(_called, asked)
         for one in rooms:
             room += one

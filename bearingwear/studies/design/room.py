@@ -14,14 +14,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
-from bearingwear.lives.many import lives_by_end
+from bearingwear.lives.groove_life import grooves_followed
+from bearingwear.lives.many import HertzianLives, lives_by_end, worn_life
 from bearingwear.measures import ENDS
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
-from bearingwear.studies.design.map import HERTZIAN_GROOVE, followed_point
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.preload_line import PreloadLine, round_number
-from bearingwear.studies.design.search import GUIDED, WINDOW, Asking, Request, guide
+from bearingwear.studies.design.search import GUIDED, Asking, Request, guide
 from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, WEAR_KEY
 
 FARTHEST = 4.0
@@ -89,28 +89,73 @@ def longer(lives: Sequence[float]) -> int | None:
     return int(np.argmax(lives))
 
 
-def reversal(guide: Advantage, advantage: Advantage, factors: Sequence[float], to: float) -> float:
+def reversal(
+    guide: Advantage,
+    advantage: Advantage,
+    factors: Sequence[float],
+    to: float,
+    now: float | None = None,
+) -> float:
     """The factor at which a choice is reversed; NaN where it is not, or not known before.
 
     Parameters
     ----------
     guide : callable
-        Close to `advantage`, and cheaper: it shows between which factors to look.
+        Close to `advantage`, and cheaper: it shows where to look.
     advantage : callable
+        Solved on both sides of what is returned, closer together than `to`.
     factors : sequence of float
         Going away from 1, where the choice stands.
     to : float
         Relative: how well it is found.
+    now : float, optional
+        The advantage at 1, where it is known.
     """
-    known: dict[float, float] = {}
+    known = {0.0: guide(1.0) if now is None else now}
     last = 0.0
-    for factor in (1.0, *factors):
-        at = math.log(factor)
-        known[at] = guide(factor)
+    for at in (0.0, *map(math.log, factors)):
+        known[at] = known[at] if at in known else guide(math.exp(at))
         if not known[at] > 0.0:
-            return math.exp(_root(lambda x: advantage(math.exp(x)), known, last, at, to))
+            near = _root(lambda x: guide(math.exp(x)), known, last, at, to)
+            if advantage is guide or math.isnan(near):
+                return math.exp(near)
+            ends = 0.0, math.log(factors[-1])
+            return math.exp(_confirmed(lambda x: advantage(math.exp(x)), near, ends, to))
         last = at
     return math.nan
+
+
+def _confirmed(advantage: Advantage, near: float, ends: tuple[float, float], to: float) -> float:
+    """Where an advantage is lost, close to a place; NaN where it is not known beyond, or held as
+    far as the second end.
+    """
+    away = math.copysign(0.5 * to, ends[1])
+
+    def first(of: Callable[[float], bool], step: float, end: float) -> float:
+        x = near + step
+        while (end - x) * step > 0.0 and not of(x):
+            step *= 2.0
+            x += step
+        return x if (end - x) * step > 0.0 else end
+
+    known: dict[float, float] = {}
+
+    def stands(x: float) -> bool:
+        known[x] = advantage(x)
+        return known[x] > 0.0
+
+    held = first(stands, -away, ends[0])
+    lost = first(lambda x: not stands(x), away, ends[1])
+    if lost == ends[1] and stands(lost):
+        return math.nan
+    inside = [x for x, value in known.items() if value > 0.0]
+    held = max([held, *inside], key=lambda x: (x - held) * away)
+    if not known[lost] <= 0.0:
+        return math.nan
+    if abs(lost - held) <= 1.01 * to:
+        return 0.5 * (held + lost)
+    known.setdefault(held, _NO_CHANCE)
+    return _root(advantage, known, held, lost, to)
 
 
 def _root(
@@ -155,41 +200,39 @@ def limit_end(
         if not ahead(factor) > 0.0:
             break
     for _ in range(_MOST):
-        end = reversal(ahead, ahead, factors.tolist(), 0.05 * FOUND_TO)
+        end = reversal(ahead, ahead, factors.tolist(), 0.01 * FOUND_TO)
         if math.isnan(end):
             return math.nan
-        beyond = moved(end * (1.0 + 0.1 * FOUND_TO) ** (1 if up else -1))
+        beyond = moved(end * (1.0 + 0.02 * FOUND_TO) ** (1 if up else -1))
         before = [len(line.tried) for line in lines]
         for line in lines:
             least = _GUIDED_GAIN * line.interpolated_best(beyond)[0]
             yield from guide(line, beyond, _GUIDED_GAIN, least)
         if before != [len(line.tried) for line in lines]:
             continue
-        if missing := _missing(lines, (moved(end), beyond), GUIDED, exact=False):
-            yield missing
-            continue
-        if not (missing := _missing(lines, (moved(end), beyond), _NEAREST, exact=True)):
+        sides = [
+            _missing(lines, one, width, exact)
+            for width, exact in ((GUIDED, False), (_NEAREST, True))
+            for one in (moved(end), beyond)
+        ]
+        if (missing := next(filter(None, sides), None)) is None:
             return end * now
         yield missing
-        for line, preload, _ in missing:
-            line.leave_out_quick(preload / WINDOW, preload * WINDOW)
     return math.nan
 
 
 def _missing(
-    lines: Sequence[PreloadLine], limits: Sequence[DesignLimits], width: float, exact: bool
+    lines: Sequence[PreloadLine], limits: DesignLimits, width: float, exact: bool
 ) -> list[Request]:
     """Lives at the best preloads, where none was solved within a width in log preload."""
     missing: list[Request] = []
     for line in lines:
-        for one in limits:
-            _, preload = line.interpolated_best(one)
-            known = [p for p, t in line.tried.items() if t.exact >= exact]
-            known += [p for other, p, _ in missing if other is line]
-            near = min((abs(math.log(p / preload)) for p in known), default=math.inf)
-            if near > width:  # which no preload that is not a number is
-                ends = preload * (1.0 - width), preload * (1.0 + width)
-                missing.append((line, round_number(preload, *ends), exact))
+        _, preload = line.interpolated_best(limits)
+        known = [p for p, t in line.tried.items() if t.exact >= exact]
+        near = min((abs(math.log(p / preload)) for p in known), default=math.inf)
+        if near > width:  # which no preload that is not a number is
+            ends = preload * (1.0 - width), preload * (1.0 + width)
+            missing.append((line, round_number(preload, *ends), exact))
     return missing
 
 
@@ -238,8 +281,18 @@ def _largest(name: str, limit: float) -> float:
     return max(1.0, min(CRITERIA_FARTHEST, _LARGEST_SHARE / limit))
 
 
-def friction_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assumption]:
-    """The same of friction, and of the wear coefficient, to which all lives are proportional."""
+def friction_room(
+    scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int
+) -> list[Assumption]:
+    """The same of friction, and of the wear coefficient, to which all lives are proportional.
+
+    Parameters
+    ----------
+    scenes, basis, first
+        As of `criteria_room`.
+    lives : sequence of float
+        Of the scenes [s].
+    """
     mu = scenes[0].friction.coefficient
     part = key_of_scene(FRICTION_KEY)
     assert part is not None
@@ -250,7 +303,7 @@ def friction_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assum
         made = [
             replace(one, friction=replace(one.friction, ball_race=factor * mu)) for one in scenes
         ]
-        return advantage([exact_life(one, basis, quick) for one in made], first)
+        return advantage([life_of(one, basis, quick) for one in made], first)
 
     K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
     found = [Assumption(name=WEAR_KEY, now=K)]
@@ -258,17 +311,17 @@ def friction_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assum
         even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
         quick, exact = partial(ahead, quick=True), partial(ahead, quick=False)
         low, high = (
-            reversal(quick, exact, factors.tolist(), FOUND_TO)
+            reversal(quick, exact, factors.tolist(), FOUND_TO, advantage(lives, first))
             for factors in (CRITERIA_FARTHEST**-even, most**even)
         )
         found.append(Assumption(name=FRICTION_KEY, now=mu, low=low * mu, high=high * mu))
     return found
 
 
-def exact_life(scene: Scene, basis: int, quick: bool = False) -> float:
-    """The life that is printed of a scene [s]; NaN where it was not solved."""
-    found = followed_point(scene, None, quick)
-    return float(found["life"][basis]) if found["status"] == OK else math.nan
+def life_of(scene: Scene, basis: int, quick: bool = False) -> float:
+    """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
+    life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
+    return float(life.last.time[basis]) if life.status == OK else math.nan
 
 
 def lives_by_track(
@@ -283,16 +336,17 @@ def lives_by_track(
         By the tracks of the scenes [s].
     basis : int
     """
-    found, followed = np.full((len(scenes), len(BALL_TRACKS)), math.nan), False
+    found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
+    tracks = [
+        [replace(one, wear=replace(one.wear, ball_track=track)) for track in BALL_TRACKS]
+        for one in scenes
+        if one is not None
+    ]
+    if not any(grooves_followed(one, "steady")[0] for each in tracks for one in each):
+        return found
     for i, scene in enumerate(scenes):
         for k, track in enumerate(BALL_TRACKS if scene is not None else ()):
             assert scene is not None
-            if track == scene.wear.ball_track:
-                found[i, k] = lives[i]
-                continue
             at = replace(scene, wear=replace(scene.wear, ball_track=track))
-            point = followed_point(at, None, quick=False)
-            followed |= point["groove"] != HERTZIAN_GROOVE
-            if point["status"] == OK:
-                found[i, k] = point["life"][basis]
-    return found if followed else found * math.nan
+            found[i, k] = lives[i] if at == scene else life_of(at, basis)
+    return found

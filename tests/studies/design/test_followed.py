@@ -163,7 +163,7 @@ def test_quick_lives_are_those_of_life(scene):
     for method in METHODS:
         at = held_by(scene, method, 7.0)
         quick, whole = (followed_point(at, 0.12, q) for q in (True, False))
-        assert_allclose(quick["life"], whole["life"], rtol=3e-3)
+        assert_allclose(quick["life"][1], whole["life"][1], rtol=3e-3)
         assert quick["end_criterion"] == whole["end_criterion"]
         assert_allclose(quick["axial_stiffness"], whole["axial_stiffness"], rtol=2e-2)
 
