@@ -13,7 +13,7 @@ from bearingwear.scene.read import load_scene
 from bearingwear.studies.design.choice import ACTIVE
 from bearingwear.studies.design.map import followed_point
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
-from bearingwear.studies.design.preload_line import PreloadLine, round_number
+from bearingwear.studies.design.preload_line import PreloadLine, denser, round_number
 from bearingwear.studies.design.recommend import held_back_by, mapped
 from bearingwear.studies.design.room import limit_end
 from bearingwear.studies.design.search import BESIDE, FALL, answered, search
@@ -113,6 +113,24 @@ def test_no_allowed_preload_is_better_by_one_per_cent(life, stiffness, held_by_w
     assert best.preload == float(f"{best.preload:.4g}")
     assert ACTIVE[held_back_by(made.line, found, STIFF)] == held_by_what
     assert made.exact <= 24
+
+
+def test_new_bearings_show_preloads_within_a_limit_between_two_beyond_it():
+    """A stiffness that is enough from 322 to 338 N and again from 700 N on."""
+
+    def stiffness(p):
+        return 20e6 * max(1.08 - abs(math.log(p / 330.0)) * 3.33, (p / 700.0) ** 0.5)
+
+    made = MadeUp(falling, stiffness)
+    assert made.found().best.preload > 690.0  # which the map alone shows
+    preloads = np.geomspace(MAP[0], MAP[-1], 29)
+    while len(more := denser(preloads, [[stiffness(p) / 20e6 - 1.0 for p in preloads]])):
+        preloads = np.sort([*preloads, *more])
+    known = [MadeUp(falling, stiffness).values(p, True) for p in preloads]
+    made = MadeUp(falling, stiffness)
+    made.line.new = {name: np.array([one[name] for one in known]) for name in known[0]}
+    made.line.new["preload"] = preloads
+    assert made.found().best.life > 0.99 * made.best_of_all() > 3.0
 
 
 @pytest.mark.parametrize("life", [cliff, nothing, unsolved])
