@@ -303,7 +303,7 @@ def friction_room(
         made = [
             replace(one, friction=replace(one.friction, ball_race=factor * mu)) for one in scenes
         ]
-        return advantage([life_of(one, basis, quick) for one in made], first)
+        return advantage([printed_life(one, basis, quick) for one in made], first)
 
     K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
     found = [Assumption(name=WEAR_KEY, now=K)]
@@ -318,7 +318,7 @@ def friction_room(
     return found
 
 
-def life_of(scene: Scene, basis: int, quick: bool = False) -> float:
+def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
     """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
     life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
     return float(life.last.time[basis]) if life.status == OK else math.nan
@@ -348,5 +348,5 @@ def lives_by_track(
         for k, track in enumerate(BALL_TRACKS if scene is not None else ()):
             assert scene is not None
             at = replace(scene, wear=replace(scene.wear, ball_track=track))
-            found[i, k] = lives[i] if at == scene else life_of(at, basis)
+            found[i, k] = lives[i] if at == scene else printed_life(at, basis)
     return found

@@ -9,7 +9,7 @@ from bearingwear.studies.axis import RisingAxis
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import best_method, mapped
-from bearingwear.studies.design.room import Assumption, criteria_room, friction_room, life_of
+from bearingwear.studies.design.room import Assumption, criteria_room, friction_room, printed_life
 from bearingwear.studies.design.verdict import (
     NEITHER_LONGER,
     NO_COMPARISON,
@@ -82,7 +82,7 @@ def test_ends_of_life(scene):
 def test_friction_at_which_lives_are_equal(scene):
     """Lives go with one over the wear coefficient by either method, and not so with friction."""
     both = [scene_at(scene("gyro_s1"), method, 0.08, 30000.0, 7.0) for method in METHODS]
-    lives = [life_of(one, 1) for one in both]
+    lives = [printed_life(one, 1) for one in both]
     room = {one.name: one for one in friction_room(both, lives, 1, 1)}
     wear, mu = room[WEAR_KEY], room[FRICTION_KEY]
     assert np.isnan([wear.low, wear.high]).all() and wear.now > 0.0
