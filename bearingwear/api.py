@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from bearingwear.model.result import Result
+    from bearingwear.solvers.result import Result
     from bearingwear.studies.uncertainty.calibration import Calibration
 
 
@@ -92,7 +92,7 @@ def solve(
         more to say of the result: the attribute `warnings`.
     """
     checked = as_scene(scene)
-    from bearingwear.model.solve import solve as solved
+    from bearingwear.solvers.solve import solve as solved
 
     state = None if restart is None else restart_from(restart, checked)
     return _made(solved(checked, fidelity, state, progress), checked)

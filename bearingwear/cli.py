@@ -147,9 +147,9 @@ def _sort_plot(parser: argparse.ArgumentParser, args: argparse.Namespace) -> Non
 def _run(args: argparse.Namespace) -> int:
     # imported here: `--help` shall not wait
     from bearingwear.atomic import OutputError
-    from bearingwear.model.fidelity import NotAvailable
     from bearingwear.results.netcdf import CaseFileError
     from bearingwear.scene.scene import SceneError
+    from bearingwear.solvers.effects.choice import NotAvailable
 
     try:
         return getattr(importlib.import_module("bearingwear.commands"), args.run)(args)

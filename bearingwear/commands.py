@@ -22,9 +22,9 @@ from bearingwear.scene.new import OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
 
 if TYPE_CHECKING:
-    from bearingwear.model.result import Result
     from bearingwear.results.sheet import Sheet
     from bearingwear.scene.scene import Scene
+    from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
 
 OK, DIFFERENT, NOT_SOLVED = 0, 1, 3
@@ -97,9 +97,9 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
 
 
 def check(args: argparse.Namespace) -> int:
-    from bearingwear.model.fidelity import accuracy_told, choice, effort
-    from bearingwear.model.warned import warnings_of
     from bearingwear.results.warnings import warning_line
+    from bearingwear.solvers.effects.choice import accuracy_told, choice, effort
+    from bearingwear.solvers.effects.warnings import warnings_of
 
     scene = _scene(args)
     chosen = choice(scene, args.fidelity)
@@ -115,7 +115,7 @@ def check(args: argparse.Namespace) -> int:
 
 def solve(args: argparse.Namespace) -> int:
     scene = _scene(args)
-    from bearingwear.model.solve import solve as solved
+    from bearingwear.solvers.solve import solve as solved
 
     restart = _restart(scene, args) if args.restart is not None else None
     result = solved(scene, args.fidelity, restart, lambda text: _tell(f"{args.scene}: {text}"))
@@ -291,13 +291,13 @@ def step(args: argparse.Namespace) -> int:
 def _tried(path: str) -> list[str]:
     """How the scene that was written solves: its status, and what is to be warned of."""
     from bearingwear.kernels.build.folder import compile_time, is_compiled
-    from bearingwear.model.fidelity import LARGEST_KERNEL
     from bearingwear.results.warnings import warning_lines
+    from bearingwear.solvers.effects.choice import LARGEST_KERNEL
 
     if not is_compiled(LARGEST_KERNEL["steady"]):
         return [f"not solved: the first solve compiles the kernels, for up to {compile_time()}"]
-    from bearingwear.model.solve import solve as solved
     from bearingwear.scene.read import load_scene
+    from bearingwear.solvers.solve import solve as solved
 
     scene = load_scene(path)
     result = solved(scene)
@@ -306,7 +306,7 @@ def _tried(path: str) -> list[str]:
     pressure = 1e-9 * float(result.values["maximum_pressure"].max())
     told = [f"{result.reason}: maximum pressure {pressure:.3g} GPa"]
     if scene.bearing.maker is not None:
-        from bearingwear.model.at_rest import RestingPair
+        from bearingwear.solvers.bearing.at_rest import RestingPair
 
         pair = RestingPair.of(scene)
         axial, radial = (1e-6 * one for one in pair.rigidity)
@@ -328,9 +328,9 @@ def _limits(args: argparse.Namespace) -> DesignLimits:
 
 def _restart(scene: Scene, args: argparse.Namespace) -> dict[str, Any]:
     """The file of `--restart`; first checks that the scene is solved by the dynamic model."""
-    from bearingwear.model.fidelity import choice
-    from bearingwear.model.solve import check_restart
     from bearingwear.results.restart import restart_from
+    from bearingwear.solvers.effects.choice import choice
+    from bearingwear.solvers.solve import check_restart
 
     check_restart(scene, choice(scene, args.fidelity))
     return restart_from(args.restart, scene)

@@ -15,7 +15,7 @@ PACKAGE = Path(__file__).resolve().parent
 
 SOLVER = (
     "bearingwear.scene.read",
-    "bearingwear.model.solve",
+    "bearingwear.solvers.solve",
     "bearingwear.lives.life",
     "bearingwear.results.netcdf",
     "bearingwear.results.restart",
@@ -118,8 +118,7 @@ def _file_hash(path: str) -> bytes:
 def sources_hash(*modules: str) -> str:
     """Hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
-    folders = f"{PACKAGE}/", f"{PACKAGE.parent}/"
-    names = "\n".join(str(path).removeprefix(folders[0]).removeprefix(folders[1]) for path in paths)
+    names = "\n".join(os.path.relpath(path, PACKAGE) for path in paths)
     return hashlib.sha256(f"{names}\n{contents_hash(paths)}".encode()).hexdigest()[:16]
 
 
@@ -129,7 +128,7 @@ def result_hash(module: str) -> str:
     What solves a scene names the sources of the solver in its result. These count as well, or
     results of one study would name different ones when some of them are made again.
     """
-    solves = any(path.parent.name == "model" for path in sources(module))
+    solves = any("solvers" in path.parts for path in sources(module))
     return sources_hash(module, *SOLVER) if solves else sources_hash(module)
 
 

@@ -42,12 +42,12 @@ def scene_keys(turns: int, tolerance: float, cage: bool = True) -> list[str]:
 def answer() -> None:
     """Run the cases that standard input asks for; one line of JSON each."""
     from bearingwear.kernels.status import OK
-    from bearingwear.model.dynamic import DynamicSystem
-    from bearingwear.model.dynamic_outputs import window_values
-    from bearingwear.model.interrupt import Interrupt
-    from bearingwear.model.start import start_of
-    from bearingwear.model.time_run import TimeRun
     from bearingwear.scene.read import load_scene
+    from bearingwear.solvers.dynamic.outputs import window_values
+    from bearingwear.solvers.dynamic.system import DynamicSystem
+    from bearingwear.solvers.dynamic.windows import TimeRun
+    from bearingwear.solvers.interrupt import Interrupt
+    from bearingwear.solvers.start import start_of
 
     start = None
     for line in sys.stdin:

@@ -9,9 +9,9 @@ the pockets stays above 15 mW for four turns; a cage that hangs has 3 to 5 mW. T
 import numpy as np
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.start import start_of
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.run import start_state
 
 SCENE = "config/scenes/gyro_s1.yaml"

@@ -1,7 +1,7 @@
 """Set the program against makers' catalogues and a commercial program.
 
 `python benchmarks/catalogues.py` puts totals and rows into docs/validation.md and draws its
-figures, docs/figures/catalogues.svg and makers.svg. `tests/model/test_catalogues.py` judges every
+figures, docs/figures/catalogues.svg and makers.svg. `tests/solvers/test_catalogues.py` judges every
 row.
 """
 
@@ -25,11 +25,11 @@ from bearingwear.kernels.equilibrium import (
 )
 from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.stiffness import DOF, bearing_stiffness
-from bearingwear.model.mounted import groove_geometry
-from bearingwear.model.solve import solve
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.bearing.mounted import groove_geometry
+from bearingwear.solvers.solve import solve
 
 AT_REST = orbit_load(0.0, 0.0, 0.0)
 UM, MM = 1e-6, 1e-3

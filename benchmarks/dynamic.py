@@ -25,12 +25,12 @@ from before import scene_keys
 from dynamic_parts import PROFILE_TOLERANCE, part_rows, part_times
 
 from bearingwear.kernels.status import OK
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.dynamic_outputs import window_values
-from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.start import start_of
-from bearingwear.model.time_run import TimeRun
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.dynamic.outputs import window_values
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.windows import TimeRun
+from bearingwear.solvers.interrupt import Interrupt
+from bearingwear.solvers.start import start_of
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 ROUNDS = 5

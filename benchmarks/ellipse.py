@@ -18,12 +18,12 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.kernels.summary import QV
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.steady import solve_steady
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.parameters import ellipse_rule
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.steady import solve_steady
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 ALONG = [("split", n) for n in (20, 24, 32, 48, 64)] + [("gauss", n) for n in (20, 100)]

@@ -12,9 +12,9 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.life import life
-from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.solve import solve
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 NAMES = ("gyro_s1", "gyro_s2", "gyro_s3", "gyro_s1_drag", "turbopump", "bearing218")

@@ -13,9 +13,9 @@ import textwrap
 from pathlib import Path
 
 import bearingwear
-from bearingwear.model.films import Films
 from bearingwear.plotting.drawing import key, new_figure, save
 from bearingwear.scene.coefficients import NINETY, RUBBING
+from bearingwear.solvers.bearing.films import Films
 
 SEEN, LOADS, LIVES = 1.05e8, (250.0, 1000.0), (5e5, 3.8e4)
 

@@ -20,10 +20,10 @@ from comparison import Group, Row, histogram, row_table, scatter, totals
 from identify import PRINTED
 
 import bearingwear
-from bearingwear.model.at_rest import RestingPair
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
 from bearingwear.scene.catalogue import MAKERS, bearings
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.at_rest import RestingPair
 
 UM = 1e-6
 RIGIDITY_RMS, CLEARANCE_RMS = 0.03, 0.45  # of all rows [1], [um]

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.map import life_point, scene_at
 
 GYRO = Path(__file__).parents[1] / "config/scenes/gyro_s1.yaml"

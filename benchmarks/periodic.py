@@ -25,12 +25,12 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.state import BALL, PSI
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.periodic import PeriodicMotion, periodic_motion
-from bearingwear.model.start import start_of
-from bearingwear.model.time_run import FEWEST_OF_TREND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.dynamic.periodic import PeriodicMotion, periodic_motion
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.windows import FEWEST_OF_TREND
+from bearingwear.solvers.start import start_of
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 MOST_TURNS = 300.0

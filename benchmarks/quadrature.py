@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.solve import solve
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 RULES = [("strips", n) for n in (20, 50, 100, 200, 400)] + [

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.model.solve import solve
 from bearingwear.plotting.drawing import frame, in_words, key, new_figure, save
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.solve import solve
 
 ROOT = Path(__file__).resolve().parents[1]
 FIGURE = ROOT / "docs" / "figures" / "reductions.svg"

@@ -29,10 +29,10 @@ from bearingwear.kernels.status import OK
 from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
 from bearingwear.kernels.strip_friction import strip_sums
 from bearingwear.kernels.summary import QV
-from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.quadrature import gathered, gauss_legendre
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.bearing.parameters import ellipse_rule
+from bearingwear.solvers.bearing.quadrature import gathered, gauss_legendre
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 REGULARISATIONS = (1e-3, 1e-4, 1e-5, 1e-6)

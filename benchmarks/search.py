@@ -25,11 +25,11 @@ from bearingwear.kernels.level_solver import pseudo_transient
 from bearingwear.kernels.steady_balance import Seat, motion_equilibrium
 from bearingwear.kernels.steady_solver import unknowns
 from bearingwear.kernels.summary import QV
-from bearingwear.model import parameters
-from bearingwear.model.thrust_problem import SAME_STATE, ThrustProblem, is_new
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import SceneError
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.thrust_problem import SAME_STATE, ThrustProblem, is_new
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.plan import RobustnessPlan, drawn, draws
 

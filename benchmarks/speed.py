@@ -20,10 +20,10 @@ import bearingwear
 from bearingwear.kernels.kinematics import INNER_CONTROL
 from bearingwear.kernels.summary import QV
 from bearingwear.lives.life import life
-from bearingwear.model.race_control import RaceControlProblem, controlled_balance
-from bearingwear.model.solve import solve
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.race_control import RaceControlProblem, controlled_balance
+from bearingwear.solvers.solve import solve
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 

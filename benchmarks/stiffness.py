@@ -16,12 +16,12 @@ import numpy as np
 
 from bearingwear.api import new
 from bearingwear.kernels import status as code
-from bearingwear.model.compose import solver_of
-from bearingwear.model.condition import Accuracy
-from bearingwear.model.on_rotor import OnRotor
-from bearingwear.model.steady import axial_force
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.condition import Accuracy
+from bearingwear.solvers.rotor import OnRotor
+from bearingwear.solvers.steady import axial_force
 
 SIZES = (
     "7000C",

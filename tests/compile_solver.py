@@ -9,8 +9,8 @@ import sys
 from support import scene_file
 
 from bearingwear.lives.life import life
-from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.solve import solve
 
 FOLLOWED = ["model.contact=auto", "model.normal_balance=frictionless"]
 """Grooves as they wear."""

@@ -13,7 +13,7 @@ from support import ROOT, scene_file
 SPREAD_OUT = ROOT / "tests" / "workflow"
 """Tests of one file here need not run in one process: what they share is made once for all."""
 
-LONGEST_FIRST = "workflow", "studies", "lives", "model", "kernels"
+LONGEST_FIRST = "workflow", "studies", "lives", "solvers", "kernels"
 """Folders whose files take seconds to half a minute: a process has no work beside a late one."""
 
 _NEW_OBJECTS = 20_000  # before Python looks for garbage; 700 by default
@@ -103,7 +103,7 @@ def scene():
 @pytest.fixture(scope="session")
 def values(scene):
     """Function (method, mu, loss_um, drag, **other) -> values of the solved scene gyro_s1."""
-    from bearingwear.model.solve import solve
+    from bearingwear.solvers.solve import solve
 
     def solved(method="constant_force", mu=0.08, loss=0.0, drag=0.0, fidelity=None, **other):
         changes = {

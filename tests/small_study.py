@@ -45,9 +45,9 @@ PAGE = "page.page.page"
 
 def make_small_study(folder: Path) -> None:
     """Results of the study, as the workflow would make them below `folder`."""
-    from bearingwear.model.solve import solve
     from bearingwear.results.netcdf import write_result
     from bearingwear.scene.variant import variant
+    from bearingwear.solvers.solve import solve
 
     plain = yaml.safe_load(scene_file("gyro_s1").read_text(encoding="utf-8"))
     with contextlib.chdir(folder):

@@ -19,13 +19,13 @@ from bearingwear import cli
 from bearingwear.arguments import command_parser
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.model import life as life_model
-from bearingwear.model import solve as solve_model
-from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.result import Result
+from bearingwear.lives import life as life_model
 from bearingwear.results.netcdf import load
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.read import SceneError, load_scene
+from bearingwear.solvers import solve as solve_model
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.result import Result
 
 SCENE = Path(__file__).parents[1] / "config" / "scenes" / "gyro_s1.yaml"
 QUICK = ["--set", "model.strips=10", "--set", "model.tolerance=1.0e-3"]

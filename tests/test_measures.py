@@ -16,8 +16,6 @@ from bearingwear.lives import many
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node
 from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
-from bearingwear.model.criterion import criteria_of_case, end_attribute
-from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.rows import limits_of_rows, marked, row_of
 from bearingwear.results.show_life import _criteria
@@ -25,6 +23,8 @@ from bearingwear.results.variables import CASE
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.records import parts
+from bearingwear.solvers.effects.criterion import criteria_of_case, end_attribute
+from bearingwear.solvers.state import OF_EACH_CONTACT, State
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
 from bearingwear.studies.design.figures import LETTERS
 from bearingwear.studies.design.map import POINT, gone_through

@@ -14,15 +14,15 @@ from bearingwear.lives.follow import Life, follow
 from bearingwear.lives.methods import Trapezoid
 from bearingwear.lives.motion import Motion, run_at
 from bearingwear.lives.surfaces import surface_life
-from bearingwear.model import parameters
-from bearingwear.model.compose import solver_of
-from bearingwear.model.estimate import ROUNDING
-from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.stability import GROWTHS
-from bearingwear.model.start import thrust_alone
-from bearingwear.model.state import history_values
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.dynamic.stability import GROWTHS
+from bearingwear.solvers.effects.choice import asymmetries
+from bearingwear.solvers.estimates import ROUNDING
+from bearingwear.solvers.start import thrust_alone
+from bearingwear.solvers.state import history_values
 
 _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 

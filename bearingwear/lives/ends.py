@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from bearingwear.measures import ENDS
-from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.state import State
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.state import State
 
 NO_CRITERION = len(ENDS)
 """Index of no criterion in `CRITERIA`."""

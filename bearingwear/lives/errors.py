@@ -8,10 +8,10 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
 from bearingwear.lives.grooves import FEWER_CELLS, STEP, WORN_CELLS, Grooves, follow_grooves
 from bearingwear.lives.surfaces import surface_life
-from bearingwear.model.compose import solver_of
-from bearingwear.model.condition import Accuracy
-from bearingwear.model.estimate import DOUBLED, HALVED, ROUNDING, changed
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.condition import Accuracy
+from bearingwear.solvers.estimates import DOUBLED, HALVED, ROUNDING, changed
 
 SCATTER = 2.0  # standard errors
 _WEIGHTS = {Accuracy.HALF_SLIP: HALVED, Accuracy.TWICE_POINTS: DOUBLED}

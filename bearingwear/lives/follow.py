@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
-from bearingwear.model.condition import States
-from bearingwear.model.state import State
+from bearingwear.solvers.condition import States
+from bearingwear.solvers.state import State
 
 REASONLESS = (code.CRITERION_NOT_REACHED, code.NOT_CONVERGED, code.UNVERIFIED)
 

@@ -14,14 +14,14 @@ from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
-from bearingwear.model import parameters
-from bearingwear.model.compose import solver_of
-from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.state import State
-from bearingwear.model.worn import Worn
-from bearingwear.model.worn_depths import WornPoint
-from bearingwear.model.worn_states import WornBearing
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.state import State
+from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.depths import WornPoint
+from bearingwear.solvers.worn.solver import Worn
 
 REQUIRED = 0.1  # loss over A a^2, above which the grooves have to be followed
 SHOWN = 5  # states whose profiles are kept

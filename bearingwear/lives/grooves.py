@@ -8,16 +8,16 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node, States, follow
 from bearingwear.lives.methods import Heun
-from bearingwear.model import parameters
-from bearingwear.model.compose import worn_bearings
-from bearingwear.model.condition import Accuracy, Solver
-from bearingwear.model.on_rotor import states_of
-from bearingwear.model.outputs import wear_values
-from bearingwear.model.state import State
-from bearingwear.model.warm import Warm
-from bearingwear.model.worn import Worn
-from bearingwear.model.worn_depths import WornDepths, WornPoint
 from bearingwear.scene.scene import LARGEST_LOSS, Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.outputs import wear_values
+from bearingwear.solvers.compose import worn_bearings
+from bearingwear.solvers.condition import Accuracy, Solver
+from bearingwear.solvers.rotor import states_of
+from bearingwear.solvers.state import State
+from bearingwear.solvers.warm import Warm
+from bearingwear.solvers.worn.depths import WornDepths, WornPoint
+from bearingwear.solvers.worn.solver import Worn
 
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others

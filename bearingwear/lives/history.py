@@ -6,12 +6,12 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
-from bearingwear.model import parameters
-from bearingwear.model.films import Films
-from bearingwear.model.rotor import stacked_sides
-from bearingwear.model.state import State, history_values
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.sides import SHARED
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.arrangement import stacked_sides
+from bearingwear.solvers.bearing.films import Films
+from bearingwear.solvers.state import State, history_values
 
 
 def life_values(scene: Scene, life: Life) -> dict:

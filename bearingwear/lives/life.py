@@ -12,14 +12,14 @@ from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
-from bearingwear.model.compose import solver_of
-from bearingwear.model.criterion import end_attribute
-from bearingwear.model.fidelity import choice_for_life
-from bearingwear.model.growth_told import growth_values
-from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.result import Result
-from bearingwear.model.solve import provenance
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.effects.choice import choice_for_life
+from bearingwear.solvers.effects.criterion import end_attribute
+from bearingwear.solvers.effects.growth import growth_values
+from bearingwear.solvers.interrupt import Interrupt
+from bearingwear.solvers.result import Result
+from bearingwear.solvers.solve import provenance
 
 
 def life(

@@ -23,10 +23,10 @@ from bearingwear.lives.grooves import (
 from bearingwear.lives.methods import QUARTERS
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.measures import MEASURES, Measure
-from bearingwear.model.compose import WELL_BALANCED, solver_of
-from bearingwear.model.rotor import lowest_frequency
-from bearingwear.model.state import OF_EACH_CONTACT, State
 from bearingwear.scene.scene import EndOfLife, Scene
+from bearingwear.solvers.bearing.arrangement import lowest_frequency
+from bearingwear.solvers.compose import WELL_BALANCED, solver_of
+from bearingwear.solvers.state import OF_EACH_CONTACT, State
 
 
 class HertzianLives:

@@ -14,17 +14,17 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Node, States
 from bearingwear.lives.worn_parts import WornParts
-from bearingwear.model import parameters
-from bearingwear.model.condition import Condition, SolvedBearing, Solver
-from bearingwear.model.dynamic_run import solve_dynamic
-from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.on_rotor import half_of_pair
-from bearingwear.model.race_control import RaceControl
-from bearingwear.model.state import State, case_state
-from bearingwear.model.steady import Steady
-from bearingwear.model.warm import warm_scene, warmth_of
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.condition import Condition, SolvedBearing, Solver
+from bearingwear.solvers.dynamic.run import solve_dynamic
+from bearingwear.solvers.effects.choice import asymmetries
+from bearingwear.solvers.race_control import RaceControl
+from bearingwear.solvers.rotor import half_of_pair
+from bearingwear.solvers.state import State, case_state
+from bearingwear.solvers.steady import Steady
+from bearingwear.solvers.warm import warm_scene, warmth_of
 
 _CLEARANCES = ("pocket_clearance", "guide_clearance")
 """Of a cage, as `WornParts.clearances` gives them."""

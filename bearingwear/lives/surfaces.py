@@ -13,13 +13,13 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.ends import NO_CRITERION, Criteria
 from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
-from bearingwear.model.compose import Remembered
-from bearingwear.model.condition import Condition
-from bearingwear.model.films import Cover, Films, mean_pressure
-from bearingwear.model.mounted import MM, UM
-from bearingwear.model.state import State
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, Scene
+from bearingwear.solvers.bearing.films import Cover, Films, mean_pressure
+from bearingwear.solvers.bearing.mounted import MM, UM
+from bearingwear.solvers.compose import Remembered
+from bearingwear.solvers.condition import Condition
+from bearingwear.solvers.state import State
 
 FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
 _LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.model import parameters
 from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.solvers.bearing import parameters
 
 
 class WornLayout:

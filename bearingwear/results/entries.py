@@ -28,7 +28,7 @@ from bearingwear.scene.accuracy import STANDARD
 from bearingwear.scene.scene import COUNTS
 
 if TYPE_CHECKING:
-    from bearingwear.model.result import Result
+    from bearingwear.solvers.result import Result
 
 SOURCE = "bearingwear"
 """What the attribute `source` of every file of this package starts with."""

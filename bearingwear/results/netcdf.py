@@ -25,7 +25,7 @@ from bearingwear.results.variables import COORDINATES, STRIP_POSITION, TIME
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bearingwear.model.result import Result
+    from bearingwear.solvers.result import Result
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """What a netCDF-4 file starts with."""

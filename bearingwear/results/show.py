@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.model.result import status_sentence
 from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.netcdf import in_memory, opened
@@ -36,9 +35,10 @@ from bearingwear.results.show_life import life_blocks
 from bearingwear.results.units import digits, display
 from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
 from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
+from bearingwear.solvers.result import status_sentence
 
 if TYPE_CHECKING:
-    from bearingwear.model.result import Result
+    from bearingwear.solvers.result import Result
 
 # Variables, in the order of their rows; labels and units are in the table of variables.
 LOAD_RANGE = ("maximum_contact_load", "minimum_contact_load")

@@ -1,7 +1,7 @@
 """The blocks of a scene: the bearing, how it runs, and its wear.
 
 Plain frozen data. The field names are the keys of a scene file, so the unit is in the name and
-nothing is converted here (`bearingwear.model.parameters` does that).
+nothing is converted here (`bearingwear.solvers.bearing.parameters` does that).
 """
 
 from __future__ import annotations

@@ -18,8 +18,8 @@ def life_scene(path: str | Path, settings: Sequence[str] = (), films: bool = Fal
     SceneError
         One line.
     """
-    from bearingwear.model.fidelity import choice_for_life
     from bearingwear.scene.read import for_life, load_scene
+    from bearingwear.solvers.effects.choice import choice_for_life
 
     scene = for_life(load_scene(path, settings), os.fspath(path))
     if not films and (scene.friction.film is not None or changes_as_it_wears(scene)):

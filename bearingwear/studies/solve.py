@@ -8,9 +8,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from bearingwear.model.result import Result
 from bearingwear.scene.read import for_life
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.result import Result
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 
@@ -19,7 +19,7 @@ def solved_case(
     scene: str | Path, changes: Mapping[str, Any] = NONE, fidelity: str | None = None
 ) -> Result:
     """One case. A failure is in its status and on standard error."""
-    from bearingwear.model.solve import solve
+    from bearingwear.solvers.solve import solve
 
     solved = solve(variant(scene, changes), fidelity, progress=_report)
     return told(solved, scene)

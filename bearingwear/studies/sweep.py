@@ -122,7 +122,7 @@ def _points(
     base: Scene, axes: Mapping[str, list[Any]], what: str, fidelity: str | None
 ) -> list[tuple[Scene, str]]:
     """The scene of every point, checked, and the model that solves it."""
-    from bearingwear.model.fidelity import choice, choice_for_life
+    from bearingwear.solvers.effects.choice import choice, choice_for_life
 
     found = []
     bearings = {}
@@ -149,8 +149,8 @@ def _compile(points: Sequence[tuple[Scene, str]]) -> None:
 def _solved(jobs: Sequence[Job]) -> xr.Dataset:
     """Some points, along the dimension `point`."""
     from bearingwear.lives.life import life
-    from bearingwear.model.solve import solve
     from bearingwear.results.netcdf import dataset
+    from bearingwear.solvers.solve import solve
     from bearingwear.studies.dataset import stacked
 
     results = [

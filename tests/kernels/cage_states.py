@@ -7,8 +7,8 @@ import numpy as np
 from bearingwear.kernels.cage_contacts import cage_contacts
 from bearingwear.kernels.quasistatic import find_contacts
 from bearingwear.kernels.state import CENTRE, MOMENTUM, PSI, ROTATION, VELOCITY
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.start import start_of
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.start import start_of
 
 GUIDED = {
     "outer": {"cage.guide_clearance_mm": 0.05},

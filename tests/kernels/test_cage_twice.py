@@ -24,8 +24,8 @@ from bearingwear.kernels.cage_law import (
 )
 from bearingwear.kernels.state import CENTRE, MOMENTUM, PSI, VELOCITY
 from bearingwear.kernels.status import OK
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.start import start_of
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.start import start_of
 
 STATES = json.loads(Path(__file__).with_suffix("").with_name("cage_states.json").read_text())
 CASES = [(name, k) for name, states in STATES["states"].items() for k in range(len(states))]

@@ -16,8 +16,8 @@ from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.kernels.linear import copy
-from bearingwear.model.solve import solve
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.solve import solve
 
 GYRO = str(scene_file("gyro_s1"))
 LINE = "compiling the solver, once on this machine; it may take a minute ...\n"

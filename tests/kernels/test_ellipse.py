@@ -20,8 +20,8 @@ from bearingwear.kernels.traction import (
     strip_traction,
     traction,
 )
-from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.quadrature import chebyshev, chebyshev_halves, gauss_halves
+from bearingwear.solvers.bearing.parameters import ellipse_rule
+from bearingwear.solvers.bearing.quadrature import chebyshev, chebyshev_halves, gauss_halves
 
 R, MU, V_R = 1e-3, 0.07, 2e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, MU)

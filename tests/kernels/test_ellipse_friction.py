@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 
 from bearingwear.kernels.ellipse_friction import EllipsePoints, ellipse_friction, places
 from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
-from bearingwear.model.parameters import ellipse_rule, line_points, split_points
-from bearingwear.model.quadrature import gathered, normalised, spread_fixed
+from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
+from bearingwear.solvers.bearing.quadrature import gathered, normalised, spread_fixed
 
 FIXED = EllipsePoints(False, *spread_fixed(*ellipse_rule("gauss", 40, 5)[1:]))
 SPREAD = split_points(5, 8)

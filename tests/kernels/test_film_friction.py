@@ -21,9 +21,9 @@ from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, work
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
 from bearingwear.kernels.verification import friction_check
-from bearingwear.model.parameters import ellipse_rule, line_points, split_points
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 MU_EVEN = 0.05
 FILM = CONTACT._replace(mu=0.07, mu_even=MU_EVEN)

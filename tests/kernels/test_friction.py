@@ -12,7 +12,7 @@ from bearingwear.kernels.params import Contact
 from bearingwear.kernels.profile import height, profile
 from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
 from bearingwear.kernels.traction import strip_slope, strip_traction
-from bearingwear.model.quadrature import gauss_halves
+from bearingwear.solvers.bearing.quadrature import gauss_halves
 
 R, MU, V_R = 1e-3, 0.07, 2e-3
 CONTACT = Contact(

@@ -19,8 +19,8 @@ from bearingwear.kernels.hertz import (
 )
 from bearingwear.kernels.params import Contact
 from bearingwear.kernels.traction import strip_traction
-from bearingwear.model.parameters import geometry
-from bearingwear.model.quadrature import equal_strips, gauss_halves
+from bearingwear.solvers.bearing.parameters import geometry
+from bearingwear.solvers.bearing.quadrature import equal_strips, gauss_halves
 
 
 def ellipse(A, B, E_star, Q):

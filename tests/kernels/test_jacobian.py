@@ -24,8 +24,8 @@ from bearingwear.kernels.state import (
     W_X,
 )
 from bearingwear.kernels.status import OK
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.start import start_of
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.start import start_of
 
 # Fixed points: those of a split rule move with the slip. Smooth enough for differences.
 SMOOTH = {

@@ -14,9 +14,9 @@ from bearingwear.kernels.params import Contact
 from bearingwear.kernels.strip_friction import strip_sums
 from bearingwear.kernels.summary import QV
 from bearingwear.kernels.traction import strip_traction
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.parameters import ellipse_rule
-from bearingwear.model.thrust_problem import ThrustProblem
+from bearingwear.solvers.bearing.parameters import ellipse_rule
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.dynamic.system import DynamicSystem
 
 R = 1e-3
 CONTACT = Contact(-1.0, 2.0, 6e-5, 2e-5, 0.35, math.sqrt(1.0 - 0.35**2), 1.08e-3, 3000.0, 0.1)

@@ -11,8 +11,8 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.equilibrium import cold_start
 from bearingwear.kernels.search import balance_at_rate
 from bearingwear.kernels.steady_balance import Seat
-from bearingwear.model.parameters import ball_diameters
-from bearingwear.model.thrust_problem import ThrustProblem, is_new
+from bearingwear.solvers.bearing.parameters import ball_diameters
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, is_new
 
 # The size of a dental drill's bearing, at high friction (docs/verification.md, "Several answers").
 DRILL = {

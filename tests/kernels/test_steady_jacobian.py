@@ -34,8 +34,8 @@ from bearingwear.kernels.steady_balance import (
     full_jacobian,
     orbit_equilibrium,
 )
-from bearingwear.model import parameters
-from bearingwear.model.thrust_problem import ThrustProblem
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 
 @pytest.fixture(

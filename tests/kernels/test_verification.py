@@ -8,9 +8,9 @@ from bearingwear.kernels.equilibrium import cold_start, groove_distance
 from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, Residuals, case_status
 from bearingwear.kernels.verification import friction_check, polygon_residual
-from bearingwear.model import steady
-from bearingwear.model.solve import solve
-from bearingwear.model.thrust_problem import ThrustProblem
+from bearingwear.solvers import steady
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.solve import solve
 
 DRAG = {"lubricant.drag_density_kg_m3": 300.0}
 

@@ -18,7 +18,7 @@ from bearingwear.kernels.worn_balance import (
 )
 from bearingwear.kernels.worn_cells import contact_buffers
 from bearingwear.kernels.worn_contact import contact_cells
-from bearingwear.model.worn_films import AS_WITH_FILM
+from bearingwear.solvers.worn.films import AS_WITH_FILM
 
 D, ALPHA = 2e-3, math.radians(20.0)
 G = Geometry(

@@ -5,8 +5,8 @@ import pytest
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.worn_friction import place_cells, worn_friction_balance
-from bearingwear.model.thrust_problem import ThrustProblem
-from bearingwear.model.worn_states import WornBearing
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.worn.bearing import WornBearing
 
 LINE = {"model.quadrature": "gauss", "uncertainty": None, "lubricant.drag_density_kg_m3": 300.0}
 FILM = {

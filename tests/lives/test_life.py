@@ -9,8 +9,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from bearingwear.lives.life import life
-from bearingwear.model.compose import solver_of
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.solvers.compose import solver_of
 
 POSITION = {"operation.preload_method": "fixed_position"}
 

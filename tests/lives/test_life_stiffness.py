@@ -12,10 +12,10 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.lives.motion import Motion
-from bearingwear.model.solve import solve
-from bearingwear.model.worn_depths import seat_force
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.worn.depths import seat_force
 
 DYNAMIC, QUASISTATIC = "axial_stiffness", "quasistatic_axial_stiffness"
 SLOPE = 1e-3  # to which a quasi-static stiffness is that of further solves

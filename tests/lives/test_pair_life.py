@@ -5,10 +5,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.lives.life import life
-from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import dataset
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.sides import SHARED, of_bearing
+from bearingwear.solvers.solve import solve
 
 POSITION = {"operation.preload_method": "fixed_position"}
 RIGID = {**POSITION, "arrangement.kind": "rigid_pair"}

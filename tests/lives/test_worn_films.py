@@ -10,11 +10,11 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.worn_verification import friction_of_cells
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
-from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.films import Films
-from bearingwear.model.solve import solve
-from bearingwear.model.worn_films import FILM_EDGE, WornFilms, cover
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.solvers.bearing.films import Films
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.worn.films import FILM_EDGE, WornFilms, cover
 
 STEEL = "materials.bearing_steel"
 WORN = {"model.contact": "worn", "uncertainty": None}

@@ -16,10 +16,10 @@ from bearingwear.lives.groove_life import half_lengths, wear_over_gap
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
-from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.worn_depths import WornDepths
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.worn.depths import WornDepths
 
 HOUR = 3600.0
 UM = 1e-6

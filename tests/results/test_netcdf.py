@@ -15,7 +15,6 @@ from bearingwear.atomic import OutputError
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
 from bearingwear.kernels.thrust import BRANCH_NAMES
-from bearingwear.model.result import Result
 from bearingwear.results import netcdf, variables
 from bearingwear.results.netcdf import CaseFileError, dataset, load, write_result
 from bearingwear.results.rows import VARIABLES
@@ -24,6 +23,7 @@ from bearingwear.results.show_life import LIVES, STEADY_LIFE, WORN_OF_EACH, WORN
 from bearingwear.results.units import SCALES
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.result import Result
 
 SCENE = Path(__file__).parents[2] / "config" / "scenes" / "gyro_s1.yaml"
 SIZES = {"ball": 1, "race": 2, "axis": 3, "strip": 50, "counts": 2, "steady_state": 2, "step": 4}

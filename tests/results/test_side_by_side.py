@@ -5,11 +5,11 @@ import re
 import pytest
 from support import scene_file
 
-from bearingwear.model.solve import solve
 from bearingwear.results.rows import side_by_side
 from bearingwear.results.sheet import Block, Row
 from bearingwear.results.show import sheet_of_result
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.solve import solve
 
 FIRST = Block("contact", ("inner", "outer"), (Row("pressure", "GPa", (0.862, 1.05), limit=2.0),))
 SECOND = Block("contact", ("inner", "outer"), (Row("pressure", "MPa", (713.0, 987.0), limit=2e3),))

@@ -7,13 +7,13 @@ import pytest
 from numpy.testing import assert_allclose
 from support import ROOT, scene_file
 
-from bearingwear.model.films import Films
 from bearingwear.scene import coefficients
 from bearingwear.scene.coefficients import ASSUMED, M2_PER_N, MEASURED_WEAR, RUBBING
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.new import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.strict_yaml import data_of
+from bearingwear.solvers.bearing.films import Films
 
 
 def test_a_cubic_millimetre_per_newton_metre():

@@ -13,11 +13,11 @@ import pytest
 from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
 from bearingwear.kernels.build import folder
-from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import load
 from bearingwear.scene.new import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.strict_yaml import data_of
+from bearingwear.solvers.solve import solve
 
 SIZE = ["--bore", "40", "--outside", "68"]
 
@@ -259,7 +259,7 @@ def test_warnings_of_the_solve_are_told(tmp_path, capsys, monkeypatch):
         result.attrs["warnings"] = json.dumps([{"sentence": "too fast", "advice": "slow down"}])
         return result
 
-    monkeypatch.setattr("bearingwear.model.solve.solve", warned)
+    monkeypatch.setattr("bearingwear.solvers.solve.solve", warned)
     assert new(tmp_path / "a.yaml", "608") == 0
     assert "  warning: too fast; slow down\n" in told(capsys)
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import yaml
 
-from bearingwear.model.fidelity import choice
 from bearingwear.scene import read as config
 from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
@@ -22,6 +21,7 @@ from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.scene.schema import schema
 from bearingwear.scene.strict_yaml import data_of
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.effects.choice import choice
 
 CONFIG = Path(__file__).parents[2] / "config"
 SCENES = sorted((CONFIG / "scenes").glob("*.yaml"))

@@ -14,7 +14,7 @@ from support import ROOT
 
 import bearingwear
 from bearingwear import SceneError
-from bearingwear.model.fidelity import NotAvailable
+from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.studies import pool
 from bearingwear.studies import sweep as module
 

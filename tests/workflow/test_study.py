@@ -12,9 +12,9 @@ import netCDF4
 import pytest
 from support import ROOT, scene_file
 
-from bearingwear.model.fidelity import NotAvailable, choice
 from bearingwear.results.answer import Answer
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.effects.choice import NotAvailable, choice
 
 WORN = "fixed_position-mu0.080-loss0.50"
 FIGURES_OF_THE_SMALL_STUDY = {
@@ -210,7 +210,7 @@ def test_what_is_deleted_is_made_again(solved, path, rule):
 def test_an_edited_solver_source_solves_anew(solved):
     before = number(solved.case(WORN), "ball_wear_rate")
     solved.edit(
-        "bearingwear/model/outputs.py",
+        "bearingwear/solvers/bearing/outputs.py",
         '"ball_wear_rate": ball_rate.sum(axis=1)',
         '"ball_wear_rate": 2.0 * ball_rate.sum(axis=1)',
     )
@@ -222,7 +222,7 @@ def test_an_edited_solver_source_solves_anew(solved):
 
 
 @pytest.mark.parametrize(
-    "source", ["scene/read.py", "kernels/contact.py", "model/steady.py", "results/netcdf.py"]
+    "source", ["scene/read.py", "kernels/contact.py", "solvers/steady.py", "results/netcdf.py"]
 )
 def test_what_is_between_a_scene_and_its_result_counts(solved, source):
     solved.change_source(f"bearingwear/{source}")

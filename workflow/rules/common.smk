@@ -61,15 +61,13 @@ onstart:
                 os.remove(path)
 
 
-ONES = {}
+wildcard_constraints:
+    scene=r"[A-Za-z0-9_-]+",
+    case=r"[a-z_]+-mu\d+\.\d{3}-loss\d+\.\d{2}",
 
 
 def one(job, wildcards):
-    """The job of these wildcards; the parts of its rule ask for it one after the other."""
-    key = (id(job), *wildcards)
-    if key not in ONES:
-        ONES[key] = job.one(dict(wildcards.items()))
-    return ONES[key]
+    return job.one(dict(wildcards.items()))
 
 
 def files_of(job):

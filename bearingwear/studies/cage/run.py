@@ -13,13 +13,13 @@ import xarray as xr
 from bearingwear.kernels.cage import INNER_LAND, NO_LAND
 from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.dynamic_run import solve_dynamic
-from bearingwear.model.start import start_of
-from bearingwear.model.time_run import wear_per_joule
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.dynamic.run import solve_dynamic
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.windows import wear_per_joule
+from bearingwear.solvers.start import start_of
 from bearingwear.studies.cage.motion import MOTIONS, CagePath, begins, path_of
 from bearingwear.studies.cage.plan import CAGE_STARTS
 from bearingwear.studies.dataset import filled

@@ -21,16 +21,16 @@ from bearingwear.lives.ends import with_end
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import HertzianLives, first_met, worn_life, worse_states
 from bearingwear.measures import LIMITED
-from bearingwear.model.cautions import CAUTIONS
-from bearingwear.model.fidelity import choice_for_life
-from bearingwear.model.rotor import lowest_frequency
-from bearingwear.model.state import State, history_values
-from bearingwear.model.warned import warnings_of
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
+from bearingwear.solvers.bearing.arrangement import lowest_frequency
+from bearingwear.solvers.effects.cautions import CAUTIONS
+from bearingwear.solvers.effects.choice import choice_for_life
+from bearingwear.solvers.effects.warnings import warnings_of
+from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.life_scene import life_scene
 

@@ -11,7 +11,7 @@ from bearingwear.studies.grid.grid import Case, Line
 from bearingwear.studies.solve import told
 
 if TYPE_CHECKING:
-    from bearingwear.model.result import Result
+    from bearingwear.solvers.result import Result
 
 
 def solved_line(
@@ -28,7 +28,7 @@ def cases_of(lines: Sequence[Line], losses_um: Sequence[float]) -> list[Case]:
 
 def solved_cases(scene: Path, cases: Sequence[Case]) -> Iterator[Result]:
     """Each case of a scene, whose file is read once."""
-    from bearingwear.model.solve import solve
+    from bearingwear.solvers.solve import solve
 
     data, source = as_data(scene)
     for case in cases:

@@ -61,7 +61,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
 
 def _beside(scene: Scene) -> dict[str, Any]:
     """What a reader asks next: the bearing cold if it is warm, and warm if it is cold."""
-    from bearingwear.model.growth_told import WARMER
+    from bearingwear.solvers.effects.growth import WARMER
 
     if scene.temperature or scene.thermal:
         words = "all parts at the temperature of mounting"
@@ -88,8 +88,8 @@ def _losses(scene: Scene) -> list[float]:
     Where one of the methods has no solution so far worn, to the sooner of the ends of their lives.
     """
     from bearingwear.kernels.status import OK
-    from bearingwear.model.compose import solver_of
     from bearingwear.scene.arrangement import held_by
+    from bearingwear.solvers.compose import solver_of
     from bearingwear.studies.design.map import life_point
 
     operation = scene.operation

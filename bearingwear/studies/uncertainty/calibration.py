@@ -20,9 +20,6 @@ from scipy.stats import qmc
 
 from bearingwear.atomic import OutputError, write_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.model.fidelity import NotAvailable
-from bearingwear.model.films import Films
-from bearingwear.model.solve import solve
 from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
@@ -33,6 +30,9 @@ from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
 from bearingwear.scene.strict_yaml import yaml_of
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
+from bearingwear.solvers.bearing.films import Films
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.solve import solve
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests

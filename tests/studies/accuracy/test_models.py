@@ -11,9 +11,9 @@ from bearingwear.kernels.equilibrium import static_displacement
 from bearingwear.kernels.hertz import point_contact
 from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.lives.grooves import Grooves, follow_grooves
-from bearingwear.model import parameters
-from bearingwear.model.fitted_hertz import fitted_contact, fitted_displacement
-from bearingwear.model.solve import solve
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.fitted_hertz import fitted_contact, fitted_displacement
+from bearingwear.solvers.solve import solve
 from workflow.studies.accuracy.grooves import ended_scene, lived_through
 from workflow.studies.accuracy.machine import on_a_rotor
 from workflow.studies.accuracy.plan import MACHINES, WARMTHS, SweepPoint

@@ -8,11 +8,11 @@ from support import scene_file
 from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
-from bearingwear.model.rotor import lowest_frequency
-from bearingwear.model.solve import solve
 from bearingwear.results.netcdf import opened
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.errors import SceneError
+from bearingwear.solvers.bearing.arrangement import lowest_frequency
+from bearingwear.solvers.solve import solve
 from bearingwear.studies.design.map import life_point
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import mapped

@@ -33,9 +33,9 @@ TABLES, VERDICT = "studies.grid.tables.study_tables", "studies.unsolved.verdict_
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Cases of a small study with a friction of zero, where nothing can be solved."""
-    from bearingwear.model.solve import solve
     from bearingwear.results.netcdf import write_result
     from bearingwear.scene.variant import variant
+    from bearingwear.solvers.solve import solve
 
     folder = tmp_path_factory.mktemp("study")
     for case_id, case in GRID.cases().items():

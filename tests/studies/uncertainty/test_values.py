@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 from support import ROOT, scene_file
 
 from bearingwear.cli import main
-from bearingwear.model import parameters
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
+from bearingwear.solvers.bearing import parameters
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene

@@ -13,25 +13,25 @@ import xarray as xr
 from bearingwear.kernels import status as code
 from bearingwear.kernels.kinematics import OUTER_CONTROL
 from bearingwear.lives.groove_life import wear_over_gap
-from bearingwear.model.bearing_model import exact_factors, hertz_table
-from bearingwear.model.dynamic import DynamicSystem
-from bearingwear.model.dynamic_outputs import window_values
-from bearingwear.model.fidelity import asymmetries
-from bearingwear.model.fitted_hertz import fitted_displacement, fitted_factors
-from bearingwear.model.interrupt import Interrupt
-from bearingwear.model.outputs import wear_values
-from bearingwear.model.race_control import race_control_motion
-from bearingwear.model.result import Result
-from bearingwear.model.solve import solve
-from bearingwear.model.start import start_of, thrust_alone
-from bearingwear.model.thrust_problem import ThrustProblem
-from bearingwear.model.time_run import TimeRun
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import dataset
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.sides import of_bearing
+from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_factors
+from bearingwear.solvers.bearing.outputs import wear_values
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.dynamic.outputs import window_values
+from bearingwear.solvers.dynamic.parts import exact_factors, hertz_table
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.windows import TimeRun
+from bearingwear.solvers.effects.choice import asymmetries
+from bearingwear.solvers.interrupt import Interrupt
+from bearingwear.solvers.race_control import race_control_motion
+from bearingwear.solvers.result import Result
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.start import start_of, thrust_alone
 from workflow.studies.accuracy.grooves import ended_scene, lived_through
 from workflow.studies.accuracy.machine import on_a_rotor
 from workflow.studies.accuracy.plan import SweepPoint

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 from bearingwear.kernels import status as code
-from bearingwear.model.condition import Condition
-from bearingwear.model.growth_told import WARMER, assumed_bore
-from bearingwear.model.mounted import MM
-from bearingwear.model.steady import Steady
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Conductance, Temperature, Thermal
+from bearingwear.solvers.bearing.mounted import MM
+from bearingwear.solvers.condition import Condition
+from bearingwear.solvers.effects.growth import WARMER, assumed_bore
+from bearingwear.solvers.steady import Steady
 
 NETWORK_KELVIN = 10.0
 """At which each of the conductances of `network` would carry all the heat away by itself."""

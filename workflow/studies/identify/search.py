@@ -19,14 +19,14 @@ from scipy.optimize import brentq
 from bearingwear.kernels.status import OK
 from bearingwear.kernels.thrust import OUTER_SPIN
 from bearingwear.lives.many import HertzianLives
-from bearingwear.model import parameters
-from bearingwear.model.compose import solver_of
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.compose import solver_of
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from workflow.studies.identify.plan import IdentifyPlan, Statements
 

@@ -8,12 +8,12 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels import status as code
-from bearingwear.model import parameters
-from bearingwear.model.steady import steady_values
-from bearingwear.model.thrust_problem import ThrustProblem
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import COUNTS
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.steady import steady_values
 from workflow.studies.robustness.draw import bare, with_values
 from workflow.studies.robustness.plan import KeyAxis
 from workflow.studies.robustness.run import attributes

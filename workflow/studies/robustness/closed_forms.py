@@ -2,8 +2,8 @@
 
 import math
 
-from bearingwear.model import parameters
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
 from workflow.studies.robustness.draw import at_rest, elastic_approach
 
 

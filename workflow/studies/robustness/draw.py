@@ -8,13 +8,13 @@ from typing import Any
 
 from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.lives.groove_life import wear_over_gap
-from bearingwear.model import parameters
-from bearingwear.model.mounted import mounted_geometry
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.changes import with_changes
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import Scene, most_balls
 from bearingwear.scene.warmth import LARGEST_STRAIN
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.mounted import mounted_geometry
 
 CERAMIC = {
     "youngs_modulus_GPa": 310.0,

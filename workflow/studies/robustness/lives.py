@@ -9,8 +9,8 @@ from scipy.interpolate import PchipInterpolator
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.lives.life import life
-from bearingwear.model import parameters
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
 
 WORN_LIFE = "worn_life"
 """The `fidelity` of a class of random lives."""

@@ -9,13 +9,13 @@ import xarray as xr
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.model.solve import solved
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing
+from bearingwear.solvers.solve import solved
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.ends import REFUSED, WITHOUT_REASON
 from workflow.studies.robustness.lives import WORN_LIFE, life_of, life_violations

@@ -1,0 +1,193 @@
+"""A rigid rotor on two bearings: its stiffness, frequencies, lift-off and balance."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigh
+
+from bearingwear.scene.scene import Arrangement, Scene
+from bearingwear.solvers.bearing.at_rest import Mechanics, lift_off_rigid, lift_off_spring
+from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
+from bearingwear.solvers.bearing.outputs import stiffness_of_loads
+from bearingwear.solvers.state import State
+
+MIRROR = np.diag([-1.0, 1.0, 1.0, -1.0, -1.0])
+"""Displacements and tilts of the second bearing, which faces the other way, as its own."""
+
+SLENDER = 1.0 / 12.0
+"""Transverse moment of inertia over mass and span squared of a slender rod, assumed."""
+
+KG_MM2 = 1e-6
+N_UM = 1e6  # in N/m
+_AXIAL, _PLANE = 0, (2, 3)
+
+
+def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:
+    """Stiffness (5, 5) of the rotor about the middle between its bearings [N/m, N, N m].
+
+    Parameters
+    ----------
+    a : Arrangement
+        With a span.
+    sides : ndarray (2, 5, 5)
+        Stiffness of each bearing in its own frame.
+    """
+    assert a.span_mm is not None
+    # Contact lines of the first bearing meet the axis on its -X side.
+    outwards = -1.0 if a.orientation == "back_to_back" else 1.0
+    K = np.zeros((5, 5))
+    for own, mirror, end in zip(sides, (np.eye(5), MIRROR), (outwards, -outwards), strict=True):
+        lever = np.eye(5)
+        lever[1, 4], lever[2, 3] = 0.5 * end * a.span_mm * MM, -0.5 * end * a.span_mm * MM
+        T = mirror @ lever
+        K += T.T @ own @ T
+    return K
+
+
+def transverse_inertia(a: Arrangement) -> float:
+    """About the centre of mass, half way between the bearings [kg m2]."""
+    if a.rotor_transverse_inertia_kg_mm2 is not None:
+        return a.rotor_transverse_inertia_kg_mm2 * KG_MM2
+    assert a.rotor_mass_kg is not None and a.span_mm is not None
+    return SLENDER * a.rotor_mass_kg * (a.span_mm * MM) ** 2
+
+
+def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.ndarray | None:
+    """Axial, radial and conical frequency of a rotor that is not turning [Hz].
+
+    Gyroscopic moments of the rotor and its bending are left out. Radial and conical motion in one
+    plane are those of the larger and the smaller share of translation.
+
+    Parameters
+    ----------
+    a : Arrangement
+    sides : ndarray (2, 5, 5)
+        Stiffness of each bearing in its own frame.
+    axial : float
+        Axial stiffness of the arrangement: a spring gives way where a bearing does not [N/m].
+
+    Returns
+    -------
+    ndarray (3,) or None
+        None where mass or span are not given.
+    """
+    if a.rotor_mass_kg is None or a.span_mm is None:
+        return None
+    inertia, m = transverse_inertia(a), a.rotor_mass_kg
+    K = rotor_stiffness(a, sides)[np.ix_(_PLANE, _PLANE)]
+    squares, modes = eigh(K, np.diag([m, inertia]))
+    radial = int(np.argmax(m * modes[0] ** 2))
+    found = np.array([axial / m, squares[radial], squares[1 - radial]])
+    return np.sqrt(np.maximum(found, 0.0)) / (2.0 * math.pi)
+
+
+def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
+    """Lowest natural frequency of the rotor in a state of a life; NaN without mass and span [Hz].
+
+    A single bearing is half of a symmetric pair. The stiffness in other directions goes with the
+    axial one, which may be that of worn grooves, as it does with Hertz' contacts (assumed).
+
+    Parameters
+    ----------
+    scene : Scene
+    states : sequence of State
+        Of both bearings.
+    """
+    a = scene.arrangement
+    if a is None or a.rotor_mass_kg is None or a.span_mm is None:
+        return math.nan
+    sides = scene.sides if scene.pair else (scene, scene)
+    each = []
+    for n, side, state in zip(a.tandem, sides, states, strict=True):
+        g = mounted_geometry(side)
+        D, load, angle = (
+            np.array([g.D0 - state.loss]),
+            state["contact_load"],
+            state["contact_angle"],
+        )
+        K = stiffness_of_loads(g, D, load, angle)
+        each.append(n * state["axial_stiffness"] / K[0, 0] * K)
+    found = natural_frequencies(a, np.array(each), states[0]["system_axial_stiffness"])
+    return math.nan if found is None else float(found.min())
+
+
+def lift_off(scene: Scene, resting: Sequence[Mechanics], mounted: Sequence[float]) -> float:
+    """Least axial force on the rotor that lifts off a bearing at rest [N].
+
+    Parameters
+    ----------
+    scene : Scene
+    resting : sequence of Mechanics
+        Both sides, with all their bearings.
+    mounted : sequence of float
+        Their axial displacements when mounted [m].
+    """
+    a, (first, second), (one, two) = scene.pair, resting, mounted
+    assert a is not None
+    if a.kind == "rigid_pair":
+        return lift_off_rigid(first, second, one + two)
+    F_s, k_s = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM
+    return lift_off_spring(first, second, (one, two), F_s, k_s)
+
+
+def rotor_balance(
+    scene: Scene, mounted: Sequence[float], each: Sequence[Mapping[str, Any]]
+) -> float:
+    """Residual of the rotor's balance by places and forces of both, over the preload [1].
+
+    From their results alone: the force on the rotor, and by the stiffness what lacks of the
+    distance of the bearings, or of the extension of the spring.
+    """
+    a = scene.pair
+    assert a is not None
+    tandem = np.array(a.tandem)
+    F = tandem * np.array([float(side["residual_preload"]) for side in each])
+    moved = np.array([float(side["axial_displacement"]) for side in each]) - mounted
+    left = [abs(F[0] - F[1] - a.external_axial_N)]
+    if a.kind == "rigid_pair":
+        k = tandem * np.array([float(side["axial_stiffness"]) for side in each])
+        left.append(abs(moved.sum()) * k.max())
+    else:
+        given = scene.operation.preload_N - a.spring_stiffness_N_um * N_UM * moved.sum()
+        left.append(abs(F[1] - given))
+    return float(max(left) / F.max())
+
+
+def stacked_sides(each: Sequence[Mapping[str, Any]]) -> dict:
+    """Values of both bearings along a first dimension; NaN and -1 where one has fewer of them."""
+    names = dict.fromkeys(name for side in each for name in side if name != "status")
+    made = {}
+    for name in names:
+        found = [side.get(name) for side in each]
+        known = [np.shape(one) for one in found if one is not None]
+        alike = len(known) == len(found) and len(set(known)) == 1
+        made[name] = np.array(found) if alike else _filled(found)
+    return made
+
+
+def _filled(found: Sequence[Any]) -> np.ndarray:
+    """Arrays of unlike shapes along a first dimension."""
+    known = [np.asarray(one) for one in found if one is not None]
+    shape = np.max([one.shape for one in known], axis=0).astype(int)
+    whole = all(one.dtype.kind in "iub" for one in known)
+    filled = np.full((len(found), *shape), -1 if whole else np.nan)
+    for k, one in enumerate(found):
+        if one is not None:
+            place: tuple[Any, ...] = (k, *(slice(n) for n in np.shape(one)))
+            filled[place] = one
+    return filled
+
+
+def joined_attributes(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Attributes of both: sentences one after the other, counts added."""
+    made: dict[str, Any] = {}
+    for name in each[0].keys() | each[1].keys():
+        both = [attrs.get(name) for attrs in each]
+        if any(isinstance(one, str) for one in both):
+            each_one = enumerate(both, 1)
+            made[name] = "; ".join(f"bearing {k}: {one}" for k, one in each_one if one is not None)
+        else:
+            made[name] = sum(one for one in both if one is not None)
+    return dict(sorted(made.items()))

@@ -1,0 +1,215 @@
+"""Solid films and running in: friction and wear of a part at the depth worn off it.
+
+Depths are radial, of the surface: half of what a ball loses of its diameter (theory.md section 23).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.scene.blocks import Material
+from bearingwear.scene.friction import FilmFriction
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
+from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
+
+MPA = 1e6
+
+Bare = tuple[bool, bool]
+"""Of the inner and the outer contact: whether no film is left in it."""
+
+COVERED: Bare = (False, False)
+
+
+class Archard(NamedTuple):
+    """What Archard's law needs of a part: numbers, or one for each place."""
+
+    K_s: float | np.ndarray  # wear coefficient [1]
+    H: float | np.ndarray  # Brinell hardness as a pressure [Pa]
+
+    def rate(self, qv):
+        """Worn volume per time, K_s QV/H [m3/s], of QV [W] (theory.md section 6)."""
+        return self.K_s * qv / self.H
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A ball, or the groove of a race, as it wears."""
+
+    below: Archard  # below the film, worn in
+    film: Archard | None  # of its own film, None without one
+    thickness: float  # of that, 0 without one and infinite where it never wears through [m]
+    first: float  # wear coefficient of the new surface below [1]
+    running_in: float  # depth in which that is forgotten, 0 without running in [m]
+
+    def below_at(self, depth: float | np.ndarray) -> Archard:
+        """Of what lies below the film, running in as it wears: K + (K_0 - K) exp(-depth/h_0)."""
+        if not self.running_in:
+            return self.below
+        deep = np.maximum(depth - self.thickness, 0.0) / self.running_in
+        K_s = self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)
+        return Archard(K_s, self.below.H)
+
+
+def worn_as(
+    part: Surface, partner: Surface, depth, covered, partner_covered, pressed=1.0
+) -> Archard:
+    """Wear properties of a part: numbers, or one for each place.
+
+    Those of its own film. Without one, or where it is worn through, those of its partner's film,
+    which covers the part (assumed). Where neither is left, those of what lies below.
+
+    Parameters
+    ----------
+    depth : float or ndarray
+        Worn off the part [m].
+    covered, partner_covered : bool or ndarray
+        Whether each has film left.
+    pressed : float or ndarray
+        Factor on the wear of films by their pressure.
+    """
+    found = part.below_at(depth)
+    for film, stands in ((partner.film, partner_covered), (part.film, covered)):
+        if film is not None:
+            found = Archard(
+                np.where(stands, film.K_s * pressed, found.K_s), np.where(stands, film.H, found.H)
+            )
+    return found
+
+
+class Cover(NamedTuple):
+    """Where there is film left."""
+
+    inner: bool
+    outer: bool
+    ball: bool
+
+
+@dataclass(frozen=True)
+class Films:
+    """Balls and races of a scene, as their surfaces wear."""
+
+    ball: Surface
+    race: Surface
+    exponent: float = 0.0
+    reference: float = 1.0  # [Pa]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Films":
+        b, given = scene.bearing, scene.friction.film
+        ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
+        # a film that never wears through is on the races alone where no material has one
+        endless = given is not None and given.thickness_um is None
+        on_races = None if endless and ball.film is not None else given
+        surfaces = _surface(ball, None, given), _surface(race, on_races, given)
+        if given is None or given.pressure_exponent is None:
+            return cls(*surfaces)
+        return cls(*surfaces, given.pressure_exponent, (given.reference_pressure_GPa or 1.0) * GPA)
+
+    def pressed(self, pressure):
+        """Factor on the wear of films under a mean pressure [Pa], (p/p_ref)^n."""
+        return (pressure / self.reference) ** self.exponent if self.exponent else 1.0
+
+    @property
+    def wear_through(self) -> bool:
+        """Whether any of them can be worn through."""
+        return any(0.0 < part.thickness < math.inf for part in (self.ball, self.race))
+
+    @property
+    def cover(self) -> Cover:
+        """When new."""
+        race = self.race.thickness > 0.0
+        return Cover(race, race, self.ball.thickness > 0.0)
+
+    def bare(self, cover: Cover) -> Bare:
+        """The contacts without any film."""
+        if not self.wear_through:
+            return COVERED
+        return not (cover.inner or cover.ball), not (cover.outer or cover.ball)
+
+    def wearing(
+        self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0
+    ) -> tuple[Archard, Archard]:
+        """Wear properties of a ball in both of its contacts, and of both races.
+
+        Parameters
+        ----------
+        ball_depth : float
+            [m]
+        race_depths : ndarray (2,)
+            [m]
+        pressed : float or ndarray (..., 2)
+            As of `worn_as`.
+        """
+        races = np.array([cover.inner, cover.outer])
+        return (
+            worn_as(self.ball, self.race, ball_depth, cover.ball, races, pressed),
+            worn_as(self.race, self.ball, race_depths, races, cover.ball, pressed),
+        )
+
+
+def _surface(
+    material: Material, on_it: FilmFriction | None, common: FilmFriction | None
+) -> Surface:
+    """A part of a material; `on_it` is the film that the friction names, if it is on this part."""
+    H = material.brinell_hardness_GPa * GPA
+    film, thickness = None, 0.0
+    if material.film is not None:
+        thickness = material.film.thickness_um * UM
+        K_s = material.film.wear_coefficient or (common and common.wear_coefficient)
+        hardness = material.film.brinell_hardness_GPa or (common and common.brinell_hardness_GPa)
+        film = Archard(K_s or 0.0, hardness * GPA if hardness else H)
+    elif on_it is not None and on_it.wear_coefficient is not None:
+        thickness = math.inf if on_it.thickness_um is None else on_it.thickness_um * UM
+        hardness = on_it.brinell_hardness_GPa
+        film = Archard(on_it.wear_coefficient, hardness * GPA if hardness else H)
+    new = material.running_in
+    return Surface(
+        below=Archard(material.wear_coefficient, H),
+        film=film,
+        thickness=thickness,
+        first=material.wear_coefficient if new is None else new.wear_coefficient,
+        running_in=0.0 if new is None else new.depth_um * UM,
+    )
+
+
+def friction_law(scene: Scene, bare: Bare = COVERED) -> dict[str, float]:
+    """Shear strengths [Pa] and coefficients of both contacts, as `OperatingPoint` names them."""
+    given = scene.friction.film
+    law: dict[str, float] = {}
+    for name, uncovered in zip(("i", "o"), bare, strict=True):
+        if given is None:
+            S, mu = 0.0, scene.friction.coefficient
+        elif uncovered and given.bare_ball_race is not None:
+            S, mu = 0.0, given.bare_ball_race
+        else:
+            S, mu = given.shear_strength_MPa * MPA, given.pressure_coefficient
+        law |= {f"S_{name}": float(S), f"mu_{name}": float(mu)}
+    return law
+
+
+def _semi_axis_factors(scene: Scene) -> np.ndarray:
+    """Semi-axes over the cube root of the load (2, 2): of both contacts, major and minor."""
+    g = mounted_geometry(scene)
+    races = (INNER_RACE, OUTER_RACE)
+    return np.array([fitted_factors(g, race, g.D0, math.cos(g.alpha0))[1:] for race in races]).T
+
+
+def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
+    """Of Hertz's contacts with these semi-major axes (..., 2) [m]; by fitted factors [Pa]."""
+    c_a, c_b = _semi_axis_factors(scene)
+    return major / (math.pi * c_a * c_a * c_b)
+
+
+def pressure_of_load(scene: Scene, load: np.ndarray) -> np.ndarray:
+    """Mean pressure of Hertz's contacts under these loads (..., 2) [N], as `mean_pressure`."""
+    c_a, _ = _semi_axis_factors(scene)
+    return mean_pressure(scene, c_a * np.cbrt(load))
+
+
+def friction_at(scene: Scene, pressure: float) -> float:
+    """Friction coefficient of a contact with the scene's film under a mean pressure [Pa]."""
+    law = friction_law(scene)
+    return law["mu_i"] + law["S_i"] / pressure if law["S_i"] else law["mu_i"]

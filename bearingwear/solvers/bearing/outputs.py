@@ -1,0 +1,223 @@
+"""Result variables that all models fill in the same way."""
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.stiffness import DOF, bearing_stiffness
+from bearingwear.kernels.summary import (
+    ANGLE,
+    FRICTION,
+    HEAT,
+    LOAD,
+    MAJOR,
+    MINOR,
+    PRESSURE,
+    QV,
+    ROLL,
+    SHARE,
+    SPIN,
+    TRACK,
+    slip_profiles,
+)
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.films import Films, mean_pressure
+
+TURN = 2.0 * np.pi
+
+
+def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows, axial) -> dict:
+    """Variables of the contacts and their wear.
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn diameters of the n balls solved [m].
+    u : ndarray (n, 4)
+        (w_x, w_y, w_z, Omega) [rad/s].
+    r : ndarray (n,)
+        Orbit radii [m].
+    rows : ndarray (n, 2, COLUMNS)
+        `bearingwear.kernels.summary` rows.
+    axial : ndarray (n,)
+        Axial force of the inner race on each ball [N].
+
+    Returns
+    -------
+    dict
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
+    v1, v2 = np.zeros((2, len(D), 2, scene.model.strips))
+    slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), v1, v2)
+    inertia = ball_inertia(ball_mass(g.rho, D), D)
+    gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
+    races = np.array([op.omega_i, op.omega_o])
+    spin = u[:, :3] - u[:, 3:] * (1.0, 0.0, 0.0)  # relative to the orbiting frame
+    values = {
+        "contact_load": rows[..., LOAD],
+        "contact_angle": rows[..., ANGLE],
+        "semi_major_axis": rows[..., MAJOR],
+        "semi_minor_axis": rows[..., MINOR],
+        "maximum_pressure": rows[..., PRESSURE],
+        "qv": rows[..., QV],
+        "friction_heat": rows[..., HEAT],
+        "gyroscopic_slip_share": rows[..., SHARE],
+        "spin_to_roll_ratio": np.where(np.isfinite(spin_to_roll), spin_to_roll, 0.0),
+        "contact_track_radius": rows[..., TRACK],
+        "gyroscopic_slip": v1,
+        "rolling_slip": v2,
+        "ball_angular_velocity": u[:, :3],
+        "orbit_speed": u[:, 3],
+        "gyroscopic_moment": gyroscopic,
+        "cage_frequency": np.abs(u[:, 3]).mean() / TURN,
+        "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).mean(axis=1) / TURN,
+        "ball_spin_frequency": np.linalg.norm(spin, axis=1).mean() / TURN,
+        "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
+        "residual_preload": g.n_balls * axial.sum() / len(D),
+    }
+    if max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:  # without friction nothing holds the moment
+        # a mean would round a single coefficient
+        one = np.array([op.mu_i, op.mu_o])
+        mu = rows[..., FRICTION] if max(op.S_i, op.S_o) > 0.0 else one
+        used = friction_used(mu, D, gyroscopic, rows[..., LOAD])
+        values["friction_used_by_gyroscopic_moment"] = used
+    if scene.friction.film is not None:
+        values["friction_coefficient"] = rows[..., FRICTION]
+    return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
+
+
+def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
+    """Share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that gyroscopic moments [N m] take up [1].
+
+    Parameters
+    ----------
+    mu : ndarray (n, 2)
+        Friction coefficients of the contacts [1].
+    D : ndarray (n,)
+        Worn ball diameters [m].
+    Q : ndarray (n, 2)
+        Contact loads [N].
+    """
+    friction = mu[..., 1] * Q.sum(axis=-1) + (mu[..., 0] - mu[..., 1]) * Q[..., 0]
+    most = friction * 0.5 * D
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(moment > 0.0, moment / most, 0.0)
+
+
+def stiffness_matrix(g: Geometry, D: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Stiffness (5, 5) of the n balls solved, from their `bearingwear.kernels.summary` rows."""
+    return stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE])
+
+
+def stiffness_of_loads(
+    g: Geometry, D: np.ndarray, load: np.ndarray, angle: np.ndarray
+) -> np.ndarray:
+    """Stiffness (5, 5) against axial, Y and Z displacement and tilt about Y and Z [N/m, N, N m].
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn diameters of the n balls solved, one where it stands for all [m].
+    load, angle : ndarray (n, 2)
+        Of their contacts [N], [rad]; the first ball stands at +Z.
+    """
+    N = g.n_balls
+    Ds, Qs, alphas, K = np.empty(N), np.empty((N, 2)), np.empty((N, 2)), np.empty((DOF, DOF))
+    Ds[:], Qs[:], alphas[:] = D, load, angle
+    bearing_stiffness(g, Ds, 2.0 * np.pi * np.arange(N) / N, Qs, alphas, K)
+    return K
+
+
+def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
+    """Archard wear rates and the loss of ball diameter.
+
+    Parameters
+    ----------
+    D : ndarray (n,)
+        Worn ball diameters of the n balls solved [m].
+    qv, a, track : ndarray (n, 2)
+        QV [W], semi-major axis [m] and track radius [m] of each contact.
+
+    Returns
+    -------
+    dict
+        ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s]: mean
+        over the balls, counting the balls alone, and balls and races.
+    """
+    n = scene.bearing.ball_count
+    ball_rate, race_rate = wear_rates(scene, qv, a)
+    on = a.min(axis=1) > 0.0  # balls off a race loosen no fit
+    each = D, ball_rate, race_rate, a, track
+    losses = diameter_loss_rates(n, *(each if on.all() else (one[on] for one in each)))
+    return {
+        "ball_wear_rate": ball_rate.sum(axis=1),
+        "race_wear_rate": n * (race_rate.sum(axis=0) / len(D)),
+        "ball_diameter_loss_rate": losses.sum(axis=0) / len(D),
+    }
+
+
+def wear_rates(scene: Scene, qv: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Volumes worn off ball and race per time [m3/s] by QV [W] and semi-major axis [m].
+
+    Of each contact (..., 2); films are new.
+    """
+    films = Films.of(scene)
+    pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves its time
+    ball, race = films.wearing(films.cover, pressed=pressed)
+    return ball.rate(qv), race.rate(qv)
+
+
+def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray:
+    """Rates at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24).
+
+    Parameters
+    ----------
+    n : int
+        Balls of the bearing.
+    D : ndarray (k,)
+        Worn ball diameters [m].
+    ball_rate, race_rate : ndarray (k, 2)
+        Wear of the ball and of the race in each contact [m3/s].
+    a, track : ndarray (k, 2)
+        Semi-major axes, radii of the tracks [m].
+
+    Returns
+    -------
+    ndarray (k, 2)
+        Counting the balls alone, and balls and races [m/s].
+    """
+    rates = np.empty((len(D), 2))
+    rates[:, 0] = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
+    races = n * race_rate / (2.0 * np.pi * track * 2.0 * a)
+    rates[:, 1] = rates[:, 0] + races.sum(axis=1)
+    return rates
+
+
+def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
+    """Rates of loss over K_s/H, mean over the balls: of what each contact wears off both parts.
+
+    Parameters
+    ----------
+    n : int
+        Balls of the bearing.
+    D, qv, a, track : ndarray
+        As in `wear_values`.
+
+    Returns
+    -------
+    ndarray (2, 2)
+        Of ball diameter, and of depth of the groove [m Pa/s]; inner, outer.
+    """
+    off_ball = 2.0 * qv / (np.pi * D[:, None] ** 2)
+    loaded = np.where(a > 0.0, a, np.inf)
+    return np.array([off_ball.mean(axis=0), n * (qv / (4.0 * np.pi * track * loaded)).mean(axis=0)])
+
+
+@functools.cache
+def strip_centres(n: int) -> np.ndarray:
+    """Positions x/a of the middles of n equal strips; shared, so do not write to it."""
+    return (2.0 * np.arange(n) + 1.0) / n - 1.0

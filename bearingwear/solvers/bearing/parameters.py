@@ -1,0 +1,155 @@
+"""The factory: from a scene (units in the names) to what kernels take (SI, radians)."""
+
+import functools
+import math
+
+import numpy as np
+
+from bearingwear.kernels.ellipse import SEGMENTS, Rule
+from bearingwear.kernels.ellipse_friction import EllipsePoints
+from bearingwear.kernels.equilibrium import static_displacement
+from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.profile import MIDDLE_WIDTH, PEAK
+from bearingwear.scene.scene import Arrangement, Scene
+from bearingwear.solvers.bearing.films import Films, friction_law
+from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of
+from bearingwear.solvers.bearing.mounted import GPA as GPA
+from bearingwear.solvers.bearing.mounted import MM as MM
+from bearingwear.solvers.bearing.mounted import RPM as RPM
+from bearingwear.solvers.bearing.mounted import UM as UM
+from bearingwear.solvers.bearing.mounted import contact_modulus as contact_modulus
+from bearingwear.solvers.bearing.mounted import mounted_geometry
+from bearingwear.solvers.bearing.quadrature import (
+    chebyshev,
+    chebyshev_halves,
+    equal_strips,
+    even_shares,
+    gathered,
+    gauss_halves,
+    spread_ellipse,
+    spread_fixed,
+    strip_tips,
+    tips,
+)
+
+SEARCH_POINTS = 16  # along the ellipse, at a v_r that these resolve
+SEARCH_ACROSS = 4
+FEWEST_SPLIT = 20  # with fewer the points' own motion upsets the balance that they measure
+
+
+def static_place(scene: Scene) -> float:
+    """Axial displacement of the bearing as mounted, under its preload alone [m].
+
+    It is what a fixed position keeps, whatever grows or wears afterwards.
+    """
+    return static_displacement(mounted_geometry(scene), float(scene.operation.preload_N))
+
+
+def geometry(scene: Scene) -> Geometry:
+    """Groove geometry and material pair of a scene as it runs: warm, at speed, fitted."""
+    g, growth = mounted_geometry(scene), growth_of(scene)
+    if growth.nothing:
+        return g
+    axial = 0.0
+    if growth.heat.shaft or growth.heat.housing:
+        a = scene.arrangement or Arrangement()
+        span = MM * (a.span_mm or 0.0)
+        A1 = g.BD * math.sin(g.alpha0) + static_place(scene)
+        axial = axial_change(growth.heat, A1, span, a.orientation)
+    return grown(g, growth, axial)
+
+
+def operating_point(scene: Scene) -> OperatingPoint:
+    """Speeds and friction of a scene, its films as they are when new."""
+    return OperatingPoint(
+        omega_i=scene.operation.shaft_speed_rpm * RPM,
+        omega_o=scene.operation.outer_speed_rpm * RPM,
+        v_r=float(scene.friction.slip_regularisation_m_s),
+        drag=float(scene.lubricant.drag_density_kg_m3),
+        **friction_law(scene),
+    )
+
+
+def ball_diameters(scene: Scene) -> np.ndarray:
+    """Worn diameter of every ball as it runs (n_balls,) [m]."""
+    return worn_diameters(scene, geometry(scene))
+
+
+def worn_diameters(scene: Scene, g: Geometry) -> np.ndarray:
+    """The same, from the scene's `geometry`."""
+    loss = np.array(scene.wear.ball_diameter_loss_um, dtype=float) * UM
+    return np.broadcast_to(g.D0 - loss, (scene.bearing.ball_count,)).copy()
+
+
+@functools.cache
+def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
+    """A rule with so many strips (split: at most) and points across each of them.
+
+    Shared by callers, who must not write to it.
+    """
+    if name == "split":
+        m = -(-points // SEGMENTS)
+        y, share = chebyshev_halves(across)
+        t, weight = gathered(m)
+        return Rule(True, t, weight, tips(m), y, share, even_shares(y, True))
+    y, share = chebyshev(across)
+    if name == "strips":
+        (t, weight), tip = equal_strips(points), strip_tips(points)
+    else:
+        half = tips((points + 1) // 2)
+        (t, weight), tip = gauss_halves(points), np.concatenate([half[::-1], half])
+    return Rule(False, t, weight, tip, y, share, even_shares(y, False))
+
+
+def quadrature(scene: Scene, refined: int = 1) -> Rule:
+    """The rule of a scene for the contact ellipse, with so many times its points.
+
+    Over the ellipse at most twice as many along, and across: four times the points.
+    """
+    model = scene.model
+    name = model.quadrature
+    strips = max(model.strips, FEWEST_SPLIT) if name == "split" else model.strips
+    if model.slip_is_over == "line":
+        return ellipse_rule(name, refined * strips)
+    refined = min(refined, 2)
+    return ellipse_rule(name, refined * strips, refined * model.points_across)
+
+
+@functools.cache
+def split_points(count: int, across: int) -> EllipsePoints:
+    """Points of a split rule over the ellipse in time, shared, so never to be written to."""
+    return EllipsePoints(True, *spread_ellipse(count, across))
+
+
+def line_points(rule: Rule) -> EllipsePoints:
+    """Points of a split rule with one across, in the form of those in time."""
+    middle, area = np.zeros(rule.t.size), MIDDLE_WIDTH * rule.weight
+    return EllipsePoints(True, rule.t, PEAK * rule.weight, middle, middle, area, rule.tip)
+
+
+def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
+    """Points from which the motion in time sums friction, with so many times those of `quadrature`.
+
+    They cost less than those of the rule and err as little.
+    """
+    rule = quadrature(scene, refined)
+    if rule.split and rule.across.size > 1:
+        return split_points(rule.t.size, rule.across.size)
+    if rule.split:
+        return line_points(rule)
+    return EllipsePoints(False, *spread_fixed(*rule[1:]))
+
+
+def search_rule(scene: Scene) -> Rule:
+    """The rule for the search of other steady states: coarse, with points that do not move."""
+    rule = quadrature(scene)
+    is_coarse = not rule.split and rule.t.size <= SEARCH_POINTS
+    across = min(rule.across.size, SEARCH_ACROSS)
+    return rule if is_coarse else ellipse_rule("gauss", SEARCH_POINTS, across)
+
+
+def wear_factors(scene: Scene) -> tuple[float, float]:
+    """K_s/H of ball and race as they are when new [1/Pa]."""
+    films = Films.of(scene)
+    ball, race = (np.max(part.K_s / part.H) for part in films.wearing(films.cover))
+    return float(ball), float(race)

@@ -1,0 +1,244 @@
+"""Equilibrium of balls and race under Jones-Harris race control, for any load."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.contact import LARGEST_AXIS
+from bearingwear.kernels.equilibrium import (
+    cold_start,
+    thrust_equilibrium,
+)
+from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL, race_control
+from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
+from bearingwear.kernels.profile import contact_approach, semi_axis
+from bearingwear.kernels.race import (
+    LOAD_FIELDS,
+    MODEL,
+    OMEGA_I,
+    OMEGA_O,
+    ORBIT_RATE,
+    PACKED,
+    axial_stiffness,
+    race_equilibrium,
+    unpack_ball_state,
+)
+from bearingwear.kernels.steady_balance import LAST_BIT
+from bearingwear.kernels.thrust import MOST_ROUNDING
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import Bare, friction_law
+from bearingwear.solvers.effects.choice import asymmetries
+
+LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost off
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Balls and inner race in equilibrium."""
+
+    status: int
+    delta: np.ndarray  # (3,) displacement (axial, Y, Z) of the inner race [m]
+    states: list[BallState]  # one, standing for all, where the scene is symmetric
+    stiffness: float  # axial [N/m]
+    race_residual: float  # force left unbalanced on the inner race, recomputed [N]
+
+
+@dataclass(frozen=True)
+class RaceControlProblem:
+    """A scene as the race-control kernels see it."""
+
+    g: Geometry
+    op: OperatingPoint
+    constant_force: bool
+    F: np.ndarray  # (3,) load on the inner race (axial, Y, Z) [N]
+    delta_a: float  # static displacement under the initial preload alone [m]
+    tilt: float  # [rad]
+    D: np.ndarray  # (n,) worn diameters; one entry where the scene is symmetric [m]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "RaceControlProblem":
+        g, operation = parameters.geometry(scene), scene.operation
+        F_y, F_z = operation.radial_load_N
+        F = np.array([operation.preload_N, F_y, F_z + operation.rotating_load_N], dtype=float)
+        D = parameters.ball_diameters(scene)
+        return cls(
+            g=g,
+            op=parameters.operating_point(scene),
+            constant_force=operation.preload_method == "constant_force",
+            F=F,
+            delta_a=parameters.static_place(scene),
+            tilt=operation.tilt_mrad * 1e-3,
+            D=D if asymmetries(scene) else D[:1],
+        )
+
+    def where_bare(self, scene: Scene, bare: Bare) -> "RaceControlProblem":
+        """The problem of a scene in some of whose contacts no film is left."""
+        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
+
+    @property
+    def psi(self) -> np.ndarray:
+        """Azimuth of the balls solved; the first stands at +Z [rad]."""
+        return 2.0 * np.pi * np.arange(len(self.D)) / self.g.n_balls
+
+    def balance(self, models: np.ndarray, Omega: float = 0.0) -> Balance:
+        """Equilibrium with the kinematics model of each ball (n,), of ORBIT at Omega [rad/s]."""
+        op, load = self.op, self.load(models[0], Omega)
+        if len(self.D) == 1:
+            return self.thrust_balance(load)
+        loads = np.zeros((len(self.D), LOAD_FIELDS))
+        loads[:, MODEL], loads[:, ORBIT_RATE] = models, Omega
+        loads[:, OMEGA_I], loads[:, OMEGA_O] = op.omega_i, op.omega_o
+        packed_states = np.empty((len(self.D), PACKED))
+        delta = np.array([self.delta_a, 0.0, 0.0])
+        if self.constant_force and self.F[0] > 0.0:
+            # Worn balls: start where the thrust alone would press the race to.
+            delta[0], _ = thrust_equilibrium(
+                self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
+            )
+        first = 0 if self.constant_force else 1
+        status, _, stiffness = race_equilibrium(
+            self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, packed_states
+        )
+        states = [unpack_ball_state(row) for row in packed_states]
+        return Balance(
+            status=status,
+            delta=delta,
+            states=states,
+            stiffness=axial_stiffness(stiffness),
+            race_residual=self.unbalanced(states),
+        )
+
+    def load(self, model: int, Omega: float = 0.0) -> BallLoad:
+        """Load of a ball by its kinematics model, of ORBIT at Omega [rad/s]."""
+        return BallLoad(
+            kinematics_model=int(model),
+            Omega=Omega,
+            omega_i=self.op.omega_i,
+            omega_o=self.op.omega_o,
+            P_x=0.0,
+            P_r=0.0,
+            T_i=0.0,
+            T_o=0.0,
+        )
+
+    def thrust_balance(self, load: BallLoad) -> Balance:
+        """Equilibrium of a symmetric scene, one ball standing for all."""
+        n = self.g.n_balls
+        delta_a, state = thrust_equilibrium(
+            self.g, self.D[0], load, self.F[0], self.delta_a, self.constant_force, cold_start()
+        )
+        status, residual = state.status, 0.0
+        if self.constant_force:
+            residual = abs(n * state.F_ix - self.F[0])
+            if status == code.OK and residual > MOST_ROUNDING * n * max(state.Q_i, state.Q_o):
+                status = code.NOT_CONVERGED  # the load of the ball jumps past the spring's
+        return Balance(
+            status=status,
+            delta=np.array([delta_a, 0.0, 0.0]),
+            states=[state],
+            stiffness=n * state.S_xx,
+            race_residual=residual,
+        )
+
+    def reason(self) -> int:
+        """Status of a scene that has no equilibrium under race control.
+
+        The same balls without the friction forces that carry their gyroscopic moments hang on
+        springs and have an equilibrium, or are loose.
+        """
+        op, alpha0 = self.op, self.g.alpha0
+        k = race_control(
+            OUTER_CONTROL, op.omega_i, op.omega_o, self.g.D0 / self.g.dm, alpha0, alpha0
+        )
+        without = self.balance(np.full(len(self.D), ORBIT), k.Omega)
+        if without.status == code.NOT_CONVERGED and unseated(without.states):
+            return code.RACE_UNSEATED
+        return code.NO_RACE_CONTROL if without.status == code.OK else without.status
+
+    def unbalanced(self, states: list[BallState]) -> float:
+        """Force left on the inner race, summed anew from the balls' forces [N]."""
+        axial = np.array([s.F_ix for s in states])
+        radial = np.array([s.F_ir for s in states])
+        sums = np.array(
+            [axial.sum(), -(radial * np.sin(self.psi)).sum(), (radial * np.cos(self.psi)).sum()]
+        )
+        return float(np.abs(sums - self.F)[0 if self.constant_force else 1 :].max())
+
+
+def unseated(states: list[BallState]) -> bool:
+    """Whether the inner race has come off a ball, or nearly so."""
+    light = LIGHT_LOAD * max(s.Q_i for s in states)
+    return any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states)
+
+
+def outer_controls(state: BallState) -> bool:
+    """Whether the spin moment of the outer contact holds the ball (theory.md Eq. 23)."""
+    a_i = semi_axis(state.hertz_i.c_a, state.Q_i)
+    a_o = semi_axis(state.hertz_o.c_a, state.Q_o)
+    outer = state.Q_o * a_o * state.hertz_o.E * math.cos(state.alpha_i - state.alpha_o)
+    return outer > state.Q_i * a_i * state.hertz_i.E
+
+
+def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
+    """Equilibrium with the controlling race of each ball chosen by the spin-moment check.
+
+    All balls start under outer control; those that fail the check, or all if that has no
+    equilibrium, go over to inner control and stay there. Where that has none (a friction force on
+    a ball without load), the equilibrium found before is kept.
+
+    Returns
+    -------
+    Balance
+    models : ndarray (n,)
+        OUTER_CONTROL or INNER_CONTROL of each ball.
+    """
+    models = np.full(len(problem.D), OUTER_CONTROL)
+    balance = problem.balance(models)
+    if balance.status == code.NOT_CONVERGED:
+        # Where the outer race cannot carry the gyroscopic moments there is no such equilibrium.
+        models = np.full(len(problem.D), INNER_CONTROL)
+        balance = problem.balance(models)
+        if balance.status == code.NOT_CONVERGED:
+            balance = replace(balance, status=problem.reason())
+        return balance, models
+    while True:
+        failed = [
+            j
+            for j, state in enumerate(balance.states)
+            if models[j] == OUTER_CONTROL and state.Q_i > 0.0 and not outer_controls(state)
+        ]
+        if not failed:
+            return balance, models
+        changed = models.copy()
+        changed[failed] = INNER_CONTROL
+        found = problem.balance(changed)
+        if found.status == code.NOT_CONVERGED:
+            return balance, models
+        balance, models = found, changed
+
+
+def geometric_status(states: list[BallState], D: np.ndarray) -> int:
+    """OK where every loaded contact lies within its groove and is small against its ball."""
+    for state, diameter in zip(states, D, strict=True):
+        loaded = (
+            (state.Q_i, state.alpha_i, state.hertz_i),
+            (state.Q_o, state.alpha_o, state.hertz_o),
+        )
+        for Q, alpha, hertz in loaded:
+            if Q > 0.0 and not abs(alpha) < 0.5 * math.pi:
+                return code.BEYOND_GROOVE
+            if semi_axis(hertz.c_a, Q) >= LARGEST_AXIS * 0.5 * diameter:
+                return code.OUTSIDE_HERTZ_RANGE
+    return code.OK
+
+
+def load_rounding(g: Geometry, state: BallState) -> float:
+    """Relative error of a ball's loads by the rounding of its position; 0 without loads [1].
+
+    A light load's deformation is a small difference of large lengths.
+    """
+    loads = ((state.Q_i, state.hertz_i.K, g.r_i), (state.Q_o, state.hertz_o.K, g.r_o))
+    return max(1.5 * LAST_BIT * r / contact_approach(K, Q) if Q > 0.0 else 0.0 for Q, K, r in loads)

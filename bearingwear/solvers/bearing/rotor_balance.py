@@ -1,0 +1,173 @@
+"""The balance of a rotor between two bearings, solved for its place."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.solvers.condition import USABLE, SolvedBearing
+
+ROTOR_BALANCED = 1e-12  # force left on the rotor, over the larger one, where its place is found
+_MOST_STEPS = 40
+_STEEPER = 1e3  # a secant within this of the slope of a trial is believed
+_FASTER = 2.0  # steps of a rotor that runs away are so many times as long
+_NARROW = 1e-9  # of a place: a range in which a force does not change but jumps
+_STALLED = 3  # trials without gain after which it is rounding that is left, where that is
+_LIGHT = 1e-5  # of the forces at the most
+GONE = (code.CONTACT_LOST, code.PRELOAD_GONE)
+
+
+@dataclass(frozen=True)
+class RotorTrial:
+    """Both bearings at a place of the rotor, and what is left of its balance."""
+
+    states: tuple[SolvedBearing, SolvedBearing]
+    left: float  # [N]
+    slope: float  # of `left`, about [N/m]
+    scale: float  # of the forces [N]
+
+
+@dataclass
+class Nearby:
+    """What earlier balances tell the next one.
+
+    Attributes
+    ----------
+    steeper : float
+        Slope of what is left over that of a trial.
+    """
+
+    steeper: float = 1.0
+    place: float = math.nan  # that was found last [m]
+    losses: np.ndarray = field(default_factory=lambda: np.zeros(2))  # there [m]
+    slope: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the place by the losses
+
+    @property
+    def known(self) -> bool:
+        """Whether a place was found."""
+        return not math.isnan(self.place)
+
+    def at(self, losses: tuple[float, float]) -> float:
+        """The place to expect [m]."""
+        return self.place + float(self.slope @ (losses - self.losses))
+
+    def found(self, losses: tuple[float, float], place: float) -> None:
+        """Remember a place, and its slope by Broyden's rule."""
+        moved = losses - self.losses
+        if self.known and moved.any():
+            self.slope += (place - self.at(losses)) / (moved @ moved) * moved
+        self.losses, self.place = np.array(losses), place
+
+    def forget(self) -> None:
+        """Start anew after a balance that was not found."""
+        self.place, self.steeper, self.slope = math.nan, 1.0, np.zeros(2)
+
+
+@dataclass
+class _Secants:
+    """Steps of the rotor towards its balance.
+
+    The force left rises with the position of a rotor that stays. Where it falls the rotor runs
+    away, and so do the steps.
+    """
+
+    nearby: Nearby
+    runs_away: bool = False
+    before: tuple[float, float] | None = None
+    low: float = -math.inf  # nearest places where too little, and too much, is left
+    high: float = math.inf
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the residual changes sign without a root in between."""
+        largest = max(abs(self.low), abs(self.high))
+        return math.isfinite(largest) and 0.0 <= self.high - self.low <= _NARROW * largest
+
+    def step(self, x: float, found: RotorTrial) -> float:
+        """From a trial at a place [m]."""
+        left, slope = found.left, self.nearby.steeper * found.slope
+        if self.before is not None and x != self.before[0]:
+            secant = (left - self.before[1]) / (x - self.before[0])
+            nearer, turned = abs(left) < abs(self.before[1]), left * self.before[1] < 0.0
+            self.runs_away = secant < 0.0 and not nearer
+            if nearer or turned:
+                near = found.slope / _STEEPER < secant < _STEEPER * found.slope
+                slope = secant if near else found.slope
+        self.nearby.steeper = slope / found.slope
+        self.before = x, left
+        self.low, self.high = (self.low, x) if left > 0.0 else (x, self.high)
+        if self.runs_away:
+            return -_FASTER * left / found.slope
+        if not self.low < x - left / slope < self.high and self.low < self.high:
+            return 0.5 * (self.low + self.high) - x
+        return -left / slope
+
+
+def balanced(
+    trial: Callable[[float], RotorTrial | int],
+    x: float,
+    rounded: float,
+    nearby: Nearby,
+    tolerance: float = ROTOR_BALANCED,
+) -> tuple[float, RotorTrial | int]:
+    """The place of balance: Newton's method with the slope of a trial, then secants.
+
+    Light loads reach rounding before they balance; the check afterwards says by how much.
+
+    Parameters
+    ----------
+    trial : callable
+        Of a place [m]; or a status.
+    x : float
+        The start [m].
+    rounded : float
+        Step that changes nothing [m].
+    nearby : Nearby
+        Its steepness is taken for the first step, and renewed.
+    tolerance : float
+        Force left, over the larger one.
+
+    Returns
+    -------
+    x, found
+        The place, and the trial there or the status of what failed.
+    """
+    secants, stalled = _Secants(nearby), 0
+    best: tuple[float, RotorTrial] | None = None
+    for _ in range(_MOST_STEPS):
+        found = trial(x)
+        lost = found if isinstance(found, int) else failed_status(found.states)
+        if isinstance(found, int) or lost != code.OK:
+            return x, code.NO_STEADY_STATE if secants.runs_away else lost
+        if best is None or abs(found.left) < abs(best[1].left):
+            best, stalled = (x, found), 0
+        else:
+            stalled += 1
+        if abs(found.left) <= tolerance * found.scale:
+            return x, found
+        step = secants.step(x, found)
+        good = abs(best[1].left) <= _LIGHT * best[1].scale
+        if abs(step) <= rounded or secants.jumps or (good and stalled >= _STALLED):
+            break
+        x += step
+    assert best is not None
+    if abs(best[1].left) <= _LIGHT * best[1].scale:
+        return best
+    nowhere = secants.runs_away or secants.jumps
+    return x, code.NO_STEADY_STATE if nowhere else code.NOT_CONVERGED
+
+
+def worse_status(states: Sequence[SolvedBearing]) -> int:
+    return next((state.status for state in states if state.status != code.OK), code.OK)
+
+
+def failed_status(states: Sequence[SolvedBearing]) -> int:
+    """Why there is no balance: a side that alone lost its contact has lifted off."""
+    failed = [state.status for state in states if state.status not in USABLE]
+    if not failed:
+        return code.OK
+    if len(failed) < len(states) and failed[0] in GONE:
+        return code.LIFTED_OFF
+    return failed[0]

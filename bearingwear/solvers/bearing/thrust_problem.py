@@ -1,0 +1,181 @@
+"""A thrust-loaded bearing as the steady kernels see it."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.ellipse import Rule, most_points
+from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
+from bearingwear.kernels.params import Geometry, OperatingPoint
+from bearingwear.kernels.search import settled_elsewhere
+from bearingwear.kernels.steady_balance import (
+    BalanceProblem,
+    Preload,
+    ThrustBearing,
+    balance_problem,
+)
+from bearingwear.kernels.thrust import ThrustCase, thrust_case
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import Bare, friction_law
+
+FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
+VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
+STABILITY_POINTS = 512
+LIKE_STATE = 1e-2  # share of the speeds by which one state may differ between two rules
+UNSETTLED = (code.NOT_CONVERGED, code.NO_STEADY_STATE, code.UNVERIFIED, code.CONTACT_LOST)
+SEARCH_SLIP = 3e-3  # least regularisation of the search for others, as a share of the same speed
+SAME_STATE = 1e-4  # relative difference below which two steady states are one
+
+
+@dataclass(frozen=True)
+class ThrustProblem:
+    """A thrust-loaded scene as kernels see it; built once and solved for many wear states."""
+
+    g: Geometry
+    op: OperatingPoint
+    preload: Preload
+    rule: Rule
+    fine_rule: Rule
+    search_rule: Rule
+    traction: bool  # in the balance of normal forces
+
+    @classmethod
+    def of(cls, scene: Scene) -> "ThrustProblem":
+        g = parameters.geometry(scene)
+        F_x = float(scene.operation.preload_N)
+        rule, fine_rule = parameters.quadrature(scene), parameters.quadrature(scene, refined=4)
+        constant_force = scene.operation.preload_method == "constant_force"
+        preload = Preload(
+            constant_force=constant_force, F_x=F_x, delta_a=parameters.static_place(scene)
+        )
+        op, search_rule = parameters.operating_point(scene), parameters.search_rule(scene)
+        traction = scene.model.traction_bears
+        return cls(g, op, preload, rule, fine_rule, search_rule, traction)
+
+    def bearing(self, D: float) -> ThrustBearing:
+        """The bearing with balls of diameter D [m]."""
+        return ThrustBearing(
+            g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
+        )
+
+    def where_bare(self, scene: Scene, bare: Bare) -> "ThrustProblem":
+        """The problem of a scene in some of whose contacts no film is left."""
+        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
+
+    def balance(self, D: float) -> BalanceProblem:
+        """The equations of motion of a ball of diameter D [m]."""
+        return balance_problem(self.bearing(D), self.rule, self.traction)
+
+    def kinematic_start(self, kinematics_model: int) -> np.ndarray:
+        """(w_x, w_y, w_z, Omega) of race control at the free contact angle [rad/s]."""
+        g, op = self.g, self.op
+        k = race_control(kinematics_model, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0)
+        return np.array(
+            [k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega]
+        )
+
+    def solve(self, D: float, start: np.ndarray | None = None) -> ThrustCase:
+        """Steady state with balls of diameter D [m], from a state nearby or without one."""
+        case = self._solve(D, start, self.rule, self.fine_rule)
+        if self.rule.split and case.status in UNSETTLED:
+            # With a tiny v_r the sums jump where points gather anew: no state may fit them.
+            n = most_points(self.rule)
+            m = self.rule.across.size
+            sizes = [(n, m), (4 * n, m) if m == 1 else (2 * n, 2 * m)]
+            rules = (parameters.ellipse_rule("gauss", *size) for size in sizes)
+            held = self._solve(D, start, *rules)
+            if held.status not in UNSETTLED:
+                return held._replace(held=True)
+        return case
+
+    def _solve(self, D: float, start: np.ndarray | None, rule: Rule, fine: Rule) -> ThrustCase:
+        op = self.op
+        if start is not None:
+            u, v_start = start, op.v_r
+        else:
+            u = self.kinematic_start(OUTER_CONTROL)
+            v_start = VISCOUS_START * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o)
+        return thrust_case(self.bearing(D), rule, fine, u, v_start, FRICTION_TOLERANCE)
+
+    @property
+    def without_finer(self) -> "ThrustProblem":
+        """The problem without the finer copies that the checks compare with."""
+        return replace(self, fine_rule=self.rule)
+
+    def perturbed(self, scene: Scene) -> "tuple[ThrustProblem, ThrustProblem]":
+        """The problem with half the regularisation, and with twice the points, `without_finer`."""
+        halved = replace(self, op=self.op._replace(v_r=0.5 * self.op.v_r))
+        twice = replace(self, rule=parameters.quadrature(scene, refined=2))
+        return halved.without_finer, twice.without_finer
+
+    def undetermined(self) -> int:
+        """Status that is known before any solve, or OK."""
+        op = self.op
+        if not max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:
+            return code.UNDETERMINED
+        if self.preload.constant_force and self.preload.F_x == 0.0:
+            return code.PRELOAD_GONE
+        return code.OK
+
+    def linear_motion(self, D: float, case: ThrustCase) -> np.ndarray:
+        """Derivative (4, 4) of the rates of (w_x, w_y, w_z, Omega) by these, at the state [1/s]."""
+        m = ball_mass(self.g.rho, D)
+        inertia = np.array([ball_inertia(m, D)] * 3 + [m * case.r**2])
+        return case.jacobian / inertia[:, None]
+
+    def time_scales(self, D: float, case: ThrustCase) -> np.ndarray:
+        """Eigenvalues (4,) of the ball's linearised motion about the state [1/s]."""
+        return np.linalg.eigvals(self.linear_motion(D, case))
+
+    def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
+        """Whether a small disturbance of the state decays.
+
+        With a tiny v_r the slowest motions are damped in narrow places where the slip reverses,
+        which few points may miss. A state that seems unstable is checked again with many.
+
+        Parameters
+        ----------
+        scales : ndarray (4,), optional
+            The state's `time_scales`, if they are known.
+        """
+        if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
+            return True
+        many = parameters.ellipse_rule("split", STABILITY_POINTS, self.rule.across.size)
+        again = replace(self, rule=many, fine_rule=many).solve(D, start=case.u)
+        same = np.abs(again.u - case.u).max() <= LIKE_STATE * np.abs(case.u).max()
+        return bool(
+            again.status == code.OK and same and self.time_scales(D, again).real.max() < 0.0
+        )
+
+    def other_states(self, D: float, case: ThrustCase, stable: bool, most: int) -> list[ThrustCase]:
+        """Steady states other than `case` (`stable` or not), searched for over the orbit rate.
+
+        At most so many motions are tried as a start, those nearest to rolling first.
+        """
+        if most == 0:
+            return []
+        op, found = self.op, [case]
+        v_r = max(op.v_r, SEARCH_SLIP * 0.5 * self.g.dm * abs(op.omega_i - op.omega_o))
+        rules = self.rule, self.search_rule
+        args = case.delta_a, case.u, not stable, most
+        for u in settled_elsewhere(self.bearing(D), *rules, v_r, *args):
+            # Newton may go on from a motion that had not settled to a state that is known.
+            if is_new(u, found):
+                other = self.solve(D, start=u)
+                if other.status == code.OK and is_new(other.u, found):
+                    found.append(other)
+        others = found[1:]
+        if len(others) > 1:
+            rolling = self.kinematic_start(OUTER_CONTROL)[3]
+            others.sort(key=lambda c: abs(c.u[3] - rolling))
+        return others
+
+
+def is_new(u: np.ndarray, found: list[ThrustCase]) -> bool:
+    """Whether a motion (4,) is none of the states found."""
+    near = SAME_STATE * np.abs(u).max()
+    return all(np.abs(u - case.u).max() > near for case in found)

@@ -1,0 +1,1 @@
+"""A bearing that moves in time."""

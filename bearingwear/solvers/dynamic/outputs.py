@@ -1,0 +1,185 @@
+"""Variables of a dynamic case: averages over its window, accounts, histories."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels.bearing_model import BearingModel
+from bearingwear.kernels.record import (
+    AXIAL,
+    CAGE_SPEED,
+    CENTRIFUGAL,
+    DRAG_POWER,
+    INNER_RACE_TORQUE,
+    POSITION,
+    PRELOAD,
+    RADIUS,
+    SHIFT,
+    SPEED,
+    STIFFNESS,
+    TILT,
+    History,
+    Sums,
+)
+from bearingwear.kernels.summary import ANGLE, PRESSURE, QV
+from bearingwear.kernels.thrust import skid_ratio
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import Films, pressure_of_load
+from bearingwear.solvers.bearing.outputs import contact_values
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.windows import TimeRun, wear_per_joule
+
+
+def window_values(scene: Scene, run: TimeRun) -> dict:
+    """Averages and accounts between the opening of the last window and now."""
+    system, sums, bearing = run.system, run.recorder.sums, run.system.bearing
+    now, then = system.snapshot(), run.opening
+    time, integrals = now.time - then.time, now.integrals - then.integrals
+    count = sums.count[0]
+    contacts, loads = sums.contacts / count, run.loads
+    contacts[:, :, QV] = integrals[: contacts[:, :, QV].size].reshape(-1, 2) / time
+    if run.grid.is_periodic:
+        contacts[:] = contacts.mean(axis=0)
+        sums.ball[:] = sums.ball.mean(axis=0)
+        sums.slip[:] = sums.slip.mean(axis=1, keepdims=True)
+        loads = loads.of_each_alike()
+    values = averages(scene, bearing, sums, contacts) | {
+        "maximum_pressure": loads.largest_pressure(contacts[:, :, PRESSURE], count),
+        "maximum_contact_load": loads.largest,
+        "minimum_contact_load": loads.smallest,
+        "unloaded_share": loads.unloaded / count,
+    }
+    change = {key: value - then.energy[key] for key, value in now.energy.items()}
+    values |= account_values(change, system.energy()["kinetic"])
+    if scene.cage is not None:
+        speed, momentum_rate = sums.bearing[CAGE_SPEED] / count, now.momentum - then.momentum
+        add_cage_values(scene, system, integrals, time, values)
+        values |= {"cage_speed": speed, "cage_momentum_rate": momentum_rate / time}
+    return values
+
+
+def averages(
+    scene: Scene, bearing: BearingModel, sums: Sums, contacts: np.ndarray
+) -> dict[str, Any]:
+    """Means over the instants of a window.
+
+    Parameters
+    ----------
+    contacts : ndarray (n, 2, COLUMNS)
+        Means of the contacts' summaries.
+    """
+    count, D = sums.count[0], bearing.D
+    ball, whole = sums.ball / count, sums.bearing / count
+    motion = np.ascontiguousarray(ball[:, :RADIUS])
+    r = ball[:, RADIUS]
+    values = contact_values(scene, bearing.g, bearing.op, D, motion, r, contacts, ball[:, AXIAL])
+    skids = [
+        skid_ratio(bearing.op, *contacts[j, :, ANGLE], 0.5 * D[j], r[j], u)
+        for j, u in enumerate(motion)
+    ]
+    return values | {
+        "gyroscopic_slip": sums.slip[0] / count,
+        "rolling_slip": sums.slip[1] / count,
+        "axial_displacement": whole[SHIFT],
+        "residual_preload": whole[PRELOAD],
+        "shaft_torque": whole[INNER_RACE_TORQUE],
+        "drag_power": whole[DRAG_POWER],
+        "axial_stiffness": whole[STIFFNESS],
+        "centrifugal_force": ball[:, CENTRIFUGAL],
+        "equilibrium_residual": sums.residual[0],
+        "skid_ratio": np.mean(skids),
+    }
+
+
+def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
+    """Gap of the energy account, and the shares of the terms left out.
+
+    Parameters
+    ----------
+    change : dict
+        Of each term of `DynamicSystem.energy` over the window [J].
+    kinetic : float
+        Energy at its end [J].
+    """
+    supplied = change.pop("supplied")
+    lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
+    # Without friction there is no heat to compare with; rounding goes by the kinetic energy.
+    scale = max(lost, 1e-6 * kinetic)
+    return {
+        "energy_account_error": (supplied - sum(change.values())) / scale,
+        "coriolis_energy_share": change["coriolis"] / scale,
+        "azimuth_energy_share": change["azimuth"] / scale,
+    }
+
+
+def add_cage_values(
+    scene: Scene,
+    system: DynamicSystem,
+    integrals: np.ndarray,
+    time: float,
+    values: dict[str, Any],
+) -> None:
+    """Add torques, heat and wear of the cage, and what its pockets wear off the balls.
+
+    Parameters
+    ----------
+    integrals : ndarray
+        Of the state over the window, from the first of them on.
+    time : float
+        Its length [s].
+    """
+    p, offset, D = system.layout, system.layout.qv, system.bearing.D
+    pockets = integrals[p.pockets - offset : p.land - offset] / time
+    assert scene.cage is not None
+    cage_rate = wear_per_joule(scene, scene.cage.material)
+    ball_rate = wear_per_joule(scene, scene.bearing.ball_material)
+    values["ball_wear_rate"] = values["ball_wear_rate"] + ball_rate * pockets
+    values["ball_diameter_loss_rate"] = values["ball_diameter_loss_rate"] + np.mean(
+        2.0 * ball_rate * pockets / (math.pi * D**2)
+    )
+    values |= {
+        "cage_wear_rate": cage_rate * pockets.sum(),
+        "pocket_wear_rate": cage_rate * pockets,
+        "cage_land_wear_rate": cage_rate * integrals[p.land - offset] / time,
+        "cage_friction_heat": integrals[p.cage_heat - offset] / time,
+        "mean_pocket_torque": integrals[p.pocket_torque - offset] / time,
+        "mean_land_torque": integrals[p.land_torque - offset] / time,
+        "mean_gravity_torque": integrals[p.gravity_torque - offset] / time,
+    }
+
+
+def histories(scene: Scene, history: History, length: int) -> dict:
+    """Variables of the instants kept, the first `length` of them."""
+    log = History._make(column[:length] for column in history)
+    ball, race = parameters.wear_factors(scene)
+    films = Films.of(scene)
+    worn_by = log.qv
+    if films.exponent:
+        worn_by = log.qv * films.pressed(pressure_of_load(scene, log.load))
+    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
+    values = {
+        "time": log.time,
+        "history_contact_load": log.load,
+        "history_slip": log.slip,
+        "history_contact_qv": log.qv,
+        "history_orbit_lead": log.lead,
+        "history_residual_preload": log.preload,
+        "history_race_displacement": log.displacement,
+        "history_ball_wear_rate": ball
+        * (worn_by.sum(axis=2) + in_pocket / ball * log.pocket_power),
+        "history_race_wear_rate": race * worn_by.sum(axis=1),
+    }
+    if scene.cage is None:
+        return values
+    cage = wear_per_joule(scene, scene.cage.material)
+    return values | {
+        "history_cage_position": log.cage[:, POSITION : POSITION + 3],
+        "history_cage_tilt": log.cage[:, TILT : TILT + 3],
+        "history_cage_speed": log.cage[:, SPEED],
+        "history_pocket_force": log.force[:, :-2],
+        "history_land_force": log.force[:, -2:],
+        "history_cage_pocket_wear_rate": cage * log.pocket_power.sum(axis=1),
+        "history_cage_land_wear_rate": cage * log.land_power,
+    }

@@ -1,0 +1,148 @@
+"""From a scene to what stays the same while its bearing moves."""
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from bearingwear.kernels.ball import ball_mass
+from bearingwear.kernels.bearing_model import BearingModel
+from bearingwear.kernels.cage import INNER_LAND, NO_LAND, OUTER_LAND, CageModel
+from bearingwear.kernels.hertz import INNER, OUTER, point_contact, race_contact
+from bearingwear.kernels.params import Geometry
+from bearingwear.kernels.state import state_layout
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
+
+HERTZ_INTERVALS = 64
+LIGHT_IMPACT = 1e-3  # of the cage's surface speed
+RAMP = 0.2  # of the depth of a light impact
+
+
+def cage_of(scene: Scene) -> CageModel:
+    """Geometry, inertia and contact laws of a scene's cage, or the absence of one."""
+    c = scene.cage
+    if c is None:
+        nothing: dict[str, Any] = dict.fromkeys(CageModel._fields, 1.0)
+        vectors = {"gravity": (0.0, 0.0, 0.0), "turning": (0.0, 0.0)}
+        return CageModel(**nothing | vectors | {"present": False, "land": NO_LAND})
+    b = scene.bearing
+    material = scene.materials[c.material]
+    ball, race = scene.materials[b.ball_material], scene.materials[b.race_material]
+    MM = parameters.MM
+    r_i, r_o = 0.5 * c.inner_diameter_mm * MM, 0.5 * c.outer_diameter_mm * MM
+    width = c.width_mm * MM
+    R, clearance = 0.5 * b.ball_diameter_mm * MM, 0.5 * c.pocket_clearance_mm * MM
+    # A ring less its pockets; the pockets take the same share of mass and inertia.
+    ring = math.pi * (r_o**2 - r_i**2) * width
+    pockets = b.ball_count * math.pi * (R + clearance) ** 2 * (r_o - r_i)
+    mass = material.density_kg_m3 * (ring - pockets)
+    # Ball in a concave cylinder. Without clearance Hertz' ellipse would be a ring: 1e-3 R is added.
+    pocket = R + max(clearance, 1e-3 * R)
+    hertz = point_contact(
+        0.5 * (1.0 / R - 1.0 / pocket),
+        0.5 / R,
+        parameters.contact_modulus(ball, material),
+        math.nan,
+    )
+    land = {"outer": OUTER_LAND, "inner": INNER_LAND, "ball": NO_LAND}[c.guiding_race]
+    E_star = parameters.contact_modulus(race, material)
+    k_land = scene.model.land_stiffness_factor * 0.25 * math.pi * E_star * 0.5 * width
+    # A light impact sets the scale of depth in such a contact.
+    operation = scene.operation
+    speed = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm)) * parameters.RPM
+    impact = LIGHT_IMPACT * 0.25 * b.pitch_diameter_mm * MM * speed
+    m_ball = ball_mass(ball.density_kg_m3, 2.0 * R)
+    m_eff = m_ball * mass / (m_ball + mass)
+    g_x, g_y, g_z = operation.gravity_m_s2
+    return CageModel(
+        present=True,
+        mass=mass,
+        gravity=(float(g_x), float(g_y), float(g_z)),
+        imbalance=c.imbalance_um * 1e-6,
+        I_x=0.5 * mass * (r_i**2 + r_o**2),
+        I_t=mass * (3.0 * (r_i**2 + r_o**2) + width**2) / 12.0,
+        clearance=clearance,
+        K_pocket=hertz.K,
+        land=land,
+        radius=r_i if land == INNER_LAND else r_o,
+        gap=0.5 * c.guide_clearance_mm * MM,
+        half_width=0.5 * width,
+        k_land=k_land,
+        mu=float(scene.friction.cage),
+        v_r=float(scene.friction.slip_regularisation_m_s),
+        damping_pocket=pocket_damping(c.restitution),
+        # Both edges share the mass of a cage that meets the land squarely.
+        damping_land=math.sqrt(0.5) * land_damping(c.restitution),
+        ramp_pocket=max(RAMP * (1.25 * m_eff * impact**2 / hertz.K) ** 0.4, 1e-9),
+        ramp_land=max(RAMP * impact * math.sqrt(mass / k_land), 1e-9),
+        turning=(0.0, 0.0),  # see DynamicSystem.of
+    )
+
+
+def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
+    """Hertz factors K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact at a contact angle."""
+    hertz = race_contact(g, race, D, cos_alpha, math.nan)
+    return hertz.K, hertz.c_a, hertz.c_b
+
+
+def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
+    """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
+
+    They depend on the angle so weakly that the spline is exact to rounding. Solving Hertz' equation
+    each time would take a third of a step's time.
+
+    Parameters
+    ----------
+    factors_of : callable
+        As `exact_factors`, or an approximation of it.
+
+    Returns
+    -------
+    ndarray (n, 2, HERTZ_INTERVALS, 12)
+        See quasistatic.hertz_at.
+    """
+    cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
+    powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)
+    table = np.empty((len(D), 2, HERTZ_INTERVALS, 12))
+    splines: dict[float, np.ndarray] = {}
+    for j, diameter in enumerate(D):
+        if diameter not in splines:
+            factors = np.array(
+                [[factors_of(g, race, diameter, c) for c in cosine] for race in (INNER, OUTER)]
+            )
+            c = CubicSpline(cosine, factors, axis=1).c  # (4, intervals, race, factor)
+            c = c * powers[:, None, None, None]
+            splines[diameter] = np.moveaxis(c, (2, 1, 3, 0), (0, 1, 2, 3)).reshape(2, -1, 12)
+        table[j] = splines[diameter]
+    return table
+
+
+def bearing_model(scene: Scene) -> BearingModel:
+    """Bearing, loads and speeds of a scene."""
+    g, operation = parameters.geometry(scene), scene.operation
+    D = parameters.ball_diameters(scene)
+    mass = ball_mass(g.rho, D)
+    F_y, F_z = operation.radial_load_N
+    cage = cage_of(scene)
+    return BearingModel(
+        g=g,
+        op=parameters.operating_point(scene),
+        D=D,
+        mass=mass,
+        inertia=0.1 * mass * D**2,
+        hertz=hertz_table(g, D),
+        axial_is_held=operation.preload_method != "constant_force",
+        F_x=float(operation.preload_N),
+        F_y=float(F_y),
+        F_z=float(F_z),
+        F_rot=float(operation.rotating_load_N),
+        tilt=operation.tilt_mrad * 1e-3,
+        cage=cage,
+        traction=scene.model.traction_bears,
+        rule=parameters.quadrature(scene),
+        points=parameters.spread_points(scene),
+        layout=state_layout(len(D), cage.present),
+    )

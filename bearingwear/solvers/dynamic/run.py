@@ -1,0 +1,367 @@
+"""Solve a scene by the dynamic model: start, run until settled, averages, histories, checks."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.integrators import ROSENBROCK
+from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.dynamic.outputs import histories, window_values
+from bearingwear.solvers.dynamic.periodic import PeriodicMotion, periodic_motion
+from bearingwear.solvers.dynamic.stability import is_marched_instead
+from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
+from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, INTEGRATORS, RunGrid, TimeRun
+from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.effects.motion import is_found_periodic
+from bearingwear.solvers.estimates import DOUBLED, MEASURED, changed, halved_part, measured, summed
+from bearingwear.solvers.interrupt import Interrupt
+from bearingwear.solvers.start import Start, start_of, thrust_alone
+from bearingwear.solvers.steady import steady_answers
+
+_LARGEST_RESIDUAL = 1e-6  # of the contact load; the solver leaves less
+LOOSER = 10.0  # times the tolerance of a step, to see its error
+TIGHTEST = 1e-4  # tolerance of a step: no looser in such a run
+DRIFT = 4.0  # times the observed drift, because slower processes hide behind it
+_SCATTER = 4.0  # standard errors of a mean; many, as the turns are few and not independent
+LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
+TIGHTER = 100.0  # times as tight, after a run whose energy account does not close
+TIGHTEST_RUN = 1e-9  # no run is tightened further from here
+MOSTLY_LONGEST = 4.0  # times the fewest steps: with fewer the longest is shortened as well
+MOST_TRIES = 50_000  # steps: longer runs are not repeated
+
+
+def solve_dynamic(
+    scene: Scene,
+    restart: Mapping[str, Any] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[dict, dict]:
+    """Values and attributes of a dynamic run.
+
+    Parameters
+    ----------
+    scene : Scene
+    restart : mapping, optional
+        `state` and `time` where another run of the same scene ended (its `final_state`,
+        `final_time`).
+    progress : callable, optional
+        Called every few seconds with a line that says how far the run has come.
+
+    Returns
+    -------
+    values, attrs : dict
+        Averages over the evaluated window under the names of the steady solution, histories of the
+        whole run, checks.
+    """
+    start, tolerance, longest = start_of(scene), scene.model.dynamic_tolerance, 1.0
+    while True:
+        values, attrs = run_of(scene, start, restart, progress, tolerance, longest)
+        open_account = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
+        tries = values.get("steps_accepted", 0) + values.get("steps_rejected", 0)
+        if not open_account or tries > MOST_TRIES or tolerance < TIGHTEST_RUN:
+            return values, attrs
+        # With next to no friction, or balls off the inner race, errors that hardly change the slip
+        # change the heat, or work that goes to and fro and is far larger than it.
+        tolerance /= TIGHTER
+        if tries * longest < MOSTLY_LONGEST * STEPS_PER_TURN * values["simulated_turns"]:
+            longest /= TIGHTER ** (1.0 / ROSENBROCK.order)
+        if progress is not None:
+            error = values["energy_account_error"]
+            progress(f"energy account {error:.1e} of the heat: again, with tolerance {tolerance:g}")
+
+
+def begin(
+    scene: Scene, start: Start, restart: Mapping[str, Any] | None
+) -> tuple[DynamicSystem, str]:
+    """The system as a run begins, and what that is in words."""
+    system = DynamicSystem.of(scene, start.u)
+    if restart is None:
+        return system, start.kind
+    try:
+        system.unpack(np.asarray(restart["state"], dtype=float), float(restart["time"]))
+    except ValueError as error:
+        with_cage = "without" if scene.cage is None else "with"
+        raise NotAvailable(
+            f"{scene.name}: restart: got a {error}, expected one that was solved "
+            f"{with_cage} the cage, as this run is"
+        ) from None
+    return system, f"the end of a run at {system.time:.6g} s"
+
+
+@dataclass(frozen=True)
+class LastWindow:
+    """How the last window of a run ended."""
+
+    status: int
+    turns: float
+    slopes: np.ndarray | None  # see `Trend.slopes`
+    settled: bool
+    to_land: float  # turns until the cage meets its land, see `Trend.turns_to_land`
+
+
+def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interrupt) -> LastWindow:
+    """Simulate window by window until the averages have settled or the turns are used up.
+
+    Parameters
+    ----------
+    slow : float
+        Slow time scale in shaft turns, 0 if not known.
+    """
+    for length in run.grid.windows:
+        turns = length / run.grid.points * run.grid.turns
+        status = run.window(length, interrupt)
+        if status != code.OK:
+            return LastWindow(
+                status=status, turns=turns, slopes=None, settled=False, to_land=math.inf
+            )
+        slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
+        settled = (
+            is_settled(slopes, slow, turns, scene.model.settled_drift) and to_land > FAR_FROM_LAND
+        )
+        if settled and length == run.grid.window:
+            break
+    return LastWindow(status=status, turns=turns, slopes=slopes, settled=settled, to_land=to_land)
+
+
+def run_of(
+    scene: Scene,
+    start: Start,
+    restart: Mapping[str, Any] | None,
+    progress: Callable[[str], None] | None,
+    tolerance: float,
+    longest: float,
+) -> tuple[dict, dict]:
+    """One run of `solve_dynamic` with this tolerance and longest step, see `TimeRun`."""
+    system, kind = begin(scene, start, restart)
+    values: dict = {
+        "status": system.diagnose(system.update()),
+        "ball_diameter_loss": system.bearing.g.D0 - system.bearing.D,
+        "initial_axial_displacement": system.buffers.rest[0],
+    }
+    attrs: dict = {"residual": "not solved", "start": kind}
+    if values["status"] != code.OK:
+        return values, attrs
+    slow = start.scales.get("slow_time_scale", 0.0) / system.turn
+    motion = grid = None
+    if is_found_periodic(scene):
+        motion, attrs["start"] = kept_periodic(scene, system, tolerance, kind)
+        if motion is not None:
+            grid = RunGrid.of_orbit(scene, motion, system.turn)
+            values |= motion.growth.values if motion.growth else {}
+        elif scene.model.dynamic_solution == "periodic":
+            attrs["residual"] = "not solved: no periodic motion was found"
+            return values | {"status": code.NOT_CONVERGED}, attrs
+    begun = system.packed(), system.time
+    with Interrupt() as interrupt:
+        run = TimeRun(scene, system, progress, tolerance, grid, longest)
+        if restart is not None or motion is not None:
+            system.unpack(*begun)  # what compiles first has moved it
+        last = run_until_settled(scene, run, slow, interrupt)
+        if last.status != code.OK:
+            stopped = {"status": system.diagnose(last.status), "final_time": system.time}
+            attrs["residual"] = f"not solved; the run stopped at {system.time:.6g} s"
+            return values | stopped | run.counts(0.0), attrs
+        # First of all, because whatever else looks at the end changes the last bits.
+        final_state = system.packed()
+    values |= window_values(scene, run) | start.scales | run.counts(last.turns)
+    if last.slopes is not None:
+        values |= drifts(last.slopes)
+    if run.keeps_history:
+        values |= histories(scene, run.recorder.history, run.done)
+    values |= {"final_state": final_state, "final_time": system.time}
+    residual, account = values["equilibrium_residual"], values["energy_account_error"]
+    if residual <= _LARGEST_RESIDUAL and abs(account) <= LARGEST_ACCOUNT:
+        values |= dynamic_error_estimates(scene, run, start, slow, last.turns, motion)
+    else:
+        values["status"] = system.diagnose(code.UNVERIFIED)
+    attrs |= {
+        "residual": (
+            f"normal balance {residual:.1e} of the contact load, allowed {_LARGEST_RESIDUAL:.0e}; "
+            f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
+        ),
+        "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),
+        "integrator": integrator_sentence(scene, run, tolerance),
+    }
+    return values, attrs
+
+
+def kept_periodic(
+    scene: Scene, system: DynamicSystem, tolerance: float, kind: str
+) -> tuple[PeriodicMotion | None, str]:
+    """The periodic motion that a run records, unless there is none or it is left; and the start."""
+    begun = system.packed(), system.time
+    motion = found_periodic(scene, system, tolerance)
+    if motion is None:
+        return None, kind
+    if is_marched_instead(scene, motion.growth):
+        system.unpack(*begun)
+        return None, f"{kind}; a periodic motion was found and left, {motion.told}"
+    return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
+
+
+def drifts(slopes: np.ndarray) -> dict[str, float]:
+    """What QV and wear rate still change by in a turn."""
+    qv_drift, wear_drift, *_ = slopes
+    return {"qv_drift_per_turn": qv_drift, "wear_rate_drift_per_turn": wear_drift}
+
+
+def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
+    """With which tolerance it went, and why with another than the one asked for."""
+    asked = scene.model.dynamic_tolerance
+    tightened = "" if tolerance == asked else f": the energy account did not close with {asked:g}"
+    return f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}"
+
+
+def dynamic_error_estimates(
+    scene: Scene,
+    run: TimeRun,
+    start: Start,
+    slow: float,
+    turns: float,
+    motion: PeriodicMotion | None,
+) -> dict[str, Any]:
+    """Estimated numerical errors of a dynamic run; empty where none can be found.
+
+    The end of the last window is run again with each setting of accuracy changed. That misses what
+    a ball's spin axis takes hundreds of turns to do. So the steady state under the thrust alone is
+    solved with that setting as well, if there is one, and the larger change counts. A periodic
+    motion is found anew with each setting, which misses nothing.
+    """
+    slopes = run.trend.slopes()
+    if slopes is None:
+        return {}
+    system, bearing = run.system, run.system.bearing
+    v_r = 0.5 * bearing.op.v_r
+    halved = {
+        "op": bearing.op._replace(v_r=v_r),
+        "cage": bearing.cage._replace(v_r=v_r),
+    }
+    twice = {
+        "rule": parameters.quadrature(scene, refined=2),
+        "points": parameters.spread_points(scene, refined=2),
+    }
+    # A new regularisation disturbs every ball; tight steps through that would take long.
+    tolerance = max(run.tolerance, TIGHTEST)
+    other = min(LOOSER * tolerance, 1.0) if motion is None else tolerance / TIGHTER
+    settings: tuple[tuple[dict, float], ...] = (
+        ({}, tolerance),
+        (halved, tolerance),
+        (twice, tolerance),
+        ({}, other),
+    )
+    found = [
+        rerun(scene, system.variant(**changes), run, tolerance, motion)
+        for changes, tolerance in settings
+    ]
+    answers = [values for values in found if values is not None]
+    if len(answers) < len(found):
+        return {}
+    now, with_half, with_twice, with_other = answers
+    by_half = halved_part(now, with_half)
+    by_steps = math.sqrt(run.tolerance / tolerance) * changed(now, with_other)
+    if motion is not None:
+        by_steps *= DOUBLED
+    else:
+        by_half = np.maximum(by_half, thrust_part(scene, start.case))
+    parts = [
+        by_half,
+        DOUBLED * changed(now, with_twice),
+        by_steps,
+    ]
+    drift = DRIFT * np.abs(slopes) * max(slow, turns) + _SCATTER * run.trend.scatter()
+    qv, _, balls, both, preload, torque = drift
+    return summed([*parts, np.array([qv, preload, balls, both, torque, torque])])
+
+
+def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
+    """Change of the steady state under the thrust alone by half the regularisation (6,)."""
+    if case is None or case.status != code.OK:
+        return np.zeros(MEASURED)
+    thrust = thrust_alone(scene)
+    problem, D = ThrustProblem.of(thrust), float(parameters.ball_diameters(scene).mean())
+    halved, _ = problem.perturbed(thrust)
+    other = halved.solve(D, start=case.u)
+    if other.status != code.OK:
+        return np.zeros(MEASURED)
+    return halved_part(*steady_answers(thrust, problem, D, [case, other]))
+
+
+def rerun(
+    scene: Scene,
+    system: DynamicSystem,
+    run: TimeRun,
+    tolerance: float,
+    motion: PeriodicMotion | None,
+) -> np.ndarray | None:
+    """What `measured` finds over a short stretch, see `RunGrid.short`; None if it fails."""
+    state, time = run.before_last_turn
+    grid = run.grid
+    if motion is None:
+        system.unpack(state, time)
+    else:
+        system.unpack(state, motion.time)
+        system.balls[:] = motion.balls
+        again = found_periodic(scene, system, tolerance, motion)
+        if again is None:
+            return None
+        grid = RunGrid.of_orbit(scene, again, system.turn)
+    short = grid.short(scene, system.time, system.turn)
+    with Interrupt() as interrupt:
+        shorter = TimeRun(scene, system, None, tolerance, short)
+        if shorter.window(short.total, interrupt) != code.OK:
+            return None
+    return measured(window_values(scene, shorter), scene.bearing.ball_count)
+
+
+def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: float) -> bool:
+    """Whether what is left of the drift, over the slow time scale, no longer matters.
+
+    Parameters
+    ----------
+    slow, turns : float
+        Slow time scale and length of the window in shaft turns.
+    allowed : float
+        Largest change still to come, relative.
+    """
+    return slopes is not None and bool(np.abs(slopes[:2]).max() * max(slow, turns) <= allowed)
+
+
+def found_periodic(
+    scene: Scene,
+    system: DynamicSystem,
+    tolerance: float,
+    near: PeriodicMotion | None = None,
+) -> PeriodicMotion | None:
+    """The periodic motion near a system's state; the system moves to it, if there is one."""
+    begun, method = (system.packed(), system.time), INTEGRATORS[scene.model.integrator]
+    motion = periodic_motion(system, tolerance, method, near)
+    system.unpack(*begun)
+    if motion is not None:
+        system.balls[:] = motion.balls
+    return motion
+
+
+def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
+    """Sentence on how well a motion repeats itself."""
+    drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} a turn"
+    return (
+        f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
+        f"{motion.error:.1e} of the largest speed; {motion.told}{drift}"
+    )
+
+
+def settled_sentence(last: LastWindow) -> str:
+    """Sentence on how settled the averages are."""
+    if last.slopes is None:
+        return "not known: fewer than three whole turns were evaluated"
+    verdict = "settled" if last.settled else "not settled; the turns were used up"
+    said = f"{verdict}: QV drifts {last.slopes[0]:+.1e}, wear {last.slopes[1]:+.1e} a turn"
+    if last.to_land <= FAR_FROM_LAND:
+        said += f"; the cage drifts towards its land, which is {last.to_land:.0f} turns away"
+    return said

@@ -1,0 +1,343 @@
+"""The dynamic model: state of balls, cage and inner race of a scene, and its integration."""
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.bearing_model import BearingModel, buffers, load_at
+from bearingwear.kernels.cage import INNER_LAND, NO_LAND, cage_energy
+from bearingwear.kernels.cage_contacts import cage_contacts
+from bearingwear.kernels.cage_law import ELASTIC
+from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
+from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA, Tableau, stages
+from bearingwear.kernels.kinematics import ORBIT
+from bearingwear.kernels.profile import STORED
+from bearingwear.kernels.quasistatic import HERTZ_K
+from bearingwear.kernels.race import (
+    LOAD_FIELDS,
+    MODEL,
+    ORBIT_RATE,
+    PACKED,
+    race_equilibrium,
+    unpack_ball_state,
+)
+from bearingwear.kernels.record import (
+    Recorder,
+    TimeGrid,
+    advance_and_record,
+    empty_history,
+    empty_sums,
+)
+from bearingwear.kernels.state import (
+    BALL,
+    CAGE,
+    CENTRE,
+    MOMENTUM,
+    OMEGA,
+    PSI,
+    ROTATION,
+    VELOCITY,
+    W_X,
+    StateLayout,
+)
+from bearingwear.kernels.step_control import StepControl, Tally
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.race_control_problem import unseated
+from bearingwear.solvers.dynamic.parts import bearing_model
+
+CAGE_LAG = 0.01  # share by which the cage turns slower than the balls at the start
+_FIRST_STEP = 1e-4  # of a shaft turn
+HARDLY_SQUEEZED = 0.01  # of the cage's elastic energy in its usual place
+STEPS_PER_TURN = 20  # at the least: a ball's loads change with its azimuth
+TOLERANCE = 1e-3  # of the mean slip, see step_control.step_error
+_ONLY_READY = -1  # intervals to simulate: none, but buffers and rates are brought to the state
+POSE = np.r_[CENTRE : CENTRE + 3, ROTATION : ROTATION + 3]  # states of the cage
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Integrals and energies at one instant of a run, for differences."""
+
+    time: float  # [s]
+    integrals: np.ndarray
+    energy: dict[str, float]  # see `DynamicSystem.energy`
+    momentum: float  # of the cage about the bearing axis [kg m2/s]
+
+
+@dataclass
+class DynamicSystem:
+    """State of balls, cage and inner race of a scene, and its integration in time."""
+
+    bearing: BearingModel
+    y: np.ndarray
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        bearing, n = self.bearing, len(self.bearing.D)
+        self.buffers = buffers(n, bearing.rule, bearing.points, bearing.traction)
+        self.stages = stages(n, self.layout)
+        self.dy = np.zeros(self.y.size)
+        self.h = _FIRST_STEP * self.turn
+        self.cage_has_room = True
+
+    @classmethod
+    def of(cls, scene: Scene, u: np.ndarray) -> "DynamicSystem":
+        """Every ball of a scene moving as u = (w_x, w_y, w_z, Omega), evenly spaced."""
+        bearing = bearing_model(scene)
+        system = cls(bearing, np.zeros(bearing.layout.size))
+        n = len(bearing.D)
+        system.balls[:, W_X : OMEGA + 1] = u
+        system.balls[:, PSI] = 2.0 * math.pi * np.arange(n) / n
+        system.buffers.rest[0] = parameters.static_place(scene)
+        system.buffers.balls.delta[:] = system.buffers.rest
+        if bearing.cage.present:
+            if bearing.cage.land == INNER_LAND and bearing.F_rot:
+                cage = bearing.cage._replace(turning=system.turning_displacement())
+                system.bearing = bearing._replace(cage=cage)
+            system.place_cage()
+        return system
+
+    def turning_displacement(self) -> tuple[float, float]:
+        """Displacement (Y, Z) of the race by the rotating load alone, now [m]; zero if it fails."""
+        balls, found = self.buffers.balls, []
+        for bearing in (self.bearing._replace(F_rot=0.0), self.bearing):
+            if free_equilibrium(self.time, self.y, bearing, self.buffers) != code.OK:
+                return 0.0, 0.0
+            found.append(balls.delta[1:].copy())
+        y, z = (found[1] - found[0]).tolist()
+        return y, z
+
+    def variant(self, **changes) -> "DynamicSystem":
+        """The same bearing with some fields of its model replaced; `unpack` gives it a state."""
+        other = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
+        other.buffers.rest[:] = self.buffers.rest
+        other.buffers.balls.delta[:] = other.buffers.rest
+        return other
+
+    def place_cage(self) -> None:
+        """The cage at the start: every ball in the middle of its pocket, the cage slower.
+
+        Its centre hangs below the axis by half of its clearance. A cage that is centred
+        and turns with the balls would never touch anything. Load or tilt may move the balls out of
+        their plane, so that they squeeze a cage in that place. It then starts where it is squeezed
+        least; if that is hardly less, the cage has no room.
+        """
+        balls, contacts, z = self.buffers.balls, self.buffers.cage, self.cage_state
+        cage = self.bearing.cage
+        free_equilibrium(self.time, self.y, self.bearing, self.buffers)
+        z[:] = 0.0
+        room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
+        z[CENTRE] = balls.X[:, 0].mean()
+        z[CENTRE + 2] = -0.5 * room
+        if cage.land == INNER_LAND:
+            z[CENTRE + 1 : CENTRE + 3] += balls.delta[1:]
+        middle = z[POSE] + np.r_[0.0, 0.0, cage.imbalance, 0.0, 0.0, 0.0]
+
+        def squeezed(shift: np.ndarray) -> float:
+            z[POSE] = middle + shift * scale
+            cage_contacts(self.y, self.bearing, balls, contacts)
+            return float(contacts.sums[ELASTIC])
+
+        scale = np.zeros(6)
+        energy = squeezed(scale)
+        if energy > 0.0:
+            scale[:] = contacts.approach.max()
+            scale[3:] /= cage.radius
+            least = minimize(lambda shift: squeezed(shift) / energy, np.zeros(6)).x
+            self.cage_has_room = squeezed(least) <= HARDLY_SQUEEZED * energy
+        momentum = cage.I_x * (1.0 - CAGE_LAG) * self.balls[:, OMEGA].mean()
+        z[MOMENTUM : MOMENTUM + 3] = momentum * contacts.R[:, 0]
+
+    @property
+    def layout(self) -> StateLayout:
+        """Offsets into the state vector `y`."""
+        return self.bearing.layout
+
+    @property
+    def turn(self) -> float:
+        """Duration of a shaft turn, or of a turn of the faster race [s]."""
+        m = self.bearing.op
+        return 2.0 * math.pi / max(abs(m.omega_i), abs(m.omega_o))
+
+    @property
+    def balls(self) -> np.ndarray:
+        """States (n, 5) of the balls: w_x, w_y, w_z, Omega, psi; a view."""
+        n = len(self.bearing.D)
+        return self.y[: BALL * n].reshape(n, BALL)
+
+    @property
+    def cage_state(self) -> np.ndarray:
+        """State (12,) of the cage, if there is one; a view."""
+        return self.y[self.layout.cage : self.layout.cage + CAGE]
+
+    @property
+    def qv(self) -> np.ndarray:
+        """Time integral of QV (n, 2), inner and outer contact of each ball [J]; a view."""
+        return self.y[self.layout.qv : self.layout.pockets].reshape(-1, 2)
+
+    def update(self) -> int:
+        """Bring buffers and rates to this instant; returns the status of the equilibrium."""
+        status = self.simulate(self.control(method=RUNGE_KUTTA), 0.0, _ONLY_READY).status
+        self.dy[:] = self.stages.rates[0]
+        return status
+
+    def diagnose(self, status: int) -> int:
+        """The status, or one that gives a reason where it gives none.
+
+        It is found at the last state that had an equilibrium: balls and race without the cage, from
+        a safe start.
+        """
+        if status == code.TOO_STIFF and not self.cage_has_room:
+            return code.CAGE_JAMMED
+        if status not in (code.NOT_CONVERGED, code.UNVERIFIED):
+            return status
+        bearing, buf, n = self.bearing, self.buffers, len(self.bearing.D)
+        loads = np.zeros((n, LOAD_FIELDS))
+        loads[:, MODEL], loads[:, ORBIT_RATE] = ORBIT, self.balls[:, OMEGA]
+        load_at(bearing, self.time, buf.balls.F)
+        rows, delta = np.empty((n, PACKED)), buf.rest.copy()
+        alone, *_ = race_equilibrium(
+            bearing.g,
+            bearing.D,
+            loads,
+            self.balls[:, PSI].copy(),
+            buf.balls.F,
+            bearing.tilt,
+            int(bearing.axial_is_held),
+            delta,
+            rows,
+        )
+        if alone not in (code.OK, code.NOT_CONVERGED):
+            return int(alone)
+        if unseated([unpack_ball_state(row) for row in rows]):
+            return code.RACE_UNSEATED
+        if status == code.NOT_CONVERGED and alone == code.OK and bearing.cage.present:
+            return code.CAGE_JAMMED
+        return status
+
+    def snapshot(self) -> Snapshot:
+        """Time, integrals, energies and the cage's angular momentum now."""
+        energy = self.energy()
+        return Snapshot(
+            time=self.time,
+            integrals=self.y[self.layout.qv :].copy(),
+            energy=energy,
+            momentum=self.cage_momentum() if self.bearing.cage.present else 0.0,
+        )
+
+    def rates(self) -> np.ndarray:
+        """Time derivative of the state now; also brings the buffers up to date."""
+        self.update()
+        return self.dy
+
+    def control(
+        self,
+        tolerance: float = TOLERANCE,
+        method: Tableau = ROSENBROCK,
+        longest: float | None = None,
+    ) -> StepControl:
+        """How to integrate this system."""
+        return StepControl(
+            method=method,
+            tolerance=float(tolerance),
+            longest=longest or self.turn / STEPS_PER_TURN,
+        )
+
+    def advance(self, duration: float, *options, **named) -> Tally:
+        """Integrate, with options of `control`; the status of the tally says if that went well."""
+        tally = self.simulate(self.control(*options, **named), duration)
+        self.time, self.h = tally.time, tally.h
+        return tally
+
+    def simulate(self, control: StepControl, duration: float, intervals: int = 1) -> Tally:
+        """Move the state on from this instant; time and first step stay as they are."""
+        grid = TimeGrid(origin=self.time, dt=duration, first=0)
+        of = (self.y, self.bearing, self.buffers, self.stages)
+        return advance_and_record(control, grid, 0, intervals, self.h, *of, self._unread)
+
+    @functools.cached_property
+    def _unread(self) -> Recorder:
+        """For records that nobody reads: one kernel, half a minute to compile, serves all runs."""
+        n, integrals = len(self.bearing.D), self.layout.size - self.layout.qv
+        sums = empty_sums(n, self.bearing.rule, np.zeros(1), integrals)
+        return Recorder(sums=sums, history=empty_history(1, n), keep=False)
+
+    def parts(self, h: np.ndarray) -> tuple[np.ndarray, ...]:
+        """All arrays that a run goes on from, the next step h (1,) among them."""
+        balls = self.buffers.balls
+        return self.y, h, self.buffers.cage.R0, balls.X, balls.delta
+
+    def packed(self) -> np.ndarray:
+        """State from which a run continues as if it had not stopped; see `unpack`."""
+        return np.concatenate([np.ravel(part) for part in self.parts(np.array([self.h]))])
+
+    def unpack(self, state: np.ndarray, time: float) -> None:
+        """Continue from the state that `packed()` held at `time`."""
+        h = np.empty(1)
+        parts = self.parts(h)
+        if state.size != sum(part.size for part in parts):
+            raise ValueError(f"state of {state.size} numbers where {len(self.packed())} are")
+        at = 0
+        for part in parts:
+            part[...] = state[at : at + part.size].reshape(part.shape)
+            at += part.size
+        self.h, self.time = float(h[0]), time
+        # Kept, because the equilibrium starts from the last positions.
+        self.buffers.balls.factors[:] = 0.0
+
+    def cage_momentum(self) -> float:
+        """Angular momentum of the cage about the bearing axis [kg m2/s]."""
+        z = self.cage_state
+        _, y, z_centre = z[CENTRE : CENTRE + 3]
+        _, v_y, v_z = z[VELOCITY : VELOCITY + 3]
+        return float(z[MOMENTUM] + self.bearing.cage.mass * (y * v_z - z_centre * v_y))
+
+    def energy(self) -> dict[str, float]:
+        """Terms of the energy account now (theory.md Eq. 26) [J].
+
+        Over any stretch the change of `supplied` is that of the sum of all others.
+        """
+        self.update()
+        bearing, balls, cage = self.bearing, self.buffers.balls, self.buffers.cage
+        y, layout = self.y, self.layout
+        w, Omega = self.balls[:, :OMEGA], self.balls[:, OMEGA]
+        free = np.array([bearing.g.r_i, bearing.g.r_o]) - 0.5 * bearing.D[:, None]
+        to_inner, to_outer = balls.A - balls.X, balls.X
+        lengths = np.column_stack([np.hypot(*to_inner.T), np.hypot(*to_outer.T)])
+        d = np.maximum(lengths - free, 0.0)
+        r = bearing.g.R_o + balls.X[:, 1]
+        orbit = bearing.mass * r**2 * Omega**2
+        cage_kinetic = weight_work = 0.0
+        if bearing.cage.present:
+            z = self.cage_state
+            cage_kinetic = cage_energy(bearing.cage, z, cage.R)
+            weight_work = bearing.cage.mass * np.dot(bearing.cage.gravity, z[CENTRE : CENTRE + 3])
+        races = STORED * (balls.factors[:, :, HERTZ_K] * d**2.5).sum()
+        return {
+            "supplied": (
+                y[layout.shaft]
+                + balls.delta @ (balls.F * self.load_mask)
+                - y[layout.load]
+                + weight_work
+            ),
+            "heat": y[layout.heat],
+            "drag": y[layout.drag],
+            "cage heat": y[layout.cage_heat],
+            "damping": y[layout.damping],
+            "kinetic": 0.5 * (bearing.inertia * (w**2).sum(axis=1) + orbit).sum() + cage_kinetic,
+            "elastic": races + cage.sums[ELASTIC],
+            "coriolis": -(orbit.sum() - y[layout.turning]),
+            "azimuth": -y[layout.azimuth],
+            "hertz": -y[layout.hertz],
+            "traction": y[layout.traction],
+        }
+
+    @property
+    def load_mask(self) -> np.ndarray:
+        """1 for the translations in which the load does work, 0 where the race is held."""
+        return np.array([0.0 if self.bearing.axial_is_held else 1.0, 1.0, 1.0])

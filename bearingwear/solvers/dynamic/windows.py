@@ -1,0 +1,363 @@
+"""A dynamic run: windows of recorded time, their trend, lines of progress."""
+
+import math
+import time as clock
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.cage import INNER_LAND, NO_LAND
+from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.record import (
+    INNER_RACE_TORQUE,
+    POSITION,
+    PRELOAD,
+    Recorder,
+    TimeGrid,
+    advance_and_record,
+    clear,
+    empty_history,
+    empty_sums,
+)
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import Archard
+from bearingwear.solvers.bearing.outputs import strip_centres
+from bearingwear.solvers.dynamic.periodic import PeriodicMotion
+from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
+from bearingwear.solvers.interrupt import Interrupt
+
+INTEGRATORS = {"rosenbrock": ROSENBROCK, "runge_kutta": RUNGE_KUTTA}
+REPORT_EVERY = 3.0  # seconds of wall time between lines of progress
+FAR_FROM_LAND = 200.0  # turns: a cage that drifts to its land more slowly counts as settled
+RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
+FEWEST_OF_TREND = 3  # turns, or passings of a periodic motion
+_SIGNIFICANT = 3.0  # standard errors of a slope
+SHORT = 16  # turns of the run for each that is run again
+RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ in cost
+
+
+class Trend:
+    """Straight lines through the values of successive turns, without keeping them.
+
+    QV, wear of all parts, of the balls, of balls and races, preload, shaft torque; last the room
+    between the cage and its land, as a share of their clearance.
+
+    Parameters
+    ----------
+    turns : float
+        That each value is of; a turn, or a passing of a periodic motion.
+    """
+
+    def __init__(self, turns: float = 1.0) -> None:
+        self.turns = turns
+        self.sums = np.zeros(3)  # 1, k, k^2
+        self.values = np.zeros((3, 7))  # (value, k value, value^2) of each
+
+    def add(self, values: np.ndarray) -> None:
+        k = self.sums[0]
+        self.sums += (1.0, k, k * k)
+        self.values += [values, k * values, values * values]
+
+    @property
+    def known(self) -> bool:
+        """Whether there are as many turns as a trend needs."""
+        return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
+
+    def slopes(self) -> np.ndarray | None:
+        """Relative change a turn of each but the room (6,); None if not `known`."""
+        n, k, kk = self.sums
+        total, weighted, _ = self.values[:, :-1]
+        if not self.known:
+            return None
+        mean = np.where(total != 0.0, total / n, 1.0)
+        return (n * weighted - k * total) / (n * kk - k * k) / mean / self.turns
+
+    def scatter(self) -> np.ndarray:
+        """Standard error of each mean, relative, were the turns independent (6,)."""
+        n = self.sums[0]
+        mean, square = self.values[0, :-1] / n, self.values[2, :-1] / n
+        variance = np.maximum(square - mean * mean, 0.0) / max(n - 1.0, 1.0)
+        return np.sqrt(variance) / np.where(mean != 0.0, np.abs(mean), 1.0)
+
+    def turns_to_land(self) -> float:
+        """Turns until the cage meets its land if it drifts on; infinite where it does not drift."""
+        n, k, kk = self.sums
+        total, weighted, square = self.values[:, -1]
+        if n < 3:
+            return math.inf
+        spread = kk - k * k / n
+        slope = (weighted - k * total / n) / spread
+        rest = max(square - total * total / n - slope * slope * spread, 0.0)
+        error = math.sqrt(rest / ((n - 2.0) * spread))
+        left = total / n + 0.5 * slope * (n - 1.0)
+        if left <= RIDING or -slope <= _SIGNIFICANT * error:
+            return math.inf
+        return -left / slope
+
+
+def wear_per_joule(scene: Scene, material: str) -> float:
+    """Worn volume per normal force times slip [m3/J]."""
+    m = scene.materials[material]
+    return Archard(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA).rate(1.0)
+
+
+def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:
+    """Weights (4, m) that turn the time integrals of the state [J] into QV and worn volumes.
+
+    Rows: QV in the contacts of balls and races [J]; wear of all parts, of the balls, of balls and
+    races [m3].
+    """
+    p = system.layout
+    ball, race = parameters.wear_factors(scene)
+    in_pocket = wear_per_joule(scene, scene.bearing.ball_material)
+    cage = wear_per_joule(scene, scene.cage.material) if scene.cage else 0.0
+    weights = np.zeros((4, p.size - p.qv))
+    contacts, pockets = slice(0, p.pockets - p.qv), slice(p.pockets - p.qv, p.land - p.qv)
+    weights[0, contacts] = 1.0
+    weights[1:, contacts] = np.array([[ball + race], [ball], [ball + race]])
+    weights[1:, pockets] = np.array([[in_pocket + cage], [in_pocket], [in_pocket]])
+    weights[1, p.land - p.qv] = cage
+    return weights
+
+
+class LoadRange:
+    """Loads of each contact over the instants of a window: largest, smallest, how often none."""
+
+    def __init__(self, balls: int) -> None:
+        self.largest = np.zeros((balls, 2))
+        self.smallest = np.full((balls, 2), np.inf)
+        self.unloaded = np.zeros((balls, 2))  # instants
+        self.roots = np.zeros((balls, 2))  # sum of the loads' cube roots: pressure goes by them
+
+    def add(self, loads: np.ndarray) -> None:
+        """Add loads (instants, n, 2) [N]."""
+        self.largest = np.maximum(self.largest, loads.max(axis=0))
+        self.smallest = np.minimum(self.smallest, loads.min(axis=0))
+        self.unloaded += (loads == 0.0).sum(axis=0)
+        self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
+
+    def of_each_alike(self) -> "LoadRange":
+        """The same where each does in turn what all do."""
+        alike = LoadRange(len(self.largest))
+        alike.largest[:] = self.largest.max(axis=0)
+        alike.smallest[:] = self.smallest.min(axis=0)
+        alike.unloaded[:] = self.unloaded.mean(axis=0)
+        alike.roots[:] = self.roots.mean(axis=0)
+        return alike
+
+    def largest_pressure(self, mean: np.ndarray, count: int) -> np.ndarray:
+        """Largest pressure (n, 2), given its mean over so many instants [Pa].
+
+        By Hertz' law for each contact. The contact angle, which the mean stands for, moves the
+        curvatures by a few thousandths at most.
+        """
+        of_mean = self.roots / count
+        ratio = np.cbrt(self.largest) / np.where(of_mean > 0.0, of_mean, 1.0)
+        return mean * np.where(of_mean > 0.0, ratio, 0.0)
+
+
+class _Progress:
+    """Lines of progress, no more often than every few seconds."""
+
+    def __init__(self, say: Callable[[str], None] | None, turns: float, turn: float) -> None:
+        self.say, self.turns, self.turn = say, turns, turn
+        self.begun = self.last = clock.monotonic()
+        self.recent = deque([(self.begun, 0.0)], maxlen=RECENT_REPORTS)  # clock, turns
+
+    def __call__(self, done: float, slopes: np.ndarray | None) -> None:
+        now = clock.monotonic()
+        if self.say is None or now - self.last < REPORT_EVERY:
+            return
+        self.last = now
+        then, before = self.recent[0]
+        self.recent.append((now, done))
+        left = (self.turns - done) * (now - then) / (done - before)
+        drift = "not known yet" if slopes is None else f"{slopes[0]:+.1e} a turn"
+        self.say(
+            f"{done:.0f} of {self.turns:.0f} turns, {1e3 * done * self.turn:.3g} ms simulated in "
+            f"{now - self.begun:.0f} s, about {left:.0f} s left, drift of QV {drift}"
+        )
+
+
+@dataclass(frozen=True)
+class RunGrid:
+    """Instants of a run: origin + k dt.
+
+    A continued run keeps to the grid of the first, so both take the steps of a single run.
+    """
+
+    points: int  # a shaft turn, or a passing of a periodic motion
+    dt: float  # [s]
+    origin: float  # [s]
+    first: int
+    total: int  # intervals to simulate
+    window: int  # intervals that averages are taken over
+    turns: float = 1.0  # that `points` take
+
+    @classmethod
+    def of(cls, scene: Scene, time: float, turn: float) -> "RunGrid":
+        points = scene.model.history_points_per_turn or STEPS_PER_TURN
+        dt = turn / points
+        total = max(1, round(scene.model.simulated_turns * points))
+        window = min(total, max(1, round(scene.model.averaged_turns * points)))
+        k = round(time / dt)
+        on_grid = k * dt == time
+        return cls(points, dt, 0.0 if on_grid else time, k if on_grid else 0, total, window)
+
+    @classmethod
+    def of_orbit(cls, scene: Scene, motion: PeriodicMotion, turn: float) -> "RunGrid":
+        """Passings of a periodic motion: an orbit for histories, else as many as show a trend."""
+        turns, balls = motion.passing / turn, len(motion.balls)
+        per_turn = scene.model.history_points_per_turn or STEPS_PER_TURN
+        points = math.ceil(per_turn * turns)
+        passings = balls if scene.model.history_points_per_turn else min(balls, FEWEST_OF_TREND)
+        whole = passings * points
+        return cls(points, motion.passing / points, motion.time, 0, whole, whole, turns)
+
+    def short(self, scene: Scene, time: float, turn: float) -> "RunGrid":
+        """Half a turn from that time, or less of a short run; of a periodic motion a passing."""
+        if self.is_periodic:
+            return replace(self, origin=time, total=self.points, window=self.points)
+        count = max(1, min(self.points // 2, self.total // SHORT))
+        model = replace(scene.model, simulated_turns=count / self.points, evaluated_turns=None)
+        return RunGrid.of(replace(scene, model=model), time, turn)
+
+    @property
+    def is_periodic(self) -> bool:
+        """Whether each ball does in turn what all of them do."""
+        return self.turns != 1.0
+
+    @property
+    def instants(self) -> TimeGrid:
+        """The same for the kernels."""
+        return TimeGrid(origin=self.origin, dt=self.dt, first=self.first)
+
+    @property
+    def windows(self) -> list[int]:
+        """Lengths of the stretches; what does not fill whole windows comes first."""
+        whole, left = divmod(self.total, self.window)
+        return [left] * (left > 0) + [self.window] * whole
+
+
+class TimeRun:
+    """A dynamic run of a scene.
+
+    `longest` is the longest step over the usual one, a twentieth of a turn.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        system: DynamicSystem,
+        progress: Callable[[str], None] | None,
+        tolerance: float | None = None,
+        grid: RunGrid | None = None,
+        longest: float = 1.0,
+    ):
+        model, layout, n = scene.model, system.layout, len(system.bearing.D)
+        self.system = system
+        self.grid = grid = grid or RunGrid.of(scene, system.time, system.turn)
+        self.tolerance = tolerance or model.dynamic_tolerance
+        self.control = system.control(
+            self.tolerance, INTEGRATORS[model.integrator], longest * system.turn / STEPS_PER_TURN
+        )
+        self.keeps_history = model.history_points_per_turn > 0
+        integrals = layout.size - layout.qv
+        self.recorder = Recorder(
+            sums=empty_sums(n, system.bearing.rule, strip_centres(scene.model.strips), integrals),
+            # without histories a turn of them is kept, for the range of the loads
+            history=empty_history(grid.total if self.keeps_history else grid.points, n),
+            keep=True,
+        )
+        self.loads = LoadRange(n)
+        self.room = 1.0  # of the cage, see `Trend`, over the stretch simulated last
+        self.weights = wear_weights(scene, system)
+        self.tally = np.zeros(4, dtype=int)  # steps accepted, rejected, evaluations, events
+        self.done = 0
+        self.trend = Trend(grid.turns)
+        self.before_last_turn: tuple[np.ndarray, float] = (np.empty(0), system.time)
+        self.advance(0)  # compiles before the clock of the progress starts
+        self.report = _Progress(progress, grid.total / grid.points * grid.turns, system.turn)
+
+    @property
+    def turns(self) -> float:
+        """Shaft turns simulated."""
+        return self.done / self.grid.points * self.grid.turns
+
+    def advance(self, count: int) -> int:
+        """Simulate a number of intervals; returns a status."""
+        system, instants, place = self.system, self.grid.instants, self.done
+        if not self.keeps_history:
+            assert count <= self.grid.points
+            instants, place = instants._replace(first=instants.first + place), 0
+        tally = advance_and_record(
+            self.control,
+            instants,
+            place,
+            count,
+            system.h,
+            system.y,
+            system.bearing,
+            system.buffers,
+            system.stages,
+            self.recorder,
+        )
+        system.time, system.h = tally.time, tally.h
+        self.tally += (tally.accepted, tally.rejected, tally.evaluations, tally.events)
+        if tally.status == code.OK:
+            self.done += count
+            if count:
+                self.loads.add(self.recorder.history.load[place : place + count])
+                self.room = self.land_room(slice(place, place + count))
+        return tally.status
+
+    def land_room(self, stretch: slice) -> float:
+        """Mean room of the cage to its land over instants of the history, over the clearance."""
+        cage, history = self.system.bearing.cage, self.recorder.history
+        if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
+            return 1.0
+        off = history.cage[stretch, POSITION + 1 : POSITION + 3].astype(float)
+        if cage.land == INNER_LAND:
+            off -= history.displacement[stretch, 1:]
+        return 1.0 - float(np.hypot(*off.T).mean()) / cage.gap
+
+    def window(self, length: int, interrupt: Interrupt) -> int:
+        """Simulate a window and record it; returns a status."""
+        integrals = self.system.y[self.system.layout.qv :]
+        sums, points = self.recorder.sums, self.grid.points
+        clear(sums)
+        self.loads = LoadRange(len(self.system.bearing.D))
+        before_last, self.trend = self.trend, Trend(self.grid.turns)
+        self.opening = self.system.snapshot()
+        for at in range(0, length, points):
+            count = min(points, length - at)
+            if at + points >= length:
+                self.before_last_turn = self.system.packed(), self.system.time
+            before, summed = integrals.copy(), sums.bearing.copy()
+            status = self.advance(count)
+            interrupt.check()
+            if status != code.OK:
+                return status
+            if count == points:
+                gained = integrals - before
+                preload, torque = (sums.bearing - summed)[[PRELOAD, INNER_RACE_TORQUE]]
+                self.trend.add(np.array([*self.weights @ gained, preload, torque, self.room]))
+            shown = self.trend if self.trend.known else before_last
+            self.report(self.turns, shown.slopes())
+        return code.OK
+
+    def counts(self, evaluated: float) -> dict:
+        """Variables on the effort of the run."""
+        accepted, rejected, evaluations, events = (int(number) for number in self.tally)
+        return {
+            "simulated_turns": self.turns,
+            "evaluated_turns": evaluated,
+            "steps_accepted": accepted,
+            "steps_rejected": rejected,
+            "evaluations": evaluations,
+            "contact_events": events,
+        }

@@ -1,0 +1,1 @@
+"""What a solve includes and leaves out: the choice of a model, sentences and warnings."""

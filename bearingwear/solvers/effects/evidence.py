@@ -1,0 +1,54 @@
+"""What warnings look at: a scene, and the states of its result."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.growth import part_temperatures
+from bearingwear.solvers.effects.choice import Choice
+from bearingwear.solvers.state import State
+
+INNER_SIDE, OUTER_SIDE = 0, 1
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A scene and a state of it; only its temperatures are known where it was not solved."""
+
+    scene: Scene
+    chosen: Choice
+    state: State
+    life: Mapping[str, Any] | None = None  # values of a life
+    case: Mapping[str, Any] | None = None  # values of a case
+
+    def contacts(self, name: str) -> np.ndarray:
+        """A variable in every contact (n, 2); NaN where it is not known."""
+        return np.atleast_2d(self.state.values.get(name, np.full(2, math.nan)))
+
+    def mean(self, name: str) -> float:
+        """The mean of a variable; NaN where it is not known."""
+        return float(np.mean(self.state[name]))
+
+
+_SOLVED = "contact_load", "contact_angle", "semi_major_axis", "maximum_pressure"
+
+
+def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
+    """A case, or the first and the last state of a life."""
+    status = int(values.get("status", -1))
+    prefix = "history_" if "end_criterion" in values else ""
+    found = values.get(prefix + "part_temperature", part_temperatures(scene))
+    warmth = {"part_temperature": np.atleast_2d(found)[-1]}
+    if not all(np.size(values.get(prefix + name, ())) for name in _SOLVED):
+        yield Evidence(scene, chosen, State(status, warmth))
+    elif not prefix:
+        yield Evidence(scene, chosen, State(status, warmth | dict(values)), case=values)
+    else:
+        along = {name[len(prefix) :]: one for name, one in values.items() if prefix in name}
+        for k in (0, -1):
+            state = {name: np.asarray(one)[k] for name, one in along.items()}
+            yield Evidence(scene, chosen, State(status, warmth | state), life=values)

@@ -1,0 +1,169 @@
+"""Estimates, before any solve, of what growth does to a fixed position, and their sentences."""
+
+import functools
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from bearingwear.kernels.params import Geometry
+from bearingwear.scene.scene import Arrangement, Scene
+from bearingwear.scene.warmth import expansion
+from bearingwear.solvers.bearing.fitted_hertz import fitted_displacement, fitted_preload
+from bearingwear.solvers.bearing.growth import (
+    Expansion,
+    Growth,
+    RingGrowth,
+    axial_change,
+    grown,
+    growth_of,
+    part_temperatures,
+)
+from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
+
+USUAL_BORE = 1.75
+"""Pitch diameter less bore over ball diameter that is assumed where no bore is given."""
+
+MOST_LEFT_OUT = 0.1
+"""Change of a fixed-position preload by growth that is left out, over the preload, assumed."""
+
+WARMER = 5.0
+"""Inner ring above the rest [K] in the warning, assumed."""
+
+Told = tuple[float | None, Mapping[str, Any]]
+"""A change over the negligible one (None for a fact), and what fills a warning."""
+
+_STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
+_COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
+
+
+def is_held(scene: Scene) -> bool:
+    """Whether the preload is that of a fixed position."""
+    return scene.operation.preload_method == "fixed_position"
+
+
+def preload_change(scene: Scene, growth: Growth) -> float:
+    """Change of a fixed-position preload at rest by growth, over the preload, estimated [1].
+
+    The unworn bearing at rest, by fitted Hertz factors; NaN without a preload.
+    """
+    a, F = scene.arrangement or Arrangement(), scene.operation.preload_N
+    if not F > 0.0:
+        return math.nan
+    return _preload_change(
+        mounted_geometry(scene), F, growth, (a.span_mm or 0.0) * MM, a.orientation
+    )
+
+
+@functools.lru_cache(maxsize=64)
+def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
+    """The same of a geometry as mounted; asked for several times in each solve."""
+    along = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
+    running = grown(g, growth, 0.0)
+    now = fitted_preload(running, along + axial_change(growth.heat, along, span, orientation))
+    return now / fitted_preload(g, along) - 1.0
+
+
+def assumed_bore(scene: Scene) -> float:
+    """Bore of the inner ring [m], usual for its balls where the scene does not say it."""
+    b = scene.bearing
+    usual = max(b.pitch_diameter_mm - USUAL_BORE * b.ball_diameter_mm, 0.0)
+    return MM * (usual if b.bore_mm is None else b.bore_mm)
+
+
+def change_at_speed(scene: Scene) -> float:
+    """Change of a fixed-position preload by the growth of the turning rings alone [1]."""
+    growth = growth_of(scene, assumed_bore(scene))
+    alone = Growth(_COLD, growth.inner._replace(fit=0.0), growth.outer._replace(fit=0.0))
+    return preload_change(scene, alone)
+
+
+def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
+    """Change of a fixed-position preload by an inner ring warmer than the rest [1]."""
+    strain = kelvin * expansion(scene, scene.bearing.race_material)
+    return preload_change(scene, Growth(_COLD._replace(inner_ring=strain), _STILL, _STILL))
+
+
+def _effect(scene: Scene, change: float) -> str:
+    if not is_held(scene):
+        return "of second order under a constant force"
+    if math.isnan(change):
+        return "its effect is not known before the solve"
+    percent = 100.0 * change
+    size = f"{percent:+.2g}" if abs(percent) < 10.0 else f"{percent:+.0f}"
+    return f"about {size} % of the preload at rest"
+
+
+def growth_told(scene: Scene) -> list[str]:
+    """Sentences on the growth that a solve includes or leaves out."""
+    b, o = scene.bearing, scene.operation
+    told = []
+    if o.shaft_speed_rpm or o.outer_speed_rpm:
+        size = _effect(scene, change_at_speed(scene))
+        if b.bore_mm is not None:
+            told.append(f"growth of the rings at speed: solved; {size}")
+        else:
+            bore = f"a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate"
+            told.append(
+                "growth of the rings at speed: left out, bearing.bore_mm is not given; "
+                + (f"{size} ({bore})" if is_held(scene) else size)
+            )
+    if o.outer_speed_rpm and b.outside_diameter_mm is None:
+        told.append(
+            "growth of the turning outer ring: left out, bearing.outside_diameter_mm is not given"
+        )
+    growth = growth_of(scene)
+    if scene.thermal is not None:
+        rough = "; conductances are known roughly, and so is the preload" if is_held(scene) else ""
+        told.append(f"temperature: of rings and balls, found from the friction heat{rough}")
+    elif scene.temperature is not None:
+        alone = Growth(growth.heat, _STILL, _STILL)
+        told.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")
+    elif is_held(scene):
+        size = _effect(scene, change_by_warm_ring(scene, 1.0))
+        told.append(f"temperature: left out; {size} for each K that the inner ring is warmer")
+    else:
+        told.append(f"temperature: left out; {_effect(scene, math.nan)}")
+    if scene.fits is not None:
+        alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
+        told.append(f"fits: solved; {_effect(scene, preload_change(scene, alone))}")
+    return told
+
+
+def growth_left_out(scene: Scene) -> Told | None:
+    """The warning of growth at speed that is left out at a fixed position."""
+    if scene.bearing.bore_mm is not None or not is_held(scene):
+        return None
+    change = change_at_speed(scene)
+    words = {"value": 100.0 * change, "bore": assumed_bore(scene) / MM}
+    return abs(change) / MOST_LEFT_OUT, words
+
+
+def temperature_left_out(scene: Scene) -> Told | None:
+    """The warning of temperatures that are left out at a fixed position."""
+    if scene.temperature is not None or scene.thermal is not None or not is_held(scene):
+        return None
+    change = change_by_warm_ring(scene, WARMER)
+    return abs(change) / MOST_LEFT_OUT, {"value": 100.0 * change, "kelvin": WARMER}
+
+
+def fit_lost(scene: Scene) -> Told | None:
+    """The warning of seats that are tight at rest and loose when the bearing runs."""
+    growth = growth_of(scene)
+    seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
+    lost = [seat for seat, is_lost in seats.items() if is_lost]
+    return (None, {"seats": " and ".join(lost)}) if lost else None
+
+
+def growth_values(scene: Scene) -> dict[str, Any]:
+    """Result variables of the growth; none where the bearing runs as mounted."""
+    growth, values = growth_of(scene), {}
+    if scene.temperature is not None:
+        values["part_temperature"] = part_temperatures(scene)
+        values["thermal_growth"] = list(growth.heat)
+    rings = (growth.inner, growth.outer)
+    if any(ring.speed for ring in rings):
+        values["growth_at_speed"] = [ring.speed for ring in rings]
+    if scene.fits is not None:
+        values["growth_by_fit"] = [ring.fit for ring in rings]
+        values["fit_pressure"] = [ring.pressure for ring in rings]
+    return values

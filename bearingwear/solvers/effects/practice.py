@@ -1,0 +1,256 @@
+"""How far a bearing is beyond what practice allows: the limits of warnings, and their findings.
+
+Each limit has a source or is called assumed, or a rule of thumb. The sentences stand in `cautions`.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from bearingwear.scene.catalogue import MAKERS, entry_of_bearing
+from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence
+
+Finding = tuple[float | None, Mapping[str, Any]]
+"""The value over its limit (None for a fact), and what fills the sentence."""
+
+STEEL_YIELD = 4.2
+"""Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
+
+LONG_LIVED = 2.0 / STEEL_YIELD
+"""Share of the yield pressure up to which a long life is usual: 2 GPa for steel."""
+
+SHOULDER_DEG, SHOULDER_ROOM_DEG = 55.0, 15.0
+"""Assumed angle of an unknown shoulder, and its least margin over the contact angle."""
+
+FASTEST = 4.0
+"""Speed times pitch diameter [million mm r/min] of the fastest steel bearings on rigs: bore times
+speed of 3 million, Bamberger, Zaretsky and Signer, J. Lubr. Technol. 98 (1976) 580."""
+
+HOOP_MPA = 200.0
+"""Hoop stress [MPa] beyond which a crack runs through a hardened ring, assumed."""
+
+LIGHTEST_INNER = 0.1
+"""Least load of an inner contact over its outer one, a rule of thumb: below it the shaft hardly
+drives a ball."""
+
+LONGEST_LIFTED = 0.05
+"""Share of time off the inner race that knocks of the cage explain, assumed."""
+
+LEAST_PRELOAD = 1.5e-3
+"""Preload over ball count and diameter squared [N/mm2]: about 0.2 GPa at rest in steel, assumed."""
+
+USUAL_FRICTION = (1e-3, 1.0)
+"""Friction coefficients in practice: superlubric MoS2 in ultra-high vacuum (Martin and others,
+Phys. Rev. B 48 (1993) 10583); clean metals, which seize (Bowden and Tabor 1950)."""
+
+WARMEST_STEEL, COLDEST = 200.0, -150.0
+"""Temperatures [degC] of bearing steel, a rule of thumb: hardened steel softens and grows beyond
+200 (makers' class S1). Below -150 bearings run in cryogenic fluids alone, of steels like 440C."""
+
+WARMEST_POLYMER, POLYMER_GPA = 120.0, 30.0
+"""Most of a cage of phenolic resin and fabric [degC], by makers' catalogues; Young's modulus below
+which a cage is taken for a polymer."""
+
+CERAMIC_DENSITY = 6000.0
+"""Density [kg/m3] below which balls or races as stiff as steel are taken for ceramic."""
+
+UNLOADING = 0.6
+"""Radial load times tan(contact angle) over the thrust at which a ball loses its load at rest, by
+Sjovall's integrals for point contact."""
+
+MOST_RADIAL = 0.4
+"""The same from which on the least loaded ball is warned of: two thirds of that, assumed."""
+
+MOST_GROWN = 3.0
+"""Running preload of a fixed position over the one set, a rule of thumb: many spindles run at
+twice to three times."""
+
+MOST_TILT = 2.9
+"""Tilt of the rings [mrad]: 10 minutes of arc, the most that catalogues allow a single-row ball
+bearing; one with angular contact is allowed 2 to 4."""
+
+_GPA, _MPA, _MM = 1e9, 1e6, 1e-3
+_CONTACT = "contact_angle", "contact_load", "semi_major_axis"
+
+
+def _yield_pressure(e: Evidence) -> tuple[float, str]:
+    """Yield pressure of the weaker of balls and races [GPa], and its source."""
+    b = e.scene.bearing
+    known = []
+    for name in (b.race_material, b.ball_material):
+        given = e.scene.materials[name].yield_pressure_GPa
+        source = "the scene's" if given else "assumed as ISO 76 has it for steel"
+        known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
+    return min(known, key=lambda one: one[0])
+
+
+def _for_less_pressure(e: Evidence) -> str:
+    tilted = abs(e.scene.operation.tilt_mrad) > MOST_TILT
+    return "less tilt" if tilted else "less load or speed, or larger balls"
+
+
+def dents(e: Evidence) -> Finding:
+    limit, source = _yield_pressure(e)
+    value = float(np.max(e.state["maximum_pressure"])) / _GPA
+    words = {"value": value, "limit": limit, "source": source, "take": _for_less_pressure(e)}
+    return value / limit, words
+
+
+def pressed_hard(e: Evidence) -> Finding | None:
+    limit, _ = _yield_pressure(e)
+    value = float(np.max(e.state["maximum_pressure"])) / _GPA
+    if value > limit:  # another warning says so
+        return None
+    words = {"value": value, "limit": LONG_LIVED * limit, "take": _for_less_pressure(e)}
+    return value / (LONG_LIVED * limit), words
+
+
+def over_shoulder(e: Evidence) -> Finding:
+    """The edge of the ellipse that comes closest to its shoulder, as angles from the bottom."""
+    b = e.scene.bearing
+    D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
+    angle, load, major = (e.contacts(name) for name in _CONTACT)
+    if e.case is not None and "maximum_contact_load" in e.case:  # the largest, not the mean
+        with np.errstate(invalid="ignore", divide="ignore"):
+            peak = np.cbrt(np.asarray(e.case["maximum_contact_load"]) / load)
+        major = major * np.where(np.isfinite(peak), peak, 1.0)
+    found = []
+    for race, side, factor, shoulder in (
+        (INNER_SIDE, -1.0, b.inner_groove_factor, b.inner_shoulder_mm),
+        (OUTER_SIDE, 1.0, b.outer_groove_factor, b.outer_shoulder_mm),
+    ):
+        r = factor * D
+        edges = np.degrees(angle[:, race] + major[:, race] / (r * _MM))
+        edges = np.where(load[:, race] > 0.0, edges, -np.inf)  # not where a ball is lifted off
+        limit = max(SHOULDER_DEG, b.contact_angle_deg + SHOULDER_ROOM_DEG)
+        source = "where a shoulder is assumed"
+        if shoulder is not None:
+            centre = 0.5 * b.pitch_diameter_mm - side * (factor - 0.5) * D * cosine
+            rise = side * (0.5 * shoulder - centre) / r
+            limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "its shoulder"
+        words = {"value": edges.max(), "limit": limit, "source": source}
+        found.append((edges.max() / limit, words | {"race": ("inner", "outer")[race]}))
+    return max(found, key=lambda one: one[0])
+
+
+def too_fast(e: Evidence) -> Finding:
+    o = e.scene.operation
+    relative = abs(o.shaft_speed_rpm - o.outer_speed_rpm)
+    value = 1e-6 * relative * e.scene.bearing.pitch_diameter_mm
+    return value / FASTEST, {"value": value, "limit": FASTEST}
+
+
+def faster_than_made_for(e: Evidence) -> Finding | None:
+    """Of one under a light spring, or of a rigid pair by its preload; a starved bearing has no
+    oil that cools it, so the limit with grease counts."""
+    entry = entry_of_bearing(asdict(e.scene.bearing))
+    if entry is None:
+        return None
+    o = e.scene.operation
+    factor, name = entry.speed_factor(o.preload_method, o.preload_N)
+    limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
+    kind = f"a rigid pair of class {name}" if name else "one under a light spring"
+    return value / limit, {
+        "value": value,
+        "limit": limit,
+        "oil": factor * entry.speed_oil,
+        "bearing": f"{entry.maker} {entry.designation}",
+        "kind": kind,
+        "source": MAKERS[entry.maker].source,
+    }
+
+
+def hoop_stress(e: Evidence) -> Finding | None:
+    """Hoop stress at the bore of a rotating annulus, out to the shoulder or the groove's bottom."""
+    b = e.scene.bearing
+    if b.bore_mm is None:
+        return None
+    steel = e.scene.materials[b.race_material]
+    inside = 0.5 * _MM * b.bore_mm
+    bottom = b.pitch_diameter_mm - b.ball_diameter_mm
+    outside = 0.5 * _MM * (b.inner_shoulder_mm or bottom)
+    nu, omega = steel.poisson_ratio, math.pi / 30.0 * e.scene.operation.shaft_speed_rpm
+    squares = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
+    value = 0.25 * steel.density_kg_m3 * omega**2 * squares / _MPA
+    return value / HOOP_MPA, {"value": value, "limit": HOOP_MPA}
+
+
+def inner_load(e: Evidence) -> Finding | None:
+    if e.scene.operation.shaft_speed_rpm == e.scene.operation.outer_speed_rpm == 0.0:
+        return None  # nothing skids
+    load = e.contacts("contact_load")
+    share = np.min(load[:, INNER_SIDE] / load[:, OUTER_SIDE])
+    known = e.state.values.get("unloaded_share", load == 0.0)
+    lifted = float(np.max(known[:, INNER_SIDE]))
+    if lifted > LONGEST_LIFTED:
+        said = f"a ball is off the inner race {lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
+        return lifted / LONGEST_LIFTED, {"said": said}
+    said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
+    return LIGHTEST_INNER / share, {"said": said}
+
+
+def tiny_preload(e: Evidence) -> Finding | None:
+    b, preload = e.scene.bearing, e.scene.operation.preload_N
+    if not preload:
+        return None
+    limit = LEAST_PRELOAD * b.ball_count * b.ball_diameter_mm**2
+    words = {"value": preload, "limit": limit, "n": b.ball_count, "D": b.ball_diameter_mm}
+    return limit / preload, words
+
+
+def friction_beyond(e: Evidence) -> Finding | None:
+    value, (least, most) = e.scene.friction.ball_race, USUAL_FRICTION
+    if not value:  # a film has none, and 0 has a status of its own
+        return None
+    if value > most:
+        return value / most, {"value": value, "said": f"above {most:g}, at which metals seize"}
+    return least / value, {"value": value, "said": f"below {least:g}, the least that was measured"}
+
+
+def temperature_beyond(e: Evidence) -> Finding | None:
+    """The part farthest beyond what its material bears, in kelvin over the allowed span."""
+    b, cage, found = e.scene.bearing, e.scene.cage, []
+    inner, balls, outer, *_ = e.state["part_temperature"]
+    for part, kelvin in (("inner ring", inner), ("balls", balls), ("outer ring", outer)):
+        name = b.ball_material if part == "balls" else b.race_material
+        if e.scene.materials[name].density_kg_m3 >= CERAMIC_DENSITY:
+            found.append((part, name, kelvin, WARMEST_STEEL))
+    if cage is not None and e.scene.materials[cage.material].youngs_modulus_GPa < POLYMER_GPA:
+        found.append(("cage", cage.material, max(inner, outer), WARMEST_POLYMER))
+    worst = None
+    for part, name, value, warmest in found:
+        for limit, side in ((warmest, "above"), (COLDEST, "below")):
+            beyond = (value - limit) / (warmest - COLDEST) * (1.0 if side == "above" else -1.0)
+            if worst is None or beyond > worst[0]:
+                words = {"part": part, "name": name, "value": value, "limit": limit}
+                worst = beyond, words | {"side": side}
+    return None if worst is None else (1.0 + worst[0], worst[1])
+
+
+def radial_load(e: Evidence) -> Finding | None:
+    o = e.scene.operation
+    load = math.hypot(*o.radial_load_N) + abs(o.rotating_load_N)
+    if not (load > 0.0 and o.preload_N > 0.0):
+        return None
+    tangent = math.tan(math.radians(e.scene.bearing.contact_angle_deg))
+    lost = UNLOADING * o.preload_N / tangent if tangent > 0.0 else math.inf
+    words = {"load": load, "preload": o.preload_N, "lost": lost}
+    return load * UNLOADING / (MOST_RADIAL * lost), words
+
+
+def grown_preload(e: Evidence) -> Finding | None:
+    o = e.scene.operation
+    if o.preload_method != "fixed_position" or not o.preload_N > 0.0:
+        return None
+    preload = e.mean("residual_preload")
+    ratio = preload / o.preload_N
+    return ratio / MOST_GROWN, {"ratio": ratio, "value": preload, "preload": o.preload_N}
+
+
+def tilt_beyond(e: Evidence) -> Finding:
+    value = abs(e.scene.operation.tilt_mrad)
+    minutes = math.degrees(1e-3 * value) * 60.0
+    return value / MOST_TILT, {"value": value, "minutes": minutes, "limit": MOST_TILT}

@@ -1,0 +1,267 @@
+"""Slip of race control, an estimate: a solver, and its cases."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_mass
+from bearingwear.kernels.ellipse import Rule
+from bearingwear.kernels.equilibrium import groove_distance
+from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
+from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, workspace
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
+from bearingwear.kernels.verification import polygon_residual
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.bearing.outputs import (
+    contact_values,
+    loss_per_wear,
+    stiffness_matrix,
+    wear_values,
+)
+from bearingwear.solvers.bearing.race_control_problem import (
+    Balance,
+    RaceControlProblem,
+    controlled_balance,
+    geometric_status,
+    load_rounding,
+)
+from bearingwear.solvers.bearing.stiffness import race_control_matrix, radially_free
+from bearingwear.solvers.condition import CaseValues, Condition, Place, SolvedBearing
+from bearingwear.solvers.effects.choice import NEEDS_SLIP
+from bearingwear.solvers.estimates import DOUBLED, changed, halved_part, measured, summed
+from bearingwear.solvers.state import State, case_state
+from bearingwear.solvers.thermal import HeatFlow
+
+LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbalanced
+
+
+class RaceControl:
+    """A bearing by race control, also under radial load."""
+
+    unsteady = code.NO_RACE_CONTROL
+
+    def __init__(self, scene: Scene):
+        self.scene, self.problem = scene, RaceControlProblem.of(scene)
+        self.mounted = self.problem.delta_a
+        self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
+
+    def at(self, scene: Scene) -> "RaceControl":
+        return RaceControl(scene)
+
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        g, op = self.problem.g, self.problem.op
+        if Omega is None:
+            kinematics = race_control(
+                OUTER_CONTROL, op.omega_i, op.omega_o, g.D0 / g.dm, g.alpha0, g.alpha0
+            )
+            Omega = float(kinematics.Omega)
+        return Mechanics(g, float(self.problem.D.mean()) - (loss - self.start.loss), Omega)
+
+    def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        problem = self.held(condition)
+        values, attrs = solve_race_control(self.scene, problem)
+        if "axial_stiffness" not in values:
+            return SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
+        return SolvedBearing(
+            status=values["status"],
+            condition=condition,
+            scene=self.scene,
+            force=float(values["residual_preload"]),
+            stiffness=float(values["axial_stiffness"]),
+            quasistatic=float(values["quasistatic_axial_stiffness"]),
+            place=float(values["axial_displacement"]),
+            problem=problem,
+            answer=(values, attrs),
+        )
+
+    def held(self, condition: Condition) -> RaceControlProblem:
+        """The problem in a condition; every ball loses as much."""
+        problem, hold = self.problem, condition.hold
+        if isinstance(hold, Place):
+            problem = replace(problem, constant_force=False, delta_a=hold.delta_a)
+        elif hold is not None:
+            F = np.array([hold.F_x, *problem.F[1:]])
+            problem = replace(problem, constant_force=True, F=F)
+        if any(condition.bare):
+            problem = problem.where_bare(self.scene, condition.bare)
+        return replace(problem, D=problem.D - (condition.loss - self.start.loss))
+
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        return heat_of_values(self.scene, solution.answer[0])
+
+    def state(self, solution: SolvedBearing) -> State:
+        values, loss = solution.answer[0], solution.condition.loss
+        known = {name: value for name, value in values.items() if name not in NEEDS_SLIP}
+        state = case_state(loss, known)
+        if not state.is_solved:
+            return state
+        problem, op = solution.problem, solution.problem.op
+        worn_by = (values[name] for name in ("qv", "semi_major_axis", "contact_track_radius"))
+        more = {
+            "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
+            "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *worn_by),
+        }
+        return state.with_values(more)
+
+    def case(self, solution: SolvedBearing) -> CaseValues:
+        values, attrs = solution.answer
+        return dict(values), dict(attrs)
+
+    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+        return None  # there is one solution
+
+
+def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
+    """Heat of a result, by whatever model."""
+    n = scene.bearing.ball_count
+    inner, outer = (float(n * heat) for heat in np.mean(values["friction_heat"], axis=0))
+    return HeatFlow(inner, outer, drag=float(values["drag_power"]))
+
+
+def race_control_motion(scene: Scene) -> np.ndarray | None:
+    """(w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None where there is no such solution."""
+    values, _ = solve_race_control(scene)
+    if "orbit_speed" not in values:
+        return None
+    return np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])
+
+
+def contact_solution(
+    problem: RaceControlProblem, balance: Balance, models: np.ndarray, rule: Rule
+) -> tuple[np.ndarray, np.ndarray]:
+    """Motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
+    g, op, D = problem.g, problem.op, problem.D
+    u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
+    work = workspace(rule)
+    for j, state in enumerate(balance.states):
+        k = race_control(
+            int(models[j]), op.omega_i, op.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o
+        )
+        u[j] = k.Omega - k.w_R * math.cos(k.beta), 0.0, k.w_R * math.sin(k.beta), k.Omega
+        contact_summary(g, D[j], op, state, u[j], 0.5 * g.dm, rule, work, rows[j], False)
+    return u, rows
+
+
+def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float:
+    """Force that balls and race leave unbalanced, as a share of the largest contact load [1]."""
+    g, residual = problem.g, 0.0
+    largest = max(max(s.Q_i, s.Q_o) for s in balance.states)
+    for state, D, psi in zip(balance.states, problem.D, problem.psi, strict=True):
+        A1, A2 = groove_distance(g, psi, *balance.delta, problem.tilt)
+        residual = max(residual, polygon_residual(g, D, state, A1, A2, largest))
+    if largest > 0.0:
+        residual = max(residual, balance.race_residual / (g.n_balls * largest))
+    return residual
+
+
+def checked_status(
+    problem: RaceControlProblem, balance: Balance, residual: float, allowed: float
+) -> int:
+    """OK, or why a solved equilibrium must not be used."""
+    if not residual <= allowed:
+        return code.UNVERIFIED
+    # Rounding of loads a million times as large swallows a spring's force.
+    if problem.constant_force and not (
+        balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]
+    ):
+        return code.BELOW_ROUNDING
+    return code.OK
+
+
+def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
+    """The torque that makes the estimated heat [N m]; race control has no power balance."""
+    heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
+    slip_speed = abs(problem.op.omega_i - problem.op.omega_o)
+    return heat / slip_speed if slip_speed > 0.0 else 0.0
+
+
+def controlled_error_estimates(
+    scene: Scene,
+    problem: RaceControlProblem,
+    balance: Balance,
+    models: np.ndarray,
+    values: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Estimated numerical errors: of the points, and of the regularisation, which moves no ball."""
+    D, n_balls = problem.D, problem.g.n_balls
+    halved = replace(problem, op=problem.op._replace(v_r=0.5 * problem.op.v_r))
+    settings = (
+        (problem, parameters.quadrature(scene, refined=2)),
+        (halved, parameters.quadrature(scene)),
+    )
+    answers = []
+    for changed_problem, rule in settings:
+        _, rows = contact_solution(changed_problem, balance, models, rule)
+        qv = rows[..., QV]
+        other = {
+            **values,
+            **wear_values(scene, D, qv, values["semi_major_axis"], values["contact_track_radius"]),
+            "total_qv": n_balls * qv.sum() / len(D),
+            "friction_heat": rows[..., HEAT],
+            "shaft_torque": torque_of_heat(changed_problem, rows),
+        }
+        answers.append(measured(other, n_balls))
+    now, (with_twice, with_half) = measured(values, n_balls), answers
+    return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
+
+
+def solve_race_control(scene: Scene, problem: RaceControlProblem | None = None) -> CaseValues:
+    """Values and attributes of the race-control solution.
+
+    Parameters
+    ----------
+    scene : Scene
+    problem : RaceControlProblem, optional
+        In place of the scene's own, where something else holds the bearing.
+    """
+    problem = problem or RaceControlProblem.of(scene)
+    g, op, D = problem.g, problem.op, problem.D
+    values: dict = {
+        "status": code.OK,
+        "ball_diameter_loss": g.D0 - D,
+        "initial_axial_displacement": parameters.static_place(scene),
+    }
+    if problem.constant_force and not problem.F.any():
+        return values | {"status": code.PRELOAD_GONE}, {"residual": "not solved"}
+    balance, models = controlled_balance(problem)
+    values["status"] = balance.status
+    if balance.status == code.OK:
+        values["status"] = geometric_status(balance.states, D)
+    if values["status"] in (code.NOT_CONVERGED, code.BEYOND_GROOVE, code.OUTSIDE_HERTZ_RANGE):
+        return values, {"residual": "not solved"}
+
+    u, rows = contact_solution(problem, balance, models, parameters.quadrature(scene))
+    residual = equilibrium_residual(problem, balance)
+    rounding = max(load_rounding(g, state) for state in balance.states)
+    allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
+    if values["status"] == code.OK:
+        values["status"] = checked_status(problem, balance, residual, allowed)
+    n = len(D)
+    axial = np.array([state.F_ix for state in balance.states])
+    values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)
+    K = race_control_matrix(
+        g, D, map(problem.load, models), balance.states, balance.delta, problem.tilt
+    )
+    values |= {
+        "axial_displacement": balance.delta[0],
+        "axial_stiffness": balance.stiffness,
+        "stiffness_matrix": stiffness_matrix(g, D, rows),
+        "quasistatic_axial_stiffness": radially_free(K),
+        "quasistatic_stiffness_matrix": K,
+        "shaft_torque": torque_of_heat(problem, rows),
+        "drag_power": 0.0,
+        "centrifugal_force": ball_mass(g.rho, D) * 0.5 * g.dm * u[:, 3] ** 2,
+        "race_control": models - OUTER_CONTROL,
+        "equilibrium_residual": residual,
+        "equilibrium_rounding": rounding,
+    }
+    values |= controlled_error_estimates(scene, problem, balance, models, values)
+    return values, {
+        "residual": f"normal balance {residual:.1e} of the contact load, allowed {allowed:.0e}"
+    }

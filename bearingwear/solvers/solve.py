@@ -1,0 +1,102 @@
+"""Solve one scene: from a `Scene` to a `Result`."""
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from bearingwear.kernels import status as code
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.condition import Accuracy, CaseValues
+from bearingwear.solvers.effects.choice import Choice, NotAvailable, choice
+from bearingwear.solvers.effects.growth import growth_values
+from bearingwear.solvers.effects.warnings import warnings_of
+from bearingwear.solvers.interrupt import Interrupt
+from bearingwear.solvers.result import Result
+from bearingwear.solvers.warm import network_values, warm_scene
+
+Progress = Callable[[str], None]
+
+
+def solve(
+    scene: Scene,
+    fidelity: str | None = None,
+    restart: Mapping[str, Any] | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Solve a scene with the model it needs.
+
+    Parameters
+    ----------
+    scene : Scene
+    fidelity : str, optional
+        Overrides `model.fidelity` of the scene.
+    restart : mapping, optional
+        `state` and `time` [s] at the end of another run to go on from; dynamic only.
+    progress : callable, optional
+        Given one line of text every few seconds; dynamic only, others are done by then.
+
+    Returns
+    -------
+    Result
+        `values["status"]` says whether the numbers may be used.
+
+    Raises
+    ------
+    NotAvailable
+        Where the fidelity asked for cannot solve this scene, or cannot continue from a state.
+    """
+    chosen = choice(scene, fidelity)
+    if restart is not None:
+        check_restart(scene, chosen)
+    started = time.perf_counter()
+    with Interrupt():
+        values, attrs = solved(chosen.reduced(scene), chosen.fidelity, restart, progress)
+    elapsed = time.perf_counter() - started
+    return Result(values, attrs | provenance(scene, chosen, values), elapsed)
+
+
+def solved(
+    scene: Scene, fidelity: str, restart: Mapping[str, Any] | None, progress: Progress | None
+) -> CaseValues:
+    """Values and attributes of a scene solved with the model of that fidelity."""
+    if fidelity != "dynamic":
+        return solver_of(scene, fidelity, Accuracy.CHECKED).bearings.case()
+    # its kernels take long to load, and the other models need none of them
+    from bearingwear.solvers.dynamic.run import solve_dynamic
+
+    if scene.thermal is None:
+        values, attrs = solve_dynamic(scene, restart=restart, progress=progress)
+        return values | growth_values(scene), attrs
+    found = warm_scene(scene)
+    if found.status != code.OK:
+        return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}
+    values, attrs = solve_dynamic(found.scene, restart=restart, progress=progress)
+    if "friction_heat" in values:
+        values |= network_values(scene, found, values["status"], found.heat)
+    return values | growth_values(found.scene), attrs
+
+
+def check_restart(scene: Scene, chosen: Choice) -> None:
+    """Refuse to continue from a state with a model that has none.
+
+    Raises
+    ------
+    NotAvailable
+    """
+    if chosen.fidelity != "dynamic":
+        raise NotAvailable(
+            f"{scene.name}: restart: got a scene solved with {chosen.fidelity}, expected one "
+            "solved with fidelity dynamic"
+        )
+
+
+def provenance(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> dict[str, str]:
+    """Global attributes that any result of a scene carries."""
+    return {
+        "scene": json.dumps(scene.to_dict()),
+        "fidelity": chosen.fidelity,
+        "modelled": json.dumps(list(chosen.reasons)),
+        "warnings": json.dumps(warnings_of(scene, chosen, values)),
+    }

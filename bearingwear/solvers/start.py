@@ -1,0 +1,49 @@
+"""How balls move at the start of a dynamic solve."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.race_control import race_control_motion
+
+
+@dataclass
+class Start:
+    """First motion of every ball, and its time scales from the steady solver."""
+
+    u: np.ndarray  # (4,) or (n, 4)
+    kind: str
+    scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], where known
+    case: ThrustCase | None = None  # the steady state under the thrust alone, where there is one
+
+
+def thrust_alone(scene: Scene) -> Scene:
+    """The scene without the loads that keep it from a steady state."""
+    operation = replace(
+        scene.operation, radial_load_N=(0.0, 0.0), rotating_load_N=0.0, tilt_mrad=0.0
+    )
+    return replace(scene, operation=operation)
+
+
+def start_of(scene: Scene) -> Start:
+    """The steady state under the thrust alone, else the state of race control."""
+    problem = ThrustProblem.of(thrust_alone(scene))
+    if problem.undetermined() == code.OK:
+        D = float(parameters.ball_diameters(scene).mean())
+        case = problem.solve(D)
+        if case.status in (code.OK, code.UNVERIFIED):
+            eigenvalues = np.linalg.eigvals(problem.linear_motion(D, case))
+            scales = {
+                "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
+                "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
+            }
+            return Start(case.u, "the steady state under the thrust alone", scales, case)
+    u = race_control_motion(scene)
+    if u is not None:
+        return Start(u, "race control", {})
+    return Start(problem.kinematic_start(0), "race control at the free contact angle", {})

@@ -1,0 +1,301 @@
+"""The friction-balanced steady state of a thrust-loaded bearing."""
+
+import copy
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
+from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.kernels.summary import (
+    ANGLE,
+    FRICTION,
+    HEAT,
+    LOAD,
+    MAJOR,
+    PRESSURE,
+    QV,
+    SHARE,
+    TORQUE,
+    TRACK,
+)
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
+from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.bearing.outputs import (
+    TURN,
+    contact_values,
+    diameter_loss_rates,
+    friction_used,
+    loss_per_wear,
+    stiffness_matrix,
+    wear_rates,
+    wear_values,
+)
+from bearingwear.solvers.bearing.stiffness import quasistatic_matrix
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.condition import Accuracy, CaseValues, Condition, Place, SolvedBearing
+from bearingwear.solvers.estimates import DOUBLED, changed, halved_part, summed
+from bearingwear.solvers.state import State
+from bearingwear.solvers.thermal import HeatFlow
+
+SAME_MOTION = 1e-12
+
+
+class Steady:
+    """A bearing under thrust in the steady state that friction decides."""
+
+    unsteady = code.NO_STEADY_STATE
+
+    def __init__(self, scene: Scene, accuracy: Accuracy = Accuracy.BRIEF):
+        self.scene, self.problem = scene, ThrustProblem.of(scene)
+        self.mounted = self.problem.preload.delta_a
+        self.start = Condition(scene.wear.ball_diameter_loss_um[0] * parameters.UM)
+        if accuracy is Accuracy.BRIEF:
+            self.problem = self.problem.without_finer
+        elif accuracy is not Accuracy.CHECKED:
+            halved, twice = self.problem.perturbed(scene)
+            self.problem = halved if accuracy is Accuracy.HALF_SLIP else twice
+
+    def at(self, scene: Scene) -> "Steady":
+        warm = copy.copy(self)
+        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
+        return warm
+
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        if Omega is None:
+            Omega = float(self.problem.kinematic_start(OUTER_CONTROL)[3])
+        return Mechanics(self.problem.g, self.problem.g.D0 - loss, Omega)
+
+    def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        problem = self.held(condition)
+        status = problem.undetermined()
+        if status != code.OK:
+            return SolvedBearing(status, condition, self.scene, problem=problem)
+        start = None if near is None else near.answer.u
+        case = problem.solve(problem.g.D0 - condition.loss, start)
+        n = problem.g.n_balls
+        return SolvedBearing(
+            status=case.status,
+            condition=condition,
+            scene=self.scene,
+            force=axial_force(case, n),
+            stiffness=float(n * case.S_xx),
+            quasistatic=float(n * case.S_quasistatic),
+            place=case.delta_a,
+            problem=problem,
+            answer=case,
+        )
+
+    def held(self, condition: Condition) -> ThrustProblem:
+        """The problem in a condition, but for its wear."""
+        problem, hold = self.problem, condition.hold
+        if isinstance(hold, Place):
+            held = problem.preload._replace(constant_force=False, delta_a=hold.delta_a)
+            problem = replace(problem, preload=held)
+        elif hold is not None:
+            held = problem.preload._replace(constant_force=True, F_x=hold.F_x)
+            problem = replace(problem, preload=held)
+        return problem.where_bare(self.scene, condition.bare) if any(condition.bare) else problem
+
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        problem, case, loss = solution.problem, solution.answer, solution.condition.loss
+        inner, outer = (float(problem.g.n_balls * heat) for heat in case.contacts[:, HEAT])
+        return HeatFlow(inner, outer, drag=float(drag_power(problem, problem.g.D0 - loss, case)))
+
+    def state(self, solution: SolvedBearing) -> State:
+        loss, problem, case = solution.condition.loss, solution.problem, solution.answer
+        if solution.status != code.OK:
+            return State.unsolved(solution.status, loss)
+        g, c = problem.g, case.contacts
+        D = np.array([g.D0 - loss])
+        worn_by = c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
+        wear = wear_values(self.scene, D, *worn_by)
+        gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
+        used = friction_used(c[None, :, FRICTION], D, gyroscopic, c[None, :, LOAD])
+        values = {
+            "ball_diameter_loss": loss,
+            "ball_diameter_loss_rate": wear["ball_diameter_loss_rate"],
+            "residual_preload": solution.force,
+            "contact_load": c[:, LOAD],
+            "contact_angle": c[:, ANGLE],
+            "semi_major_axis": c[:, MAJOR],
+            "qv": c[:, QV],
+            "total_qv": float(g.n_balls * c[:, QV].sum()),
+            "gyroscopic_slip_share": c[:, SHARE],
+            "skid_ratio": case.skid,
+            "maximum_pressure": float(c[:, PRESSURE].max()),
+            "axial_stiffness": solution.stiffness,
+            "quasistatic_axial_stiffness": solution.quasistatic,
+            "friction_power": self.heat(solution).total,
+            "ball_wear_rate": float(wear["ball_wear_rate"][0]),
+            "race_wear_rate": wear["race_wear_rate"],
+            "axial_displacement": solution.place,
+            "friction_used_by_gyroscopic_moment": float(used[0]),
+            "friction_coefficient": c[:, FRICTION],
+        }
+        if changes_as_it_wears(self.scene):
+            values["loss_per_wear"] = loss_per_wear(g.n_balls, D, *worn_by)
+        return State(solution.status, values, solution)
+
+    def case(self, solution: SolvedBearing) -> CaseValues:
+        return steady_case(self.scene, self.mounted, solution)
+
+    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+        if "orbit_speed" not in values:
+            return None
+        u = np.array([*values["ball_angular_velocity"][0], values["orbit_speed"][0]])
+        if np.abs(u - solution.answer.u).max() <= SAME_MOTION * np.abs(u).max():
+            return None
+        return solution._replace(answer=solution.answer._replace(u=u))
+
+
+def solve_steady(scene: Scene) -> CaseValues:
+    """Values and attributes of the friction-balanced steady state."""
+    solver = Steady(scene, Accuracy.CHECKED)
+    return solver.case(solver(solver.start))
+
+
+def steady_case(scene: Scene, mounted: float, solution: SolvedBearing) -> CaseValues:
+    """Values and attributes of a solution, or of a stable state near an unstable one.
+
+    Parameters
+    ----------
+    scene : Scene
+    mounted : float
+        Axial displacement when mounted [m].
+    solution : SolvedBearing
+    """
+    problem, case = solution.problem, solution.answer
+    D = problem.g.D0 - solution.condition.loss
+    values: dict = {
+        "status": solution.status,
+        "ball_diameter_loss": np.array([problem.g.D0 - D]),
+        "initial_axial_displacement": mounted,
+    }
+    if case is None:
+        return values, {"residual": "not solved"}
+    attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
+    if case.status in (code.OK, code.UNVERIFIED):
+        scales = problem.time_scales(D, case)
+        stable = {id(case): problem.stable(D, case, scales)}
+        others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)
+        stable |= {id(c): problem.stable(D, c) for c in others}
+        # the one reached first, if it is stable
+        every = sorted([case, *others], key=lambda c: not stable[id(c)])
+        if every[0] is not case:
+            case = every[0]
+            scales = problem.time_scales(D, case)
+        attrs["residual"] = residual_sentence(case)
+        values |= error_estimates(scene, problem, D, case)
+        if case.held:
+            attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
+        values |= {"status": case.status} | steady_values(scene, problem, D, case)
+        values |= {
+            "fast_time_scale": 1.0 / np.abs(scales).max(),
+            "slow_time_scale": 1.0 / np.abs(scales.real).min(),
+            "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
+            "stable": int(stable[id(case)]),
+            "steady_state_count": len(every),
+            "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
+            "steady_state_total_qv": np.array(
+                [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
+            ),
+            "steady_state_stable": np.array([int(stable[id(c)]) for c in every]),
+        }
+        if not values["stable"] and values["status"] == code.OK:
+            values["status"] = code.NO_STEADY_STATE
+    return values, attrs
+
+
+def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
+    """Estimated numerical errors of a solved state; empty where none can be found."""
+    cases = [case]
+    for other in problem.perturbed(scene):
+        near = other.solve(D, start=case.u)
+        if near.status != code.OK:
+            return {}
+        cases.append(near)
+    now, halved, twice = steady_answers(scene, problem, D, cases)
+    return summed([halved_part(now, halved), DOUBLED * changed(now, twice)])
+
+
+def steady_answers(
+    scene: Scene, problem: ThrustProblem, D: float, cases: list[ThrustCase]
+) -> np.ndarray:
+    """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
+    n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
+    ball_rate, race_rate = wear_rates(scene, c[..., QV], c[..., MAJOR])
+    diameters = np.full(len(cases), D)
+    loss = diameter_loss_rates(n, diameters, ball_rate, race_rate, c[..., MAJOR], c[..., TRACK])
+    drag = [drag_power(problem, D, case) for case in cases]
+    return np.column_stack(
+        [
+            n * c[..., QV].sum(axis=1),
+            [axial_force(case, n) for case in cases],
+            loss,
+            n * c[:, 0, TORQUE],
+            n * c[..., HEAT].sum(axis=1) + drag,
+        ]
+    )
+
+
+def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
+    """Power of the drag on all balls [W]."""
+    F_v, _ = drag_force(problem.g, D, problem.op.drag, case.u[3])
+    return problem.g.n_balls * F_v * case.r * case.u[3]
+
+
+def axial_force(case: ThrustCase, n: int = 1) -> float:
+    """Axial force of the inner race on n balls [N]."""
+    Q, alpha = case.contacts[0, LOAD], case.contacts[0, ANGLE]
+    return float(n * Q * math.sin(alpha) + n * case.T_i * math.cos(alpha))
+
+
+def residual_sentence(case: ThrustCase) -> str:
+    """The checks after the solve, in words."""
+    found = case.residuals
+    return (
+        f"friction balance {found.friction:.1e} of the friction forces, "
+        f"normal balance {found.equilibrium:.1e} of the contact load, "
+        f"power balance {found.power:.1e} of the shaft power, allowed {LARGEST_RESIDUAL:.0e}"
+    )
+
+
+def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
+    """Case variables of a solved steady state."""
+    g, op, n = problem.g, problem.op, problem.g.n_balls
+    return contact_values(
+        scene,
+        g,
+        op,
+        np.array([D]),
+        case.u[None],
+        np.array([case.r]),
+        case.contacts[None],
+        np.array([axial_force(case)]),
+    ) | {
+        "axial_displacement": case.delta_a,
+        "shaft_torque": n * case.contacts[0, TORQUE],
+        "drag_power": drag_power(problem, D, case),
+        "axial_stiffness": n * case.S_xx,
+        "quasistatic_axial_stiffness": n * case.S_quasistatic,
+        "stiffness_matrix": stiffness_matrix(g, np.array([D]), case.contacts[None]),
+        "quasistatic_stiffness_matrix": quasistatic_matrix(g, D, case),
+        "centrifugal_force": np.array([case.P_r]),
+        "skid_ratio": case.skid,
+        "steady_state_branch": case.branch,
+        "equilibrium_residual": case.residuals.equilibrium,
+        "friction_residual": case.residuals.friction,
+        "discretisation_residual": case.residuals.discretisation,
+        "discretisation_error_qv": case.residuals.discretisation_qv,
+        "power_balance_error": case.residuals.power,
+        "equilibrium_rounding": case.residuals.equilibrium_rounding,
+        "friction_rounding": case.residuals.friction_rounding,
+        "power_rounding": case.residuals.power_rounding,
+    }

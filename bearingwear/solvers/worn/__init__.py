@@ -1,0 +1,1 @@
+"""A bearing with its grooves as they wear."""

@@ -1,0 +1,424 @@
+"""States of a bearing with its grooves as worn (theory.md section 21).
+
+Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ellipse import most_points
+from bearingwear.kernels.equilibrium import groove_distance
+from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
+from bearingwear.kernels.params import Geometry
+from bearingwear.kernels.profile import contact_approach, middle_height, profile
+from bearingwear.kernels.summary import ANGLE, MAJOR
+from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.kernels.worn_balance import (
+    Arc,
+    WornForce,
+    WornRace,
+    arc_shift,
+    find_stiffness,
+    latitude,
+)
+from bearingwear.kernels.worn_cells import contact_buffers
+from bearingwear.kernels.worn_contact import contact_cells
+from bearingwear.kernels.worn_friction import (
+    FrictionWork,
+    friction_work,
+    worn_dissipation,
+)
+from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.worn.check import WornCheck
+from bearingwear.solvers.worn.depths import (
+    UNWORN_ARC,
+    WornDepths,
+    WornPoint,
+    depth_spline,
+    seat_force,
+    seat_of_case,
+    wandering,
+)
+from bearingwear.solvers.worn.films import AS_WITH_FILM, LEAST_WANDER, WornFilms
+
+SIDES = (INNER, OUTER)
+ARC_STEP = 0.05  # of the initial semi-major axis
+ARC_END = 5.0  # initial semi-major axes from where the contact was, new
+BAND_END = 1.4  # latitude up to which a ball may wear in bands [rad]
+CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where the contact is longer
+SPARE = 3.0  # cells beyond the contact, at least
+WIDER = 1.2  # of the cells, where the contact has grown to their ends
+LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
+NEARBY = 3e-4  # of the force or the approach: the step that a quasi-static stiffness is found with
+_MOST_WIDENINGS = 6
+
+
+class WornBearing:
+    """A bearing under thrust whose contacts follow its worn grooves.
+
+    Parameters
+    ----------
+    problem : ThrustProblem
+        As new; a state may have another geometry and preload.
+    case : ThrustCase
+        Its unworn state, the start.
+    loss : float
+        Of ball diameter, as new [m].
+    cells : tuple of int
+        Along the major axis, and on each side of it.
+    bands : bool
+        Whether the balls wear in bands, not evenly.
+    wander : float
+        rms of the track's places, over the initial semi-major axes.
+    films : WornFilms, optional
+        Where friction or wear go by films or running in.
+    """
+
+    def __init__(
+        self,
+        problem: ThrustProblem,
+        case: ThrustCase,
+        loss: float,
+        cells: tuple[int, int] = (48, 10),
+        bands: bool = False,
+        wander: float = 0.1,
+        films: WornFilms | None = None,
+    ):
+        self.films = films
+        self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
+        self.bands, self.wander = bands, wander
+        self.D = problem.g.D0 - loss
+        self.status = self.case.status
+        if self.status == code.OK:
+            self._start()
+
+    def _start(self) -> None:
+        g, c = self.problem.g, self.case.contacts
+        self.major, self.angle = c[:, MAJOR].copy(), c[:, ANGLE].copy()
+        self.arc_step = ARC_STEP * self.major
+        steps = round(ARC_END / ARC_STEP)
+        self.arc = self.arc_step[:, None] * np.arange(-steps, steps + 1)  # (2, arcs) [m]
+        self.band_step = float(ARC_STEP * self.major.min() / (0.5 * self.D))
+        count = round(BAND_END / self.band_step) if self.bands else 0
+        self.latitude = self.band_step * np.arange(-count, count + 1)[: 2 * count + self.bands]
+        self.ends = np.full(2, CELLS_END)
+        self.reference = np.zeros(2)
+        self.races = tuple(self._race(k) for k in range(2))
+        self.seat = seat_of_case(self.case, g, self.D, 0.0)
+        self.u = self.case.u[:4].copy()
+        self.state = state_work()
+        self._work: tuple[tuple[int, ...], FrictionWork] | None = None
+        self.check = WornCheck()
+
+    def _race(self, k: int) -> WornRace:
+        """Race k with cells for its present length of contact, unworn."""
+        n, m = self.cell_numbers
+        n = 2 * round(0.5 * n * self.ends[k] / CELLS_END)
+        hertz = race_contact(
+            self.problem.g, SIDES[k], self.D, float(np.cos(self.angle[k])), float("nan")
+        )
+        end = float(self.ends[k])
+        status, cells = contact_cells(hertz.log_kappa, -end, end, n, m)
+        if status != code.OK:
+            self.status = status
+        return WornRace(
+            cells=cells,
+            work=contact_buffers(n, m),
+            pressure=cells.fresh.copy(),
+            wear=np.zeros(n),
+            x=np.zeros(n),
+            rise=np.zeros(n),
+            groove=UNWORN_ARC,
+            band=UNWORN_ARC,
+            alpha_ref=float(self.angle[k]),
+            bare=np.zeros(n),
+            uncovered=UNWORN_ARC,
+            without=AS_WITH_FILM,
+        )
+
+    def unworn(self, ball: float = 0.0) -> WornDepths:
+        """No wear but an even loss of ball diameter."""
+        return WornDepths(ball, np.zeros_like(self.arc), np.zeros_like(self.latitude))
+
+    def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
+        """Steady state with some wear, from the last one solved."""
+        p = problem or self.problem
+        D = p.g.D0 - self.loss - wear.ball
+        kept = self.seat, self.u
+        seat, u, races, work = self._settled(p, D, wear)
+        if seat.status == code.NOT_CONVERGED:
+            # The last state has none nearby: the motion goes over to another one.
+            even = p.solve(D - self.reference.sum())
+            if even.status == code.OK:
+                self.seat, self.u = seat_of_case(even, p.g, D, self.reference[1]), even.u[:4].copy()
+                seat, u, races, work = self._settled(p, D, wear)
+        status = seat.status
+        if status != code.OK:
+            self.seat, self.u = kept
+            for race in races:  # nothing to start from
+                np.copyto(race.pressure, race.cells.fresh)
+            self.state.slope.fill(0.0)
+            return WornPoint(status, wear, p)
+        self.seat, self.u, self.worn_races, self.worn_reference = seat, u, races, self.reference
+        slip = np.empty((2, 5))
+        qv_along = np.empty((2, max(r.x.size for r in races)))
+        worn_dissipation(p.g, p.op, D, races, seat, p.rule, work, u, slip, qv_along)
+        forces = (seat.inner, seat.outer)
+        if not self._within(races, seat, D):
+            return WornPoint(code.BEYOND_GROOVE, wear, p)
+        bare = [
+            self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
+            for k, force in enumerate(forces if self.films else ())
+        ]
+        if not self.check.passes(p, races, seat, slip, u, D, bare):
+            return WornPoint(code.UNVERIFIED, wear, p)
+        r = p.g.R_o + seat.X2
+        return WornPoint(
+            status=status,
+            wear=wear,
+            problem=p,
+            seat=seat,
+            u=u.copy(),
+            slip=slip,
+            qv_along=tuple(qv_along[k, : race.x.size] for k, race in enumerate(races)),
+            x=tuple(race.x.copy() for race in races),
+            pressure=tuple(race.pressure.copy() for race in races),
+            track=np.array(
+                [
+                    r + s * middle_height(profile(r_g, 0.5 * D, f.a)) * np.cos(f.alpha)
+                    for s, r_g, f in zip(SIDES, (p.g.r_i, p.g.r_o), forces, strict=True)
+                ]
+            ),
+            D=D,
+        )
+
+    def start_ahead(self, before: WornPoint, now: WornPoint, share: float) -> None:
+        """Let the next solve start where the way of two states leads, by a share of it."""
+        if share <= LONGEST_AHEAD:
+            old, new = before.seat, now.seat
+            self.seat = new._replace(
+                X1=new.X1 + share * (new.X1 - old.X1),
+                X2=new.X2 + share * (new.X2 - old.X2),
+                delta_a=new.delta_a + share * (new.delta_a - old.delta_a),
+                beta=new.beta + share * (new.beta - old.beta),
+            )
+            self.u = now.u + share * (now.u - before.u)
+
+    def _settled(
+        self, p: ThrustProblem, D: float, wear: WornDepths
+    ) -> tuple[WornSeat, np.ndarray, tuple[WornRace, ...], FrictionWork]:
+        """Seat and motion, and the contacts there, with as many cells as these need."""
+        arcs, bare = self._arcs(wear), [UNWORN_ARC, UNWORN_ARC]
+        without = AS_WITH_FILM if self.films is None else self.films.without
+        if without >= 0.0:
+            shares = [self.bare(wear, k) for k in range(2)]
+            bare = list(map(depth_spline, self.arc, self.arc_step, shares))
+        for _ in range(_MOST_WIDENINGS):
+            races = tuple(
+                race._replace(groove=arcs[k], band=arcs[2], uncovered=bare[k], without=without)
+                for k, race in enumerate(self.races)
+            )
+            work = self._friction_work(p, races)
+            seat, u = self._moved(p, D, races, work)
+            if seat.status not in (code.OK, code.BEYOND_GROOVE) or not self._widened(races):
+                break
+        return seat, u, races, work
+
+    def _moved(
+        self, p: ThrustProblem, D: float, races: tuple[WornRace, ...], work: FrictionWork
+    ) -> tuple[WornSeat, np.ndarray]:
+        """Seat and motion from the last ones; where the race is far from there, in several moves.
+
+        In each the ball goes half of the way of the race.
+        """
+        held = not p.preload.constant_force
+        way = p.preload.delta_a - self.seat.delta_a if held else 0.0
+        kept = [race.pressure.copy() for race in races]
+        for moves in (1, 8) if way != 0.0 else (1,):
+            seat, u = self.seat, self.u.copy()
+            for race, pressure in zip(races, kept, strict=True):
+                np.copyto(race.pressure, pressure)
+            for left in range(moves - 1, -1, -1):
+                delta_a = p.preload.delta_a - way * left / moves if held else seat.delta_a
+                X1 = seat.X1 + 0.5 * (delta_a - seat.delta_a)
+                there = p.preload._replace(delta_a=delta_a)
+                seat = worn_state(
+                    p.bearing(D)._replace(preload=there), races, self.reference, p.rule, work,
+                    self.state, seat._replace(delta_a=delta_a, X1=X1), u,
+                )  # fmt: skip
+                if seat.status != code.OK:
+                    break
+            if seat.status != code.NOT_CONVERGED:
+                break
+        return seat, u
+
+    def _within(self, races: tuple[WornRace, ...], seat: WornSeat, D: float) -> bool:
+        """Whether all that wears lies on the grids."""
+        radii = (self.problem.g.r_i, self.problem.g.r_o)
+        for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
+            reach = force.a * race.cells.X[race.pressure.max(axis=0) > 0.0]
+            along = reach + arc_shift(race, radii[k], SIDES[k], force.alpha)
+            if np.abs(along).max() > self.arc[k, -1]:
+                return False
+            places = latitude(SIDES[k], force.alpha, seat.beta) - reach / (0.5 * D)
+            if self.bands and np.abs(places).max() > self.latitude[-1]:
+                return False
+        return True
+
+    def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc, Arc]:
+        """Splines of both grooves, and of the band."""
+        inner, outer = (
+            depth_spline(*arc) for arc in zip(self.arc, self.arc_step, wear.grooves, strict=True)
+        )
+        return inner, outer, depth_spline(self.latitude, self.band_step, wear.band)
+
+    def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
+        """Buffers that are kept as long as they fit."""
+        size = (max(race.x.size for race in races), most_points(p.rule), p.rule.across.size)
+        if self._work is None or size != self._work[0]:
+            self._work = size, friction_work(p.rule, size[0], self.cell_numbers[1])
+        return self._work[1]
+
+    @property
+    def spread(self) -> float:
+        """rms of the track's places over the edge of a film, in steps of the arcs."""
+        return max(self.wander, LEAST_WANDER) / ARC_STEP
+
+    def bare(self, wear: WornDepths, k: int) -> np.ndarray:
+        """Share of groove k on which no film is left (arcs,); with films alone [1]."""
+        assert self.films is not None
+        return self.films.bare(wear.grooves[k], 0.5 * wear.ball, self.spread)
+
+    def at_cells(
+        self, values: np.ndarray, k: int, x: np.ndarray, alpha: float, g: Geometry
+    ) -> np.ndarray:
+        """Shares over the arc of groove k at places along its contact under an angle.
+
+        Parameters
+        ----------
+        g : Geometry
+            Of the state, which may be warmer than the start.
+        """
+        shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], SIDES[k], alpha)
+        there = CubicSpline(self.arc[k], values)(np.clip(x + shift, *self.arc[k][[0, -1]]))
+        return np.clip(there, 0.0, 1.0)
+
+    def count_from(self, point: WornPoint) -> None:
+        """Count the depths of the next states from what the contacts of this one gave way.
+
+        The cells then lie as the contacts are loaded.
+        """
+        self.reference = np.array(
+            [
+                reference + force.approach - contact_approach(force.hertz.K, force.Q)
+                for reference, force in zip(self.reference, self.forces(point), strict=True)
+            ]
+        )
+
+    def rate(self, point: WornPoint, ball: float, race: float) -> WornDepths:
+        """Wear per second in a state (theory.md Eqs. 73-74).
+
+        Parameters
+        ----------
+        ball, race : float
+            K_s/H of ball and race [1/Pa], where films and running in do not decide them.
+        """
+        g, D = point.problem.g, point.D
+        R = 0.5 * D
+        grooves, band = np.zeros_like(self.arc), np.zeros_like(self.latitude)
+        beta, off_ball = pitch(point.u), point.slip[:, 0].copy()
+        for k, (force, sigma) in enumerate(zip(self.forces(point), SIDES, strict=True)):
+            x, qv = point.x[k], point.qv_along[k]
+            shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], sigma, force.alpha)
+            along = wandering(self.arc[k], x + shift, qv, self.wander * self.major[k])
+            factor: float | np.ndarray = race
+            if self.films is not None:
+                depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
+                covered = self.films.cover_of_race(depth, self.spread)
+                hertz = force.hertz
+                pressure = force.Q ** (1.0 / 3.0) / (np.pi * hertz.c_a * hertz.c_b)
+                _, factor = self.films.factors(covered, depth, on_ball, pressure)
+                covered = self.at_cells(covered, k, x, force.alpha, g)
+                there, _ = self.films.factors(covered, covered, on_ball, pressure)
+                qv = qv * (there / ball)
+                off_ball[k] *= qv.sum() / point.qv_along[k].sum()
+            grooves[k] = g.n_balls * factor * along / (2.0 * np.pi * point.track[k])
+            if self.bands:
+                places = latitude(sigma, force.alpha, beta) - x / R
+                wander = self.wander * self.major[k] / R
+                along = wandering(self.latitude, places[::-1], qv[::-1] * R, wander) / R
+                band += ball * along / (2.0 * np.pi * R * np.cos(self.latitude))
+        even = 0.0 if self.bands else 2.0 * ball * off_ball.sum() / (np.pi * D * D)
+        return WornDepths(float(even), grooves, band)
+
+    @staticmethod
+    def forces(point: WornPoint) -> tuple[WornForce, WornForce]:
+        """Of both contacts, inner and outer."""
+        return point.seat.inner, point.seat.outer
+
+    def lengths(self, point: WornPoint) -> np.ndarray:
+        """Approaches of both contacts, (2,): of ball and groove as they were when new [m]."""
+        g, seat, R = point.problem.g, point.seat, 0.5 * point.D
+        A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
+        inner = np.hypot(A1 - seat.X1, A2 - seat.X2) - (g.r_i - R)
+        return np.array([inner, np.hypot(seat.X1, seat.X2) - (g.r_o - R)])
+
+    def gap_at_edge(self, point: WornPoint) -> np.ndarray:
+        """A a^2 of both contacts, (2,): gap of the unworn bodies at the edge of the ellipse [m]."""
+        gaps = []
+        for race, force in zip(self.races, self.forces(point), strict=True):
+            s = elliptic_integrals(float(np.exp(-race.cells.log_kappa)))[2]
+            gaps.append(s * force.approach)
+        return np.array(gaps)
+
+    def axial_stiffness(self, point: WornPoint) -> float:
+        """Of all balls, their centres free, in the state last solved [N/m]."""
+        g, seat, races, D = point.problem.g, point.seat, self.worn_races, point.D
+        A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
+        places = ((A1 - seat.X1, A2 - seat.X2), (seat.X1, seat.X2))
+        k_i, k_o = found = np.empty((2, 2, 2))
+        for race, sigma, reference, y, k in zip(
+            races, SIDES, self.reference, places, found, strict=True
+        ):
+            find_stiffness(g, D, race, sigma, reference, *y, seat.beta, k)
+        series = k_i - k_i @ np.linalg.solve(k_i + k_o, k_i)
+        return float(g.n_balls * series[0, 0])
+
+    def quasistatic_stiffness(self, point: WornPoint) -> float:
+        """Of all balls, motion and friction following, in the state last solved [N/m].
+
+        By one more state nearby; NaN where there is none.
+        """
+        p, seat, now = point.problem, point.seat, self.reference
+        held, load = p.preload, seat_force(p.g, seat)
+        if held.constant_force:
+            held = held._replace(F_x=(1.0 + NEARBY) * held.F_x)
+        else:
+            way = NEARBY * max(seat.inner.approach, seat.outer.approach)
+            held = held._replace(delta_a=held.delta_a + way)
+        self.reference = self.worn_reference  # as the state was solved
+        work = self._friction_work(p, self.worn_races)
+        near, _ = self._moved(replace(p, preload=held), point.D, self.worn_races, work)
+        self.reference = now
+        if near.status != code.OK:
+            self.state.slope.fill(0.0)
+            return float("nan")
+        return (seat_force(p.g, near) - load) / (near.delta_a - seat.delta_a)
+
+    def _widened(self, races: tuple[WornRace, ...]) -> bool:
+        """Add cells to contacts that have grown to the ends of theirs."""
+        wider = False
+        kept = list(self.races)
+        for k, race in enumerate(races):
+            X = race.cells.X
+            loaded = np.abs(X[race.pressure.max(axis=0) > 0.0])
+            if loaded.size and loaded.max() > X[-1] - (SPARE - 1.0) * (X[1] - X[0]):
+                self.ends[k] *= WIDER
+                kept[k] = self._race(k)
+                wider = True
+        self.races = tuple(kept)
+        return wider

@@ -1,0 +1,86 @@
+"""Check of a state with worn grooves by sums that its solver did not take (sections 17, 21)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bearingwear.kernels.ball import drag_force
+from bearingwear.kernels.profile import contact_load
+from bearingwear.kernels.thrust import LARGEST_RESIDUAL
+from bearingwear.kernels.worn_balance import WornForce, WornRace
+from bearingwear.kernels.worn_state import WornSeat
+from bearingwear.kernels.worn_verification import check_influence, contact_check, friction_of_cells
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+
+LARGEST_GAP = 1e-7  # left by a contact, over the approach
+LARGEST_POWER_ERROR = 1e-8  # of the shaft power
+
+
+class WornCheck:
+    """What a check knows of the cells is kept as long as they are the same.
+
+    Attributes
+    ----------
+    power_error : float
+        That was found last, over the shaft power.
+    """
+
+    def __init__(self) -> None:
+        self.power_error = float("nan")
+        self._influence: list[tuple[np.ndarray, np.ndarray]] = 2 * [(np.zeros(0), np.zeros(0))]
+
+    def passes(
+        self,
+        p: ThrustProblem,
+        races: Sequence[WornRace],
+        seat: WornSeat,
+        slip: np.ndarray,
+        u: np.ndarray,
+        D: float,
+        bare: Sequence[np.ndarray],
+    ) -> bool:
+        """Whether contacts, friction of films and power balance.
+
+        Parameters
+        ----------
+        slip : ndarray (2, 5)
+            Of `worn_dissipation`.
+        bare : sequence of 2 ndarray (cells,)
+            Shares of the cells without film; none where there are no films.
+        """
+        for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
+            if not self._closed(k, race, force):
+                return False
+            if bare:
+                found = self._friction(p, k, race, force, bare[k])
+                if not abs(found / slip[k, 4] - 1.0) <= LARGEST_RESIDUAL:
+                    return False
+        g, op = p.g, p.op
+        r = g.R_o + seat.X2
+        drag = drag_force(g, D, op.drag, u[3])[0] * r * u[3]
+        power = slip[0, 3] * op.omega_i + slip[1, 3] * op.omega_o
+        given = max(abs(slip[0, 3] * op.omega_i), abs(slip[1, 3] * op.omega_o))
+        floor = slip[:, 4].max() * (seat.inner.Q + seat.outer.Q) * op.v_r
+        self.power_error = abs(power - slip[:, 1].sum() - drag) / max(given, floor)
+        return bool(self.power_error <= LARGEST_POWER_ERROR)
+
+    def _closed(self, k: int, race: WornRace, force: WornForce) -> bool:
+        """Whether bodies touch where they press and nowhere overlap, and the load is that."""
+        places = race.cells.X
+        if self._influence[k][0] is not places:
+            self._influence[k] = places, check_influence(race.cells)
+        check = contact_check(race.cells, self._influence[k][1], race.wear, race.pressure)
+        unworn = race.cells.fresh.sum() * race.cells.area
+        load = contact_load(force.hertz.K, force.approach) * check.load / unworn
+        closed = max(check.gap, check.overlap) <= LARGEST_GAP and check.tension == 0.0
+        return bool(closed and abs(load / force.Q - 1.0) <= LARGEST_RESIDUAL)
+
+    @staticmethod
+    def _friction(
+        p: ThrustProblem, k: int, race: WornRace, force: WornForce, bare: np.ndarray
+    ) -> float:
+        """Coefficient of friction of a contact with films, by plain sums over its cells."""
+        op, Q = p.op, contact_load(force.hertz.K, force.approach)
+        shear, constant = ((op.S_i, op.mu_i), (op.S_o, op.mu_o))[k]
+        law = shear, constant, 1.5 * Q / (np.pi * force.a * force.b)
+        return float(friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without))

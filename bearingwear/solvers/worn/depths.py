@@ -1,0 +1,136 @@
+"""What has worn off a bearing along its grooves and balls, and a state with it (section 21)."""
+
+import functools
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.hertz import OUTER, race_contact
+from bearingwear.kernels.params import Geometry, Hertz
+from bearingwear.kernels.profile import contact_approach
+from bearingwear.kernels.summary import ANGLE, LOAD
+from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.kernels.worn_balance import Arc, WornForce, spline_pieces
+from bearingwear.kernels.worn_state import WornSeat, pitch
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+
+UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))
+_NO_HERTZ = Hertz(K=0.0, c_a=0.0, c_b=0.0, log_kappa=0.0, E=0.0)
+NO_FORCE = WornForce(code.OK, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _NO_HERTZ)
+NOWHERE = WornSeat(code.NOT_CONVERGED, 0.0, 0.0, 0.0, 0.0, NO_FORCE, NO_FORCE, 0.0, 0.0)
+"""Of a point that was not solved."""
+_TAILS = 6.0  # times its rms, how far a Gaussian reaches
+
+
+@dataclass(frozen=True, eq=False)
+class WornDepths:
+    """What has been worn off, of even shares and of depths over the grids."""
+
+    ball: float  # even loss of ball diameter [m]
+    grooves: np.ndarray  # (2, arcs) depth [m]
+    band: np.ndarray  # (latitudes,) of the balls, empty where they wear evenly [m]
+
+    def plus(self, dt: float, rate: "WornDepths") -> "WornDepths":
+        """Wear after the time dt at a rate, itself a wear per second."""
+        return WornDepths(
+            self.ball + dt * rate.ball,
+            self.grooves + dt * rate.grooves,
+            self.band + dt * rate.band,
+        )
+
+    def mean(self, other: "WornDepths") -> "WornDepths":
+        """Half of the sum of two rates."""
+        return WornDepths(
+            0.5 * (self.ball + other.ball),
+            0.5 * (self.grooves + other.grooves),
+            0.5 * (self.band + other.band),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class WornPoint:
+    """A steady state with some wear, or what it failed with."""
+
+    status: int
+    wear: WornDepths
+    problem: ThrustProblem  # that is solved
+    seat: WornSeat = NOWHERE
+    u: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (4,) motion of a ball [rad/s]
+    slip: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2, 4), see kernel
+    qv_along: tuple[np.ndarray, ...] = ()  # QV per length at the cells, inner and outer [W/m]
+    x: tuple[np.ndarray, ...] = ()  # the cells along the major axis [m]
+    pressure: tuple[np.ndarray, ...] = ()  # (m, n) each, over the peak of Hertz
+    track: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (2,) radius [m]
+    D: float = np.nan  # ball diameter, its even loss taken off [m]
+
+
+def seat_force(g: Geometry, seat: WornSeat) -> float:
+    """Axial force of the inner race on all balls [N]."""
+    inner, across = seat.inner, seat.inner.T + seat.F_i
+    return float(g.n_balls * (inner.Q * np.sin(inner.alpha) + across * np.cos(inner.alpha)))
+
+
+def depth_spline(places: np.ndarray, step: float, depth: np.ndarray) -> Arc:
+    """A depth over equally spaced places; none is an even one."""
+    if not depth.size:
+        return UNWORN_ARC
+    c = np.empty((4, depth.size - 1))
+    spline_pieces(float(step), depth, c)
+    return Arc(float(places[0]), float(step), c)
+
+
+def wandering(
+    grid: np.ndarray, places: np.ndarray, values: np.ndarray, wander: float
+) -> np.ndarray:
+    """Values at equally spaced places on a grid, wandering about; their integral is kept.
+
+    Parameters
+    ----------
+    wander : float
+        rms of the places, in the unit of the grid.
+    """
+    found = np.interp(grid, places, values, left=0.0, right=0.0)
+    step = grid[1] - grid[0]
+    total = found.sum() * step
+    if total > 0.0:
+        found *= values.sum() * (places[1] - places[0]) / total
+    if wander > 0.0:
+        weights = _gaussian(float(wander / step))
+        found = np.convolve(found, weights)[weights.size // 2 :][: grid.size]
+    return found
+
+
+@functools.lru_cache(maxsize=16)
+def _gaussian(rms: float) -> np.ndarray:
+    """Weights of a Gaussian at whole places about its middle, out to six times its rms."""
+    reach = int(_TAILS * rms + 0.5)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / rms) ** 2)
+    return weights / weights.sum()
+
+
+def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:
+    """Position of a ball whose contacts bear the loads of a Hertzian state.
+
+    Parameters
+    ----------
+    case : ThrustCase
+    D : float
+        Ball diameter [m].
+    worn : float
+        Depth of the outer groove beyond its pressed surface [m].
+    """
+    alpha = case.contacts[1, ANGLE]
+    hertz = race_contact(g, OUTER, D, np.cos(alpha), np.nan)
+    length = g.r_o - 0.5 * D + worn + contact_approach(hertz.K, case.contacts[1, LOAD])
+    return WornSeat(
+        status=code.OK,
+        X1=float(length * np.sin(alpha)),
+        X2=float(length * np.cos(alpha)),
+        delta_a=float(case.delta_a),
+        beta=float(pitch(case.u)),
+        inner=NO_FORCE,
+        outer=NO_FORCE,
+        F_i=float(case.T_i),
+        F_o=float(case.T_o),
+    )

@@ -1,0 +1,95 @@
+"""Films and running in along worn grooves: point by point on the races, even on the balls."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.films import Films, Surface
+
+FILM_EDGE = 0.05
+"""Share of its thickness below which a film no longer covers all of its place, assumed."""
+
+LEAST_WANDER = 0.1
+"""rms of a track over the edge of a film at the least, in semi-major axes: about a cell."""
+
+AS_WITH_FILM = -1.0
+"""Friction coefficient where no film is left, if it stays."""
+
+
+def cover(surface: Surface, depth: np.ndarray | float) -> np.ndarray:
+    """Share of each place that its film still covers, worn so deep [m] (theory.md section 23)."""
+    if surface.film is None:
+        return np.zeros_like(depth, dtype=float)
+    left = np.maximum(surface.thickness - np.asarray(depth, dtype=float), 0.0)
+    if np.isinf(surface.thickness):
+        return np.ones_like(left)
+    return np.minimum(left / (FILM_EDGE * surface.thickness), 1.0)
+
+
+@dataclass(frozen=True)
+class WornFilms:
+    """Films of a scene whose balls wear evenly."""
+
+    films: Films
+    without: float  # friction coefficient where none is left, or `AS_WITH_FILM` [1]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "WornFilms":
+        given, films = scene.friction.film, Films.of(scene)
+        bare = None if given is None or not films.wear_through else given.bare_ball_race
+        return cls(films, AS_WITH_FILM if bare is None else bare)
+
+    def cover_of_race(self, depth: np.ndarray, spread: float) -> np.ndarray:
+        """Share of each place of a track that its film covers, as a track sees it that wanders.
+
+        Parameters
+        ----------
+        depth : ndarray
+            Over equal steps of the groove [m].
+        spread : float
+            rms of the wander, in these steps.
+        """
+        return gaussian_filter1d(cover(self.films.race, depth), spread, truncate=6.0)
+
+    def bare(self, race_depth: np.ndarray, ball_depth: float, spread: float) -> np.ndarray:
+        """Share of each place of a groove on which no film is left; as `cover_of_race`."""
+        if not self.films.wear_through:
+            return np.zeros_like(race_depth)
+        on_race = self.cover_of_race(race_depth, spread)
+        return 1.0 - np.maximum(on_race, cover(self.films.ball, ball_depth))
+
+    def factors(
+        self,
+        on_race: np.ndarray,
+        race_depth: np.ndarray,
+        ball_depth: float,
+        pressure: float = np.nan,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """K_s/H of ball and race at each place of a track [1/Pa], under a mean pressure [Pa].
+
+        As `films.worn_as`, in proportion to what each film still covers.
+        """
+        ball, race = self.films.ball, self.films.race
+        on_ball, pressed = cover(ball, ball_depth), self.films.pressed(pressure)
+        return (
+            _factor(ball, race, ball_depth, on_ball, on_race, pressed),
+            _factor(race, ball, race_depth, on_race, on_ball, pressed),
+        )
+
+    def left(self, race_depths: np.ndarray, ball_depth: float) -> np.ndarray:
+        """Thickness less the deepest wear, of inner and outer race and balls (3,) [m]."""
+        race, ball = self.films.race.thickness, self.films.ball.thickness
+        return np.array([*(race - race_depths), ball - ball_depth])
+
+
+def _factor(
+    part: Surface, partner: Surface, depth, covered, partner_covered, pressed
+) -> np.ndarray:
+    below = part.below_at(depth)
+    found = below.K_s / below.H
+    for film, share in ((partner.film, partner_covered), (part.film, covered)):
+        if film is not None:
+            found = share * pressed * film.K_s / film.H + (1.0 - share) * found
+    return np.asarray(found)

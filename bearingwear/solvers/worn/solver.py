@@ -1,0 +1,254 @@
+"""One bearing whose grooves are followed as they wear (section 21)."""
+
+import copy
+import functools
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.profile import contact_approach, semi_axis
+from bearingwear.kernels.thrust import skid_ratio
+from bearingwear.scene.friction import changes_as_it_wears
+from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.outputs import friction_used
+from bearingwear.solvers.condition import Condition, SolvedBearing
+from bearingwear.solvers.state import State
+from bearingwear.solvers.steady import Steady
+from bearingwear.solvers.thermal import HeatFlow
+from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.depths import WornDepths, WornPoint, seat_force
+from bearingwear.solvers.worn.films import WornFilms
+
+_TOO_DEEP = 2.0  # times the depth that a step is to wear
+_NEAR = 0.02  # of the approaches: where an even loss is looked for first, beside the guess
+_FURTHER = 12  # times farther away, each time twice as far
+
+
+@dataclass
+class _Memory:
+    """What later solves and states take from earlier ones, at whatever temperatures.
+
+    Attributes
+    ----------
+    slope : float
+        Stiffness last found [N/m].
+    offset : float, optional
+        Of the even loss, at the start [m].
+    ahead : float
+        Of the last even loss to that of the approaches, over the approaches.
+    states : dict
+        Points with their values.
+    """
+
+    slope: float
+    offset: float | None = None
+    ahead: float = 0.0
+    states: dict[int, tuple[WornPoint, dict[str, Any]]] = field(default_factory=dict)
+
+
+class Worn(Steady):
+    """A bearing with worn grooves; each solve starts from the last one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of this bearing alone.
+    unworn : SolvedBearing
+        Of `Steady`, as it is held at the start.
+    cells : tuple of int
+        See `WornBearing`.
+    """
+
+    def __init__(self, scene: Scene, unworn: SolvedBearing, cells: tuple[int, int]):
+        self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
+        self.mounted = parameters.static_place(scene)
+        self.factors = parameters.wear_factors(scene)
+        filmed = scene.friction.film is not None or changes_as_it_wears(scene)
+        self.bearing = WornBearing(
+            self.problem,
+            unworn.answer,
+            self.start.loss,
+            cells,
+            bands=scene.wear.ball_track == "bands",
+            wander=scene.wear.track_wander,
+            films=WornFilms.of(scene) if filmed else None,
+        )
+        self.memory = _Memory(unworn.steepness)
+
+    @staticmethod
+    def condition(wear: WornDepths) -> Condition:
+        """With some wear; as loss counts how far it has gone."""
+        deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
+        return Condition(wear.ball + deepest, depths=wear)
+
+    def at(self, scene: Scene) -> "Worn":
+        warm = copy.copy(self)  # with the same bearing, which goes on from its last state
+        warm.scene, warm.problem = scene, replace(self.problem, g=parameters.geometry(scene))
+        return warm
+
+    def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
+        assert condition.depths is not None
+        point = self.bearing.solve(condition.depths, self.held(condition))
+        if point.status != code.OK:
+            return SolvedBearing(point.status, condition, self.scene)
+        return SolvedBearing(
+            status=point.status,
+            condition=condition,
+            scene=self.scene,
+            force=seat_force(point.problem.g, point.seat),
+            slope=self.memory.slope,
+            place=point.seat.delta_a,
+            problem=point.problem,
+            answer=point,
+        )
+
+    def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
+        """The solution found last, with both stiffnesses."""
+        dynamic = self.bearing.axial_stiffness(solution.answer)
+        quasistatic = self.bearing.quasistatic_stiffness(solution.answer)
+        found = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
+        self.memory.slope = found.steepness
+        return found
+
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        return heat_of_point(solution.answer)
+
+    def rate(self, point: WornPoint) -> WornDepths:
+        """Wear per second."""
+        return self.bearing.rate(point, *self.factors)
+
+    def approach_loss(self, point: WornPoint) -> float:
+        """L: ball diameter lost, and what the contacts gave way beyond Hertz [m]."""
+        loss = self.start.loss + point.wear.ball
+        for k, force in enumerate(self.bearing.forces(point)):
+            depth = self.bearing.lengths(point)[k]
+            loss += depth - contact_approach(force.hertz.K, force.Q)
+        return loss
+
+    def even_loss(self, point: WornPoint) -> float:
+        """L_eq: even loss of diameter with the same rotor position, or the same preload [m].
+
+        Counted from that of the start, where it is that of the scene.
+        """
+        if self.memory.offset is None:
+            self.memory.offset = 0.0
+            self.memory.offset = self.even_loss(point) - self.start.loss
+            return self.start.loss
+        g, held, seat = point.problem.g, point.problem.preload, point.seat
+        preload = seat_force(g, seat)
+        load = orbit_load(float(point.u[3]), seat.F_i, seat.F_o)
+        state = cold_start()
+
+        @functools.cache
+        def away(loss: float) -> float:
+            nonlocal state
+            delta_a, state = thrust_equilibrium(
+                g, g.D0 - loss, load, held.F_x, seat.delta_a, held.constant_force, state
+            )
+            if held.constant_force:
+                return (delta_a - seat.delta_a) / scale
+            return 1.0 - g.n_balls * state.F_ix / preload
+
+        scale = seat.inner.approach + seat.outer.approach
+        guess = self.approach_loss(point) + self.memory.ahead * scale
+        width, low, high = _NEAR * scale, guess, guess
+        for _ in range(_FURTHER):
+            low, high, width = low - width, high + width, 2.0 * width
+            if away(low) <= 0.0 <= away(high):
+                break
+        try:
+            root = float(brentq(away, low, high, xtol=1e-9 * scale, rtol=1e-14))
+        except ValueError:
+            return float("nan")
+        self.memory.ahead += (root - guess) / scale
+        return root - self.memory.offset
+
+    def state(self, solution: SolvedBearing) -> State:
+        """A point as the other lives have it; the rate of loss is not known from it alone.
+
+        A stiffness is there if it was looked for.
+        """
+        point = solution.answer
+        known = self.memory.states.get(id(point))
+        if known is None or known[0] is not point:
+            known = point, self._values(point) | self._of_films(point)
+            self.memory.states[id(point)] = known
+        found = {
+            "axial_stiffness": solution.stiffness,
+            "quasistatic_axial_stiffness": solution.quasistatic,
+        }
+        found = {name: value for name, value in found.items() if not np.isnan(value)}
+        return State(point.status, known[1] | found, solution)
+
+    def too_deep(self, point: WornPoint, new: WornPoint, step: float) -> bool:
+        """Whether a groove wore by far more than `step` of the gap, having worn through a film."""
+        if self.bearing.films is None:
+            return False
+        worn = (new.wear.grooves - point.wear.grooves).max(axis=1)
+        return bool((worn / self.bearing.gap_at_edge(point)).max() > _TOO_DEEP * step)
+
+    def _of_films(self, point: WornPoint) -> dict[str, Any]:
+        """What of a state films and running in decide; nothing without any."""
+        films, D, shares = self.bearing.films, point.D, []
+        if films is None:
+            return {}
+        for k, force in enumerate(self.bearing.forces(point)):
+            bare = self.bearing.bare(point.wear, k)
+            g = point.problem.g
+            bare = self.bearing.at_cells(bare, k, point.x[k], force.alpha, g)
+            shares.append(bare[point.pressure[k].max(axis=0) > 0.0].mean())
+        rate = self.rate(point)
+        area = rate.grooves.sum(axis=1) * self.bearing.arc_step
+        ring = 2.0 * np.pi * np.cos(self.bearing.latitude) * (0.5 * D) ** 2
+        bands = float((rate.band * ring).sum() * self.bearing.band_step)
+        return {
+            "ball_wear_rate": 0.5 * np.pi * D * D * rate.ball + bands,
+            "race_wear_rate": 2.0 * np.pi * point.track * area,
+            "film_left": films.left(point.wear.grooves.max(axis=1), 0.5 * point.wear.ball),
+            "film_worn_share": np.array(shares),
+        }
+
+    def _values(self, point: WornPoint) -> dict[str, Any]:
+        g, op, D = point.problem.g, point.problem.op, point.D
+        forces, r = self.bearing.forces(point), g.R_o + point.seat.X2
+        alpha = np.array([f.alpha for f in forces])
+        qv, _, share, _, mu = point.slip.T
+        ball, race = self.factors
+        moment = ball_inertia(ball_mass(g.rho, D), D) * abs(point.u[3] * point.u[2])
+        load = np.array([f.Q for f in forces])
+        used = friction_used(mu[None], np.array([D]), moment, load[None])
+        return {
+            "ball_diameter_loss": self.even_loss(point),
+            "residual_preload": seat_force(g, point.seat),
+            "contact_load": load,
+            "contact_angle": alpha,
+            "semi_major_axis": np.array([semi_axis(f.hertz.c_a, f.Q) for f in forces]),
+            "qv": qv,
+            "total_qv": float(g.n_balls * qv.sum()),
+            "gyroscopic_slip_share": share,
+            "skid_ratio": skid_ratio(op, alpha[0], alpha[1], 0.5 * D, r, point.u),
+            "maximum_pressure": max(f.peak for f in forces),
+            "greatest_depth": float(point.wear.grooves.max()),
+            "friction_power": heat_of_point(point).total,
+            "ball_wear_rate": float(ball * qv.sum()),
+            "race_wear_rate": g.n_balls * race * qv,
+            "axial_displacement": point.seat.delta_a,
+            "friction_used_by_gyroscopic_moment": float(used[0]),
+            "friction_coefficient": mu,
+        }
+
+
+def heat_of_point(point: WornPoint) -> HeatFlow:
+    """Friction heat of a state."""
+    g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
+    r, Omega = g.R_o + point.seat.X2, float(point.u[3])
+    drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
+    inner, outer = (float(n * heat) for heat in point.slip[:, 1])
+    return HeatFlow(inner, outer, drag=float(n * drag))

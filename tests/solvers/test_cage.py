@@ -1,0 +1,345 @@
+"""The cage: what it conserves, what it gives back, and what it does to the rest."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.cage import angular_velocity, turn
+from bearingwear.kernels.cage_contacts import cage_contacts
+from bearingwear.kernels.dynamic_equilibrium import linearise_cage_forces
+from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.quasistatic import K_11
+from bearingwear.kernels.status import OK
+from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
+from bearingwear.solvers.dynamic.run import solve_dynamic
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.start import start_of
+
+ROTATING = {"operation.rotating_load_N": 1.0}
+HEAVY = {"operation.gravity_m_s2": [20.0, 30.0, -300.0], "cage.imbalance_um": 5.0}
+
+
+def started(scene):
+    """A scene's motion as a solve begins it."""
+    return DynamicSystem.of(scene, start_of(scene).u)
+
+
+def cage_state(motion):
+    """State of the cage; a view."""
+    return motion.cage_state
+
+
+def moved(motion, duration, *options):
+    """Terms of the energy account over a stretch, `missing` and `heat` of all kinds among them."""
+    before = motion.energy()
+    assert motion.advance(duration, *options).status == OK
+    change = {name: value - before[name] for name, value in motion.energy().items()}
+    change["missing"] = 2.0 * change["supplied"] - sum(change.values())
+    change["all heat"] = change["heat"] + change["cage heat"] + change["damping"]
+    return change
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ROTATING,
+        {"operation.radial_load_N": [0.0, 3.0], "operation.preload_method": "fixed_position"},
+        {"cage.guiding_race": "inner", "cage.inner_diameter_mm": 6.2} | ROTATING,
+        {"wear.ball_diameter_loss_um": [0.0, 0.1, 0.0, 0.2, 0.0, 0.0, 0.05, 0.0, 0.0]},
+        {"operation.outer_speed_rpm": -10000, "lubricant.drag_density_kg_m3": 100.0},
+        HEAVY,
+    ],
+)
+def test_energy_account(scene, changes):
+    """Shaft and loads supply what contacts, drag and damping take, to 1e-4 in twenty turns."""
+    motion = started(scene("gyro_s1", changes))
+    change = moved(motion, 20 * motion.turn)
+    assert change["cage heat"] > 1e-4 * change["heat"]  # the cage did touch something
+    assert abs(change["missing"]) < 1e-4 * change["all heat"], change
+
+
+def test_tighter_steps_close_the_account(scene):
+    """A tenth of the tolerance, a tenth of the largest account above."""
+    motion = started(scene("gyro_s1", ROTATING))
+    change = moved(motion, 20 * motion.turn, 1e-4)
+    assert abs(change["missing"]) < 1e-5 * change["all heat"]
+
+
+@pytest.mark.parametrize("method", [ROSENBROCK, RUNGE_KUTTA])
+def test_free_cage_keeps_its_momentum(scene, method):
+    """A tumbling cage that touches nothing: momentum to 1e-9, energy, orthogonal axes."""
+    s = scene("gyro_s1", {"cage.pocket_clearance_mm": 0.5, "cage.guide_clearance_mm": 1.0})
+    motion = started(s)
+    z = cage_state(motion)
+    z[1:3] = 0.0
+    z[9] = motion.bearing.cage.I_x * motion.balls[:, 3].mean()
+    z[10] = 0.01 * z[9]  # out of its axis: it precesses
+    z[3:6] = 1e-4, -2e-4, 3e-4
+    momentum, linear = z[9:12].copy(), z[3:6].copy()
+    cage = motion.bearing.cage
+    tilts = []
+    for _ in range(20 if method == ROSENBROCK else 2):
+        assert motion.advance(motion.turn, 1e-5, method).status == OK
+        R = motion.buffers.cage.R0
+        tilts.append(math.acos(R[0, 0]))
+    assert not motion.buffers.cage.normal.any()
+    assert_allclose(z[9:12], momentum, rtol=1e-9)
+    assert_allclose(z[3:6], linear, rtol=1e-9)
+    assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
+    # Free precession of a symmetric top: its axis goes round the momentum at L / I_t.
+    size = np.linalg.norm(momentum)
+    rate = size / cage.I_t
+    half = math.atan2(momentum[1], momentum[0])  # of the axis from the momentum, at the start
+    angle = rate * motion.time
+    axis = momentum / size
+    start = np.array([1.0, 0.0, 0.0])
+    exact = (
+        start * math.cos(angle)
+        + np.cross(axis, start) * math.sin(angle)
+        + axis * (axis @ start) * (1.0 - math.cos(angle))
+    )
+    assert max(tilts) > half
+    assert_allclose(R[:, 0], exact, atol=2e-3 * half)
+
+
+def test_rotation_has_no_singularity():
+    """Turns about any axis, a half turn among them, put together to the whole."""
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        theta = rng.normal(size=3)
+        theta *= math.pi / np.linalg.norm(theta)
+        R, step = np.empty((3, 3)), np.eye(3)
+        turn(theta, np.eye(3), R)
+        for _ in range(50):
+            new = np.empty((3, 3))
+            turn(theta / 50, step, new)
+            step = new
+        assert_allclose(step, R, atol=1e-12)
+
+
+def test_frictionless_undamped_bouncing_gains_nothing(scene):
+    """Restitution 1, no friction at the cage: the account shows neither heat nor gain."""
+    s = scene("gyro_s1", {"cage.restitution": 1.0, "friction.cage": 0.0} | ROTATING)
+    motion = started(s)
+    tally = motion.advance(motion.turn)
+    assert tally.status == OK
+    change = moved(motion, 20 * motion.turn, 1e-4)
+    assert change["cage heat"] == 0.0 and change["damping"] == 0.0
+    own = (
+        motion.bearing.cage.mass * (1e-2 * abs(motion.balls[0, 3]) * motion.buffers.balls.r[0]) ** 2
+    )
+    assert abs(change["missing"]) < 1e-5 * change["heat"] and abs(change["missing"]) < own
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize(("speed", "share"), [(0.02, 0.35), (0.2, 0.05)])
+def test_restitution_at_the_land(scene, restitution, speed, share):
+    """A cage thrown against the outer land comes back at the stated share of its speed.
+
+    A light impact stays in the range where the damping only comes in: roughly.
+    """
+    changes = {"cage.pocket_clearance_mm": 0.5, "cage.restitution": restitution}
+    motion = started(scene("gyro_s1", changes | {"friction.cage": 0.0}))
+    z = cage_state(motion)
+    z[:6] = 0.0
+    z[4] = speed
+    z[9] = motion.bearing.cage.I_x * motion.balls[:, 3].mean()
+    assert motion.advance(1.2 * motion.bearing.cage.gap / speed, 1e-4).status == OK
+    assert motion.buffers.cage.normal[-2:].max() == 0.0
+    assert -z[4] / speed == pytest.approx(restitution, rel=share)
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9, 1.0])
+def test_damping_of_a_restitution(restitution):
+    """Closed form and integration against small explicit steps of the same impact."""
+    land, pocket = 2.0 * land_damping(restitution), pocket_damping(restitution)
+    for damping, spring, dashpot in ((land, 1.0, 0.0), (pocket, 1.5, 0.25)):
+        d, v, h = 1e-12, 1.0, 1e-5
+        while d > 0.0:
+            force = d**spring + damping * d**dashpot * v
+            if force < 0.0:
+                break
+            v -= h * force
+            d += h * v
+        assert -v == pytest.approx(restitution, abs=2e-3)
+
+
+PRECISE = {"model.dynamic_tolerance": 1e-4, "model.simulated_turns": 6}
+
+
+@pytest.mark.parametrize("changes", [ROTATING, HEAVY])
+def test_torques_are_the_rate_of_momentum(scene, changes):
+    """Mean torques on the cage against its momentum, over the evaluated window."""
+    values, _ = solve_dynamic(scene("gyro_s1", PRECISE | changes))
+    torque = values["mean_pocket_torque"] + values["mean_land_torque"]
+    torque = torque + values["mean_gravity_torque"]
+    assert values["status"] == OK
+    assert bool(values["mean_gravity_torque"]) == (changes is HEAVY)
+    # Pushes to and fro cancel in the mean: they are the scale.
+    force = values["history_pocket_force"].mean(axis=0).sum()
+    scale = force * 0.5e-3 * 7.5
+    assert abs(torque - values["cage_momentum_rate"]) < 1e-4 * scale
+    assert abs(torque) > 1e-3 * scale
+
+
+def test_pockets_pull_and_push_balls(scene):
+    """The forces on balls and cage are opposite: total momentum about the axis, no race friction.
+
+    With the ball/race friction at nothing and no drag, balls and cage exchange angular momentum
+    through the pockets alone.
+    """
+    s = scene("gyro_s1", {"friction.ball_race": 0.0, "cage.guiding_race": "ball"})
+    motion = started(s)
+    cage = motion.bearing.cage
+
+    def momentum():
+        motion.rates()
+        b = motion.balls
+        spin = (motion.bearing.inertia * b[:, 0]).sum()
+        return spin + (motion.bearing.mass * motion.buffers.balls.r**2 * b[:, 3]).sum(), (
+            motion.cage_momentum()
+        )
+
+    balls, own = momentum()
+    assert motion.advance(5 * motion.turn, 1e-4).status == OK
+    balls_now, own_now = momentum()
+    assert abs(own_now - own) > 1e-3 * own * 0.01
+    assert cage.present
+    # The model leaves the Coriolis force out: a ball that shifts radially takes none of it along.
+    assert balls_now - balls == pytest.approx(-(own_now - own), rel=2e-2)
+
+
+def test_land_stiffness_does_not_matter(scene):
+    """Half the stiffness of a land that the cage rides on: wear rates of the rest within 1 %.
+
+    What wears off balls in pockets hangs on the cage's path, which is chaotic before it rides.
+    """
+    changes = {"model.simulated_turns": 60, "model.evaluated_turns": 20} | ROTATING
+    changes |= {"friction.ball_race": 0.02, "friction.cage": 0.02}
+    changes |= {"cage.guide_clearance_mm": 0.155, "model.settled_drift": 1e-9}
+    found = []
+    for factor in (1.0, 0.5):
+        values, _ = solve_dynamic(
+            scene("gyro_s1", changes | {"model.land_stiffness_factor": factor})
+        )
+        assert values["status"] == OK and values["cage_land_wear_rate"] > 0.0
+        found.append(values)
+    for name in ("ball_wear_rate", "race_wear_rate", "ball_diameter_loss_rate", "total_qv"):
+        assert_allclose(found[1][name].sum(), found[0][name].sum(), rtol=1e-2, err_msg=name)
+
+
+def test_wear_of_an_impact_does_not_depend_on_stiffness(scene):
+    """A cage thrown against its land rubs off the same with half the stiffness, to 1 %.
+
+    Over many turns the cage's own wear cannot be compared so closely: its path is chaotic.
+    """
+    worn = []
+    for factor in (1.0, 0.5):
+        changes = {"cage.pocket_clearance_mm": 0.5, "model.land_stiffness_factor": factor}
+        motion = started(scene("gyro_s1", changes))
+        z = cage_state(motion)
+        z[:6] = 0.0
+        z[4] = 0.2
+        z[9] = motion.bearing.cage.I_x * motion.balls[:, 3].mean()
+        assert motion.advance(1.2 * motion.bearing.cage.gap / z[4], 1e-4).status == OK
+        assert motion.buffers.cage.normal[-2:].max() == 0.0 and z[4] < 0.0
+        worn.append(motion.y[motion.layout.land])
+    assert worn[1] == pytest.approx(worn[0], rel=1e-2) and worn[0] > 0.0
+
+
+@pytest.mark.parametrize("integrator", ["rosenbrock", "runge_kutta"])
+def test_two_runs_are_one(scene, integrator):
+    """Stopped and taken up again: the same bits, histories and averages as in one go."""
+    turns = {"model.evaluated_turns": 1, "model.integrator": integrator} | ROTATING
+    # A drift that never settles: the whole length is run.
+    turns |= {"cage.restitution": 0.9}
+
+    def run(count, restart=None):
+        return solve_dynamic(scene("gyro_s1", turns | {"model.simulated_turns": count}), restart)[0]
+
+    first = run(1)
+    whole = run(2)
+    if whole["simulated_turns"] < 2:
+        pytest.fail("settled before its time")
+    second = run(1, {"state": first["final_state"], "time": first["final_time"]})
+    assert second["final_time"] == whole["final_time"]
+    assert (second["final_state"] == whole["final_state"]).all()
+    for name in ("qv", "ball_angular_velocity", "cage_wear_rate", "mean_pocket_torque"):
+        assert_allclose(second[name], whole[name], rtol=1e-12, atol=1e-30, err_msg=name)
+    for name in ("history_contact_qv", "history_cage_position", "history_orbit_lead"):
+        assert (second[name] == whole[name][20:]).all(), name
+
+
+def test_averages_are_those_of_the_steady_state(scene):
+    """Thrust alone, no cage: every average of a run is the steady value."""
+    from bearingwear.solvers.steady import solve_steady
+
+    s = dataclasses.replace(scene("gyro_s1", {"friction.ball_race": 0.05}), cage=None)
+    values, _ = solve_dynamic(s)
+    steady, _ = solve_steady(s)
+    assert values["status"] == OK
+    for name in (
+        "contact_load", "contact_angle", "qv", "friction_heat", "gyroscopic_slip", "rolling_slip",
+        "ball_angular_velocity", "orbit_speed", "total_qv", "residual_preload", "shaft_torque",
+        "axial_stiffness", "axial_displacement", "ball_wear_rate", "race_wear_rate",
+        "gyroscopic_slip_share", "ball_diameter_loss_rate",
+    ):  # fmt: skip
+        one = np.asarray(steady[name])
+        of_all = np.asarray(values[name])
+        floor = 1e-9 * np.abs(one).max()
+        expected = np.broadcast_to(one, of_all.shape)
+        assert_allclose(of_all, expected, rtol=2e-6, atol=floor, err_msg=name)
+
+
+def test_unequal_balls_share_the_load(scene):
+    """The worn ball carries less, and its race contacts rub less."""
+    loss = [0.0] * 9
+    loss[3] = 0.3
+    values, _ = solve_dynamic(scene("gyro_s1", {"wear.ball_diameter_loss_um": loss}))
+    assert values["status"] == OK
+    load = values["contact_load"][:, 0]
+    others = np.delete(load, 3)
+    assert load[3] < 0.8 * others.min() and np.ptp(others) < 0.3 * others.mean()
+    assert values["residual_preload"] == pytest.approx(7.0, rel=1e-9)
+
+
+def test_angular_velocity_of_a_tilted_top(scene):
+    """Momentum to angular velocity by the inertia tensor in inertial axes."""
+    motion = started(scene("gyro_s1", {}))
+    cage, z = motion.bearing.cage, cage_state(motion)
+    R = np.empty((3, 3))
+    turn(np.array([0.3, -0.2, 0.1]), np.eye(3), R)
+    inertia = R @ np.diag([cage.I_x, cage.I_t, cage.I_t]) @ R.T
+    z[9:12] = inertia @ [1.0, 2.0, 3.0]
+    assert_allclose(angular_velocity(cage, z, R), [1.0, 2.0, 3.0], rtol=1e-12)
+
+
+def test_derivative_of_a_pocket_force(scene):
+    """Against differences, as the ball moves axially and radially in its pocket."""
+    motion = started(scene("gyro_s1", ROTATING | {"friction.cage": 0.4, "cage.restitution": 1.0}))
+    buf, bearing = motion.buffers, motion.bearing
+    balls = buf.balls
+    for _ in range(400):
+        assert motion.advance(motion.turn / 200, 1e-2).status == OK
+        touching = [j for j in range(len(bearing.D)) if buf.cage.normal[j] > 1e-3]
+        if touching:
+            break
+    j = touching[0]
+    motion.update()
+    cage_contacts(motion.y, bearing, balls, buf.cage)
+    linearise_cage_forces(bearing, balls, buf.cage)
+    lines = balls.cage_linear[j, K_11:].reshape(2, 2).copy()
+    step = 1e-5 * buf.cage.approach[j]
+    differences = np.empty((2, 2))
+    for k in range(2):
+        force = []
+        for sign in (1.0, -1.0):
+            balls.X[j, k] += sign * step
+            cage_contacts(motion.y, bearing, balls, buf.cage)
+            force.append(buf.cage.ball_force[j, [0, 2]].copy())
+            balls.X[j, k] -= sign * step
+        differences[:, k] = -(force[0] - force[1]) / (2.0 * step)
+    assert_allclose(lines, differences, rtol=1e-3, atol=1e-4 * np.abs(differences).max())

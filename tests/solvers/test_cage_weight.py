@@ -1,0 +1,165 @@
+"""A cage with a weight and an imbalance, on races that are displaced, and when it is settled."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.cage import imbalance_vector
+from bearingwear.kernels.cage_law import LAND_DAMPING, LAND_HEAT
+from bearingwear.kernels.pocket import pocket_force
+from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
+from bearingwear.kernels.status import OK
+from bearingwear.solvers.dynamic.run import solve_dynamic
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.dynamic.windows import Trend
+from bearingwear.solvers.start import start_of
+
+WIDE = {"cage.pocket_clearance_mm": 0.5, "cage.guide_clearance_mm": 1.0}
+INNER = {
+    "cage.guiding_race": "inner",
+    "cage.inner_diameter_mm": 6.2,
+    "cage.guide_clearance_mm": 0.1,
+}
+
+
+def started(scene, changes):
+    s = scene("gyro_s1", changes)
+    return DynamicSystem.of(s, start_of(s).u)
+
+
+def test_free_cage_falls(scene):
+    """A turning cage that touches nothing: a parabola of its centre of mass, to rounding.
+
+    Its centre goes round the centre of mass, as far away as the imbalance says.
+    """
+    gravity = np.array([1.0, 2.0, -9.81])
+    changes = {"operation.gravity_m_s2": gravity.tolist(), "cage.imbalance_um": 20.0}
+    system = started(scene, WIDE | changes)
+    z = system.cage_state
+    z[:6] = 0.0
+    z[MOMENTUM] = system.bearing.cage.I_x * system.balls[:, OMEGA].mean()
+    energy = system.energy()
+    assert system.advance(1.6 * system.turn).status == OK
+    t = system.time
+    assert not system.buffers.cage.normal.any()
+    assert_allclose(z[CENTRE : CENTRE + 3], 0.5 * gravity * t**2, rtol=1e-9)
+    assert_allclose(z[VELOCITY : VELOCITY + 3], gravity * t, rtol=1e-9)
+    shift = imbalance_vector(system.bearing.cage, system.buffers.cage.R)
+    angle = z[MOMENTUM] / system.bearing.cage.I_x * t
+    assert_allclose(shift, 2e-5 * np.array([0.0, -math.sin(angle), math.cos(angle)]), atol=1e-10)
+    gained = system.energy()["supplied"] - energy["supplied"] - system.y[system.layout.shaft]
+    work = system.bearing.cage.mass * 0.5 * (gravity @ gravity) * t**2
+    assert gained == pytest.approx(work)
+
+
+@jit
+def force_of(cage, mass, approach, speed):
+    found = pocket_force(cage, mass, approach, 1.0, -speed)
+    return found.elastic, found.normal
+
+
+@pytest.mark.parametrize(("restitution", "share"), [(0.2, 0.822), (0.5, 0.957), (0.8, 0.995)])
+def test_friction_sees_the_whole_impulse_of_an_impact(scene, restitution, share):
+    """A square impact of a ball on its pocket: elastic impulse over that of what rubs.
+
+    The elastic force goes on while the bodies part, where damping takes it all: nothing pulls.
+    """
+    bearing = started(scene, {"cage.restitution": restitution}).bearing
+    cage, mass = bearing.cage, bearing.mass[0]
+    reduced = mass * cage.mass / (mass + cage.mass)
+    speed, h = 20.0, 1e-10  # so fast that the ramp of the damping does not matter
+    d, v = 1e-12, speed
+    elastic = whole = 0.0
+    while d > 0.0:
+        spring, normal = force_of(cage, mass, d, v)
+        elastic += spring * h
+        whole += normal * h
+        v -= normal / reduced * h
+        d += v * h
+    assert -v / speed == pytest.approx(restitution, abs=1e-3)
+    assert whole == pytest.approx(reduced * speed * (1.0 + restitution), rel=1e-3)
+    assert elastic / whole == pytest.approx(share, abs=1e-3)
+
+
+@pytest.mark.parametrize("load", ["radial", "rotating"])
+def test_resting_on_a_displaced_inner_land(scene, load):
+    """A cage that lies on the land of a displaced race rubs there and is not damped.
+
+    Under a load fixed in space the race's axis stands still, and so does the cage; under one that
+    turns, both go round with the shaft.
+    """
+    changes = {
+        "radial": {"operation.radial_load_N": [2.0, 0.0]},
+        "rotating": {"operation.rotating_load_N": 2.0},
+    }
+    system = started(scene, INNER | changes[load])
+    cage, z, balls = system.bearing.cage, system.cage_state, system.buffers.balls
+    assert system.update() == OK
+    delta, omega = balls.delta.copy(), system.bearing.op.omega_i
+    across = np.array([0.0, -delta[2], delta[1]])
+    assert np.hypot(*delta[1:]) > 1e-8
+    for angle in np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False):
+        n = np.array([0.0, math.cos(angle), math.sin(angle)])
+        z[CENTRE : CENTRE + 3] = [z[CENTRE], *delta[1:]] + (cage.gap + 1e-7) * n
+        z[VELOCITY : VELOCITY + 3] = omega * across if load == "rotating" else 0.0
+        assert system.update() == OK
+        sums = system.buffers.cage.sums
+        spring = cage.k_land * 2e-7
+        # against the damping that a normal speed of omega delta would bring
+        seen = 2.0 * 2.0 * cage.damping_land * math.sqrt(cage.k_land * cage.mass)
+        seen *= (omega * np.hypot(*delta[1:])) ** 2
+        assert sums[LAND_HEAT] > 0.5 * cage.mu * spring * omega * cage.radius * 0.1
+        allowed = 1e-12 if load == "radial" else 1e-2
+        assert abs(sums[LAND_DAMPING]) < allowed * seen
+
+
+def test_when_a_cage_meets_its_land():
+    """A drift in a noise; one that is none; a cage that rides on its land."""
+
+    def turns(rooms):
+        trend = Trend()
+        for room in rooms:
+            trend.add(np.r_[np.ones(trend.values.shape[1] - 1), room])
+        return trend.turns_to_land()
+
+    k = np.arange(40)
+    noise = 0.01 * np.sin(7.0 * k)
+    assert turns(0.9 - 0.01 * k + noise) == pytest.approx((0.9 - 0.39) / 0.01, rel=0.02)
+    assert turns(0.5 + noise) > 1000.0
+    assert turns(0.3 + 0.01 * k) == math.inf
+    assert turns(0.01 - 1e-3 * noise) == math.inf
+    assert turns([1.0, 0.9]) == math.inf
+
+
+def test_a_drift_to_the_land_is_not_settled(scene):
+    """Weightless with little friction the cage leans ever further, at the balls' rate: run on."""
+    changes = {
+        "friction.cage": 0.02,
+        "model.simulated_turns": 60,
+        "model.evaluated_turns": 20,
+        "model.settled_drift": 1.0,
+    }
+    values, attrs = solve_dynamic(scene("gyro_s1", changes))
+    assert values["status"] == OK and values["simulated_turns"] == 60
+    assert "drifts towards its land" in attrs["settled"] and values["cage_land_wear_rate"] == 0.0
+
+
+def test_weight_changes_the_motion(scene):
+    """From the usual start: for a while a cage hangs on its balls, with a tenth of the wear.
+
+    Later it may whirl all the same (studies/cage).
+    """
+    turns = {"model.simulated_turns": 15, "model.evaluated_turns": 5, "friction.cage": 0.03}
+    turns |= {"model.settled_drift": 1e-9}
+    wear = []
+    for z in (0.0, -9.81):
+        values, _ = solve_dynamic(
+            scene("gyro_s1", turns | {"operation.gravity_m_s2": [0.0, 0.0, z]})
+        )
+        wear.append(values["cage_wear_rate"])
+        centre = values["history_cage_position"][-100:, 1:].mean(axis=0)
+    assert wear[1] < 0.2 * wear[0]
+    assert centre[1] < -1e-5

@@ -1,0 +1,85 @@
+"""Numbers of catalogues and of a commercial program; `benchmarks/catalogues.py` finds ours."""
+
+import numpy as np
+import pytest
+from support import benchmark
+
+import bearingwear
+from bearingwear.solvers.bearing.at_rest import RestingPair
+
+
+@pytest.fixture(scope="module")
+def catalogues():
+    return benchmark("catalogues")
+
+
+@pytest.fixture(scope="module")
+def groups(catalogues):
+    return catalogues.groups()
+
+
+@pytest.mark.parametrize(
+    ("name", "source", "count"),
+    [
+        ("axial rigidity of a pair", "NSK", 256),
+        ("axial clearance of a pair", "NSK", 256),
+        ("radial over axial rigidity", "NSK, SNFA", 8),
+        ("low-speed torque, one friction", "SNFA", 16),
+        ("exponent of torque over preload", "SKF", 8),
+        ("axial rigidity of a pair", "GMN", 3),
+        ("place under load", "ISO 16281", 4),
+        ("lift-off load", "SNFA", 3),
+        ("axial deflection", "SNFA", 10),
+        ("torque over thrust^(4/3), 218", "SKF", 3),
+        ("orbit of balls, speed of cage", "kinematics", 2),
+    ],
+)
+def test_group(groups, name, source, count):
+    """Every row is judged, and the mean square of all."""
+    (group,) = [one for one in groups if (one.name, one.source) == (name, source)]
+    assert len(group.rows) == count and group.suspects == []
+    assert group.rms <= group.allowed
+
+
+def test_no_group_without_a_test(groups):
+    assert len(groups) == 11 and sum(len(group.rows) for group in groups) == 569
+
+
+def test_the_page_has_these_totals(catalogues, groups):
+    page = catalogues.PAGE.read_text(encoding="utf-8")
+    assert catalogues.totals(groups) in page
+    assert catalogues.row_table(catalogues.makers.misprint_rows()) in page
+
+
+def test_misprints_are_found(catalogues):
+    rows = catalogues.makers.misprint_rows()
+    assert len(rows) == 4 and not any(row.kept for row in rows)
+
+
+@pytest.mark.parametrize("preload_class", ["EL", "H"])
+@pytest.mark.parametrize("designation", ["7000C", "7010A5", "7218A", "7930C"])
+def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designation, preload_class):
+    """A rigid pair that stands still, by the command's own solve."""
+    known = {"designation": designation, "maker": "NSK", "preload_class": preload_class}
+    scene = bearingwear.new(**known, speed=0.0).with_({"arrangement.kind": "rigid_pair"})
+    axial, radial = RestingPair.of(scene).rigidity
+    with pytest.warns(UserWarning, match="temperature is left out"):
+        case = bearingwear.solve(scene)
+    assert case.status == "ok"
+    assert float(case.system_axial_stiffness) == pytest.approx(axial, rel=1e-6)
+    assert 2.0 * np.mean(case.stiffness_matrix[:, 1, 1]) == pytest.approx(radial, rel=1e-6)
+    # the plain program lets the Hertz factors follow the angle, the others hold them
+    assert catalogues.makers.plain_rigidity(scene) == pytest.approx(axial, rel=3e-4)
+
+
+def test_speed_of_rigid_pairs():
+    """What the page says: p v knows no class, heat does, and neither is the maker's rule."""
+    limits = benchmark("speed_limits")
+    entry = limits.entry_of("NSK", "7010C")[0]
+    pv, heat = limits.severity(entry, "constant_force", entry.preloads["EL"], entry.speed_grease)
+    by_pv, by_heat = (
+        [limits.share(entry, entry.preloads[name], which, limit) for name in ("EL", "H")]
+        for which, limit in ((limits.PV, pv), (limits.HEAT, heat))
+    )
+    assert by_pv == pytest.approx([0.70, 0.70], abs=0.1)
+    assert by_heat[0] == pytest.approx(0.53, abs=0.06) and by_heat[1] < 0.6 * by_heat[0]

@@ -1,0 +1,532 @@
+"""Cases solved dynamically, from the command to the file and back, with a solver made up here."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+from bearingwear.model import dynamic_run, time_run
+from support import ROOT, scene_file
+
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.kernels import status as code
+from bearingwear.results import variables
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.restart import restart_from
+from bearingwear.scene.read import load_scene
+from bearingwear.solvers.effects.choice import NotAvailable, choice, choice_for_life
+
+S1 = scene_file("gyro_s1")
+BALLS, TURN = 9, 0.002
+TURNS = 40  # of accuracy standard
+
+
+def made_up(scene, restart=None, progress=None):
+    """What the solver returns, with any numbers; a run that goes on counts on from the last."""
+    start = 0.0 if restart is None else restart["time"]
+    count = np.zeros(12) if restart is None else restart["state"]
+    if progress is not None:
+        progress("turn 10 of 20, simulated 0.02 s\nin 1 s")
+        progress("turn 20 of 20")
+    model = scene.model
+    points = int(model.history_points_per_turn * model.simulated_turns)
+    sizes = {"ball": BALLS, "race": 2, "axis": 3, "strip": model.strips, "counts": 2}
+    sizes |= {"time": points, "direction": 3, "edge": 2, "state": count.size}
+    random = np.random.default_rng(2)
+    values = {"status": code.OK}
+    for name, variable in variables.CASE.items():
+        solved = variable.always or variable.averaged or name in variables.DYNAMIC
+        if not solved or name in ("status", "axial_stiffness", "skid_ratio"):
+            continue
+        if not points and "time" in variable.dims:
+            continue
+        numbers = 1.0 + random.random([sizes[dim] for dim in variable.dims])
+        values[name] = numbers.astype(int) if variable.dtype[0] == "i" else numbers
+    if points:
+        values["time"] = start + TURN * (1.0 + np.arange(points)) / model.history_points_per_turn
+    values |= {
+        "simulated_turns": model.simulated_turns,
+        "evaluated_turns": model.averaged_turns,
+        "orbit_speed": np.full(BALLS, 1000.0),
+        "cage_speed": 990.0,
+        "final_time": start + TURN * model.simulated_turns,
+        "final_state": count + model.simulated_turns,
+        "slow_time_scale": 0.3,
+    }
+    kind = "rest" if restart is None else f"the end of a run at {start:.6g} s"
+    return values, {"start": kind, "settled": "settled: QV drifts +1.0e-04 a turn"}
+
+
+@pytest.fixture
+def solver(monkeypatch):
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", made_up)
+
+
+def solve(output, *more) -> int:
+    return main(["solve", str(S1), "-o", str(output), "--fidelity", "dynamic", *more])
+
+
+@pytest.fixture
+def case(solver, tmp_path):
+    path = tmp_path / "case.nc"
+    assert solve(path) == 0
+    return path
+
+
+# the file
+
+
+def test_same_case_gives_same_bytes(case, tmp_path):
+    assert solve(tmp_path / "other.nc") == 0
+    assert case.read_bytes() == (tmp_path / "other.nc").read_bytes()
+
+
+def test_python_and_command_agree(case):
+    made = bearingwear.solve(S1, fidelity="dynamic")
+    assert made.attrs.pop("wall_time_s") > 0.0
+    read = bearingwear.load(case)
+    xr.testing.assert_identical(made, read)
+    assert {n: v.dtype for n, v in made.variables.items()} == {
+        n: v.dtype for n, v in read.variables.items()
+    }
+
+
+def test_histories(case):
+    both, each, direction = ("time", "ball", "race"), ("time", "ball"), ("time", "direction")
+    contract = {
+        "contact_load": (both, "N"), "slip": (both, "m s-1"), "contact_qv": (both, "W"),
+        "orbit_lead": (each, "degree"), "residual_preload": (("time",), "N"),
+        "race_displacement": (direction, "m"), "ball_wear_rate": (each, "m3 s-1"),
+        "race_wear_rate": (("time", "race"), "m3 s-1"), "cage_position": (direction, "m"),
+        "cage_tilt": (direction, "degree"), "cage_speed": (("time",), "rad s-1"),
+        "pocket_force": (each, "N"), "land_force": (("time", "edge"), "N"),
+        "cage_pocket_wear_rate": (("time",), "m3 s-1"),
+        "cage_land_wear_rate": (("time",), "m3 s-1"),
+    }  # fmt: skip
+    values, _ = made_up(load_scene(S1))
+    with netCDF4.Dataset(case) as file:
+        found = {n.removeprefix("history_") for n in file.variables if n.startswith("history_")}
+        assert found == set(contract)
+        for name, (dims, units) in contract.items():
+            variable = file[f"history_{name}"]
+            assert variable.dimensions == dims and variable.units == units, name
+            assert variable.dtype == np.float32 and variable.filters()["zlib"]
+            mean = "wear_rate" in name or name == "contact_qv"
+            assert variable.cell_methods == ("time: mean" if mean else "time: point")
+            scale = 180.0 / np.pi if units == "degree" else 1.0
+            np.testing.assert_allclose(variable[...], scale * values[f"history_{name}"], rtol=1e-6)
+        moment = file["time"]
+        assert moment.dtype == np.float64 and moment.units == "s"
+        assert not {"_FillValue", "standard_name"} & set(moment.ncattrs())
+        assert moment.size == 20 * TURNS and moment[-1] == pytest.approx(TURNS * TURN)
+        assert file["direction"].flag_meanings == "axial Y Z"
+        assert file["edge"].flag_meanings == "at_negative_x at_positive_x"
+
+
+def test_averages_say_so(case, tmp_path):
+    with netCDF4.Dataset(case) as file:
+        for name in ("contact_load", "total_qv", "cage_wear_rate", "mean_land_torque"):
+            assert file[name].cell_methods == "time: mean", name
+        for name in ("status", "qv_drift_per_turn", "final_state", "axial_stiffness", "ball"):
+            assert "cell_methods" not in file[name].ncattrs(), name
+    assert main(["solve", str(S1), "-o", str(tmp_path / "steady.nc")]) == 0
+    with netCDF4.Dataset(tmp_path / "steady.nc") as file:
+        assert not any("cell_methods" in v.ncattrs() for v in file.variables.values())
+
+
+def test_no_histories(solver, tmp_path):
+    assert solve(tmp_path / "x.nc", "--set", "model.history_points_per_turn=0") == 0
+    found = load(tmp_path / "x.nc")
+    assert "time" not in found.variables and "final_state" in found
+    assert not any(str(name).startswith("history_") for name in found.variables)
+
+
+def test_histories_need_their_time(monkeypatch, solver):
+    def timeless(scene, **_):
+        values, attrs = made_up(scene)
+        del values["time"]
+        return values, attrs
+
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", timeless)
+    with pytest.raises(ValueError, match="time is missing"):
+        bearingwear.solve(S1, fidelity="dynamic")
+
+
+def test_failed_case(monkeypatch, solver, tmp_path, capsys):
+    def failed(scene, **_):
+        return {"status": code.CONTACT_LOST}, {"residual": "not solved"}
+
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", failed)
+    assert solve(tmp_path / "x.nc") == 3
+    assert "contact_lost" in capsys.readouterr().err
+    with pytest.raises(CaseFileError, match="status contact_lost, expected status ok"):
+        restart_from(tmp_path / "x.nc")
+
+
+# progress
+
+
+def test_progress_is_one_line_each(solver, tmp_path, capsys):
+    assert solve(tmp_path / "x.nc", "--set", "operation.gravity_m_s2=[0,0,-9.81]") == 0
+    assert capsys.readouterr().err.splitlines() == [
+        f"{S1}: turn 10 of 20, simulated 0.02 s?in 1 s",
+        f"{S1}: turn 20 of 20",
+    ]
+
+
+def test_nobody_reads_about_progress(solver, tmp_path, monkeypatch):
+    class Closed:
+        def write(self, text):
+            raise BrokenPipeError
+
+    monkeypatch.setattr(sys, "stderr", Closed())
+    assert solve(tmp_path / "x.nc") == 0
+    assert int(load(tmp_path / "x.nc")["status"]) == code.OK
+
+
+def test_the_time_left_is_told_from_the_recent_rate(monkeypatch):
+    """Turns that come to cost ten times as much: the first ones do not flatter the rest."""
+    now, lines = [0.0], []
+    monkeypatch.setattr(time_run, "clock", SimpleNamespace(monotonic=lambda: now[0]))
+    report = time_run._Progress(lines.append, turns=100.0, turn=2e-3)
+    for turn in range(1, 61):
+        now[0] += 0.5 if turn <= 30 else 5.0
+        report(float(turn), None)
+    told = [re.search(r"about (\d+) s left", line) for line in lines]
+    assert all(told) and "at most" not in "".join(lines)
+    assert int(told[0][1]) == pytest.approx(0.5 * 94, abs=1.0)  # after the first six turns
+    assert int(told[-1][1]) == pytest.approx(5.0 * 40, abs=1.0)
+
+
+def test_progress_in_python(solver):
+    lines = []
+    bearingwear.solve(S1, fidelity="dynamic", progress=lines.append)
+    assert len(lines) == 2 and lines[1] == "turn 20 of 20"
+
+
+# going on from a state
+
+
+def test_restart(case, tmp_path):
+    again = tmp_path / "more.nc"
+    assert solve(again, "--restart", str(case), "--set", "model.simulated_turns=5") == 0
+    more = load(again)
+    assert float(more["final_time"]) == pytest.approx((TURNS + 5) * TURN)
+    assert more["time"][0] > load(case)["time"][-1]
+    np.testing.assert_array_equal(more["final_state"], np.full(12, TURNS + 5.0))
+    assert more.attrs["start"] == "the end of a run at 0.08 s"
+    scene = load_scene(S1, ["model.simulated_turns=5"])
+    made = bearingwear.solve(scene, "dynamic", restart=case)
+    del made.attrs["wall_time_s"]
+    xr.testing.assert_identical(made, bearingwear.load(again))
+
+
+def test_restart_from(case):
+    found = restart_from(case, load_scene(S1, ["wear.ball_diameter_loss_um=0.5"]))
+    assert set(found) == {"state", "time", "scene"}
+    assert found["time"] == pytest.approx(TURNS * TURN)
+    assert found["state"].dtype == np.float64 and found["state"].shape == (12,)
+    assert found["scene"] == load_scene(S1).to_dict()
+
+
+def refused(capsys, argv) -> str:
+    assert main(argv) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "got " in err and "expected" in err and len(err) < 500
+    return err
+
+
+@pytest.mark.parametrize(
+    "setting, key",
+    [
+        ("operation.preload_N=9", "operation.preload_N: got a case with 7.0"),
+        ("operation.radial_load_N=[0, 1]", "operation.radial_load_N"),
+        ("friction.cage=0.1", "friction.cage"),
+        ("bearing.ball_count=8", "bearing.ball_count"),
+        ("cage=null", "cage."),
+        ("name=other", "name"),
+    ],
+)
+def test_restart_of_another_scene(setting, key, case, tmp_path, capsys):
+    argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
+    line = refused(capsys, [*argv, "--restart", str(case), "--set", setting])
+    assert (
+        line.startswith(f"{case}: {key}")
+        and "only wear, model and friction.slip_regularisation_m_s may differ" in line
+    )
+    assert not (tmp_path / "x.nc").exists()
+
+
+@pytest.mark.parametrize(
+    "setting",
+    ["description=other", "wear.counts=ball", "model.strips=20", "model.integrator=runge_kutta"],
+)
+def test_restart_with_other_wear_and_model(setting, case, tmp_path):
+    assert solve(tmp_path / "x.nc", "--restart", str(case), "--set", setting) == 0
+
+
+def test_restart_of_a_steady_scene(case, tmp_path, capsys):
+    argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--restart", str(case)]
+    for more, fidelity in (([], "steady"), (["--fidelity", "race_control"], "race_control")):
+        line = refused(capsys, [*argv, *more])
+        assert line.startswith("--restart: got a scene solved with " + fidelity)
+    with pytest.raises(NotAvailable, match="restart: got a scene"):
+        bearingwear.solve(S1, restart=case)
+
+
+def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
+    steady, life, text = tmp_path / "steady.nc", tmp_path / "life.nc", tmp_path / "text.nc"
+    assert main(["solve", str(S1), "-o", str(steady)]) == 0
+    assert main(["life", str(S1), "-o", str(life)]) == 0
+    text.write_text("turn 20\n")
+    capsys.readouterr()  # warnings of the life
+    argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic", "--restart"]
+    for file, problem in (
+        (steady, "fidelity steady, expected a dynamic case"),
+        (life, "fidelity steady, expected a dynamic case"),
+        (text, "has not written"),
+        (tmp_path / "none.nc", "cannot be read"),
+    ):
+        line = refused(capsys, [*argv, str(file)])
+        assert line.startswith(f"{file}: got ") and problem in line
+
+
+@pytest.mark.parametrize(
+    "change, problem",
+    [
+        (lambda file: file.setncattr("source_hash", "0" * 16), "another version of the solver"),
+        (lambda file: file.renameVariable("final_state", "state_once"), "damaged"),
+        (lambda file: file.setncattr("scene", "{"), "damaged"),
+        (lambda file: file["final_state"].__setitem__(3, np.nan), "without its last state"),
+    ],
+)
+def test_restart_of_a_file_that_was_changed(change, problem, case):
+    with netCDF4.Dataset(case, "a") as file:
+        change(file)
+    with pytest.raises(CaseFileError, match=problem) as caught:
+        restart_from(case, load_scene(S1))
+    assert str(caught.value).startswith(f"{case}: got ") and "\n" not in str(caught.value)
+
+
+# show
+
+
+def test_show(case, capsys):
+    capsys.readouterr()
+    assert main(["show", str(case), "--all"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = {line[2:28].strip(): line.split()[-1] for line in lines if line.startswith("  ")}
+    assert rows["turns simulated"] == "40" and rows["turns averaged"] == "20"
+    assert "  settled: QV drifts +1.0e-04 a turn" in lines
+    assert rows["slow time scale"] == "300" and rows["speed over orbit speed"] == "0.99"
+    for label in (
+        "drift of QV", "drift of the wear rate", "energy account error", "wear rate, pockets",
+        "wear rate, land", "mean pocket torque", "mean land torque",
+    ):  # fmt: skip
+        assert float(rows[label]) > 0.0
+
+
+def test_show_without_a_cage(solver, monkeypatch, tmp_path, capsys):
+    def cageless(scene, **_):
+        values, attrs = made_up(scene)
+        told = {n: v for n, v in values.items() if not ("cage" in n or "torque" in n)}
+        return told | {"shaft_torque": 1e-4}, attrs
+
+    monkeypatch.setattr(dynamic_run, "solve_dynamic", cageless)
+    assert solve(tmp_path / "x.nc", "--set", "cage=null") == 0
+    capsys.readouterr()
+    assert main(["show", str(tmp_path / "x.nc")]) == 0
+    out = capsys.readouterr().out
+    assert "dynamic run" in out and "cage" not in out
+
+
+# which model
+
+
+@pytest.mark.parametrize(
+    "settings, fidelity, why",
+    [
+        ([], "steady", "thrust alone"),
+        (["operation.radial_load_N=[0, 1]"], "dynamic", "radial load: no steady state"),
+        (["operation.rotating_load_N=1"], "dynamic", "rotating load: no steady state"),
+        (["operation.tilt_mrad=1"], "dynamic", "tilt: no steady state"),
+        ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "unequal ball diameters"),
+        (["model.cage_results=true"], "dynamic", "cage motion and wear"),
+        (["model.fidelity=dynamic"], "dynamic", "asked for"),
+        (["operation.tilt_mrad=1", "model.fidelity=race_control"], "race_control", "asked for"),
+        (["operation.tilt_mrad=1", "operation.shaft_speed_rpm=0"], "race_control", "at rest"),
+    ],
+)
+def test_choice(settings, fidelity, why):
+    chosen = choice(load_scene(S1, settings))
+    assert chosen.fidelity == fidelity
+    assert chosen.reasons[0].startswith(f"{fidelity}: ") and why in chosen.reasons[0]
+
+
+def told(*settings) -> dict[str, str]:
+    reasons = choice(load_scene(S1, settings), "dynamic").reasons
+    return dict(reason.split(": ", 1) for reason in reasons)
+
+
+def test_what_was_modelled():
+    reasons = told()
+    assert "9, each with three rotations and its orbit" in reasons["balls"]
+    assert "three translations" in reasons["inner race"]
+    assert reasons["loads on the inner race"] == "preload of 7 N"
+    assert reasons["tilt of the inner race"] == "none"
+    assert reasons["lubricant drag"] == "none in the scene"
+    assert "six degrees of freedom" in reasons["cage"] and "outer race" in reasons["cage"]
+    assert "left out" in reasons["Coriolis force and radial inertia of the balls"]
+    reasons = told(
+        "operation.preload_method=fixed_position",
+        "operation.radial_load_N=[0, 1]",
+        "operation.rotating_load_N=2",
+        "operation.tilt_mrad=0.5",
+        "lubricant.drag_density_kg_m3=250",
+        "cage.guiding_race=ball",
+    )
+    assert "two translations" in reasons["inner race"]
+    assert "fixed in space, radial load that turns" in reasons["loads on the inner race"]
+    assert reasons["tilt of the inner race"] == "0.5 mrad about Y, held"
+    assert reasons["lubricant drag"] == "solved" and "guided by the balls" in reasons["cage"]
+    assert told("cage=null")["cage"] == "none in the scene"
+
+
+@pytest.mark.parametrize(
+    "settings, fidelity, cage",
+    [
+        (["operation.rotating_load_N=1"], None, False),
+        (["operation.rotating_load_N=1", "model.cage_results=true"], None, True),
+        (["operation.rotating_load_N=1"], "dynamic", True),
+        (["cage=null"], "dynamic", False),
+        ([], None, False),
+    ],
+)
+def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
+    scene = load_scene(S1, settings)
+    chosen = choice(scene, fidelity)
+    assert chosen.cage == cage and (chosen.reduced(scene).cage is not None) == cage
+    left_out = any("left out" in r for r in chosen.reasons if r.startswith("cage: "))
+    assert left_out == (scene.cage is not None and not cage)
+
+
+@pytest.mark.parametrize(
+    "settings, fidelity, problem",
+    [
+        (["operation.tilt_mrad=1"], "steady", "model.fidelity: got 'steady'; a scene with tilt"),
+        (["model.cage_results=true"], "steady", "model.fidelity: got 'steady'; cage motion"),
+        (["model.cage_results=true"], "race_control", "model.fidelity: got 'race_control'"),
+        (["operation.shaft_speed_rpm=0"], "dynamic", "operation.shaft_speed_rpm: got 0"),
+    ],
+)
+def test_what_does_not_apply(settings, fidelity, problem):
+    with pytest.raises(NotAvailable, match=f"^gyro_s1: {problem}.*, expected"):
+        choice(load_scene(S1, settings), fidelity)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        [],
+        ["operation.radial_load_N=[0, -0.001]"],
+        ["operation.rotating_load_N=1"],
+        ["operation.tilt_mrad=1"],
+        [f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"],
+        ["model.cage_results=true"],
+        ["operation.tilt_mrad=1", "operation.shaft_speed_rpm=0"],
+        ["operation.tilt_mrad=1", "model.fidelity=race_control"],
+    ],
+)
+def test_a_life_is_followed_by_the_model_that_check_names(settings, tmp_path, capsys):
+    scene = load_scene(S1, settings)
+    assert choice_for_life(scene).fidelity == choice(scene).fidelity
+    assert main(["check", str(S1), *(part for text in settings for part in ("--set", text))]) == 0
+    assert f"would be solved with {choice_for_life(scene).fidelity}\n" in capsys.readouterr().out
+
+
+def test_limits_of_the_cage_need_its_wear():
+    limit = "wear.end_of_life.guide_clearance_mm=0.3"
+    assert "guide_clearance_mm not watched" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
+    in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
+    assert not any("not watched" in reason for reason in in_time.reasons)
+    alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
+    assert choice_for_life(alone, "dynamic").fidelity == "dynamic"
+    with pytest.raises(
+        NotAvailable, match="guide_clearance_mm alone.*, expected.*fidelity dynamic"
+    ):
+        choice_for_life(alone)
+
+
+def test_limits_of_slip_need_a_balance_of_friction():
+    scene = load_scene(S1, ["operation.radial_load_N=[0, 1]"])
+    told = choice_for_life(scene, "race_control").reasons[-1]
+    assert told == "criteria: gyroscopic_slip_share, skid_ratio not watched"
+    alone = load_scene(S1, ["wear.end_of_life={skid_ratio: 0.1}"])
+    with pytest.raises(NotAvailable, match="skid_ratio alone.*, expected.*fidelity auto"):
+        choice_for_life(alone, "race_control")
+
+
+def test_averaged_turns():
+    assert load_scene(S1).model.averaged_turns == 20.0
+    assert load_scene(S1, ["model.simulated_turns=3"]).model.averaged_turns == 1.5
+    assert load_scene(S1, ["model.evaluated_turns=4"]).model.averaged_turns == 4.0
+
+
+# the solver itself
+
+
+def test_interrupt_of_a_real_run(tmp_path):
+    """Ctrl-C in the midst of a run that would take hours."""
+    argv = ["solve", str(S1), "-o", str(tmp_path / "x.nc"), "--fidelity", "dynamic"]
+    argv += ["--set", "model.simulated_turns=1000000", "model.history_points_per_turn=0"]
+    argv += ["--set", "operation.rotating_load_N=1"]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "bearingwear", *argv],
+        cwd=ROOT,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    limit = threading.Timer(300.0, run.kill)  # kernels are compiled first
+    limit.start()
+    try:
+        first = run.stderr.readline()  # progress: it is in the midst
+        if first.startswith("compiling"):
+            first = run.stderr.readline()
+        time.sleep(0.2)
+        run.send_signal(signal.SIGINT)
+        _, rest = run.communicate()
+    finally:
+        limit.cancel()
+        run.kill()
+    assert first.startswith(f"{S1}: ")
+    assert run.returncode == 130 and rest.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in rest and os.listdir(tmp_path) == []
+
+
+def test_scene_is_kept_whole(case):
+    """The file alone says what was solved: its scene is a scene again."""
+    plain = json.loads(load(case).attrs["scene"])
+    assert load_scene(S1).to_dict() == plain
+    assert Path(case).stat().st_size < 1_000_000
+
+
+def test_stiffness_is_that_of_the_bearing_without_its_cage():
+    """A ball that its pocket holds tightly is no stiffer against the race."""
+    run = ["model.simulated_turns=3", "model.history_points_per_turn=0", "friction.cage=0.0"]
+    found = {}
+    for clearance in (0.15, 1e-4):
+        changes = [f"cage.pocket_clearance_mm={clearance}", *run]
+        found[clearance] = dynamic_run.solve_dynamic(load_scene(S1, changes))[0]["axial_stiffness"]
+    assert found[1e-4] == pytest.approx(found[0.15], rel=1e-2)

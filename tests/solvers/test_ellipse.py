@@ -1,0 +1,118 @@
+"""Steady states with slip over the whole ellipse, against numbers found apart from this program."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.summary import ANGLE, QV
+from bearingwear.lives.life import life
+from bearingwear.solvers.bearing.parameters import ellipse_rule
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.effects.choice import choice, spin_across_share
+from bearingwear.solvers.solve import solve
+
+HERTZ = {
+    "model.contact": "hertz",
+    "model.normal_balance": "frictionless",
+    "friction.slip_regularisation_m_s": 1e-3,
+}
+HELD = {"operation.preload_method": "fixed_position"}
+
+# Plain NumPy and SciPy, Chebyshev points across, converged to 1e-6: total QV, inner, outer [W],
+# angles [deg], orbit [rad/s] of a ball.
+APART = [
+    ("gyro_s1", {}, 0.0, 0.0748280, 0.0152525, 0.0595755, 21.52602, 19.95774, 1177.73170),
+    ("gyro_s1", {}, 0.5, 0.0745506, 0.0149229, 0.0596277, 21.85507, 20.24134, 1178.53334),
+    ("gyro_s1", HELD, 0.0, 0.0790467, 0.0163537, 0.0626930, 21.49408, 19.99564, 1177.83301),
+    ("gyro_s1", HELD, 0.5, 0.0280671, 0.0152706, 0.0127965, 23.27473, 19.15567, 1180.93388),
+    ("turbopump", {}, 0.0, 192.556, 133.555, 59.0014, 24.39476, 15.70489, 2232.85362),
+]
+
+
+@pytest.mark.parametrize(("name", "changes", "loss", *"qioabw"), APART)
+def test_against_a_program_written_apart(scene, name, changes, loss, q, i, o, a, b, w):
+    accurate = {"model.quadrature": "split", "model.strips": 100, "model.points_across": 32}
+    problem = ThrustProblem.of(scene(name, HERTZ | accurate | changes))
+    case = problem.solve(problem.g.D0 - 1e-6 * loss)
+    assert case.status == code.OK
+    qv = case.contacts[:, QV]
+    assert_allclose([qv.sum(), *qv], [q, i, o], rtol=1e-4)
+    assert_allclose(np.degrees(case.contacts[:, ANGLE]), [a, b], rtol=1e-6)
+    assert_allclose(case.u[3], w, rtol=1e-6)
+
+
+def test_motion_of_the_first(scene):
+    problem = ThrustProblem.of(scene("gyro_s1", HERTZ | {"model.accuracy": "reference"}))
+    u = problem.solve(problem.g.D0).u
+    assert_allclose(u[:3], [-3792.54113, 0.88930, 2498.85580], rtol=1e-6, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["gyro_s1", "turbopump", "bearing218"])
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+def test_default_points_are_good_to_a_thousandth(scene, name, method):
+    """20 strips and 8 points across; worst of two frictions, new and worn: 5e-4 of total QV."""
+    for mu, loss in ((0.02, 0.0), (0.02, 0.5), (0.08, 0.0), (0.08, 0.5)):
+        changes = {"operation.preload_method": method, "friction.ball_race": mu}
+        problem = ThrustProblem.of(scene(name, HERTZ | changes))
+        D = problem.g.D0 - 1e-6 * loss
+        case = problem.solve(D)
+        fine = ellipse_rule("split", 100, 32)
+        right = replace(problem, rule=fine, fine_rule=fine).solve(D)
+        assert case.status == right.status == code.OK
+        assert_allclose(case.contacts[:, QV].sum(), right.contacts[:, QV].sum(), rtol=1e-3)
+
+
+def test_slip_on_the_line_is_the_model_of_the_paper(scene):
+    paper = solve(scene("gyro_s1", {"model.contact": "paper"}), "steady").values
+    line = {
+        "model.contact": "hertz",
+        "model.slip_over": "line",
+        "model.normal_balance": "frictionless",
+    }
+    same = solve(scene("gyro_s1", line), "steady").values
+    assert_allclose(same["qv"], paper["qv"], rtol=0)
+
+
+def test_a_bearing_that_turns_the_other_way(scene):
+    """All speeds change sign along the axis, QV does not."""
+    problem = ThrustProblem.of(scene("gyro_s1", HERTZ))
+    turned = replace(problem, op=problem.op._replace(omega_i=-problem.op.omega_i))
+    here, there = problem.solve(problem.g.D0), turned.solve(problem.g.D0)
+    assert here.status == there.status == code.OK
+    assert_allclose(there.contacts[:, QV], here.contacts[:, QV], rtol=1e-7)
+    assert_allclose(there.u, here.u * [-1.0, 1.0, -1.0, -1.0], rtol=1e-6, atol=1e-4)
+
+
+def test_slow_torque_goes_with_the_power_four_thirds(scene):
+    """Sliding torque of the SKF friction model, G_sl ~ F_a^(4/3), over loads as 16 to 1."""
+    ratio = []
+    for load in (125.0, 500.0, 2000.0):
+        changes = {
+            "operation.preload_N": load,
+            "operation.shaft_speed_rpm": 10.0,
+            "friction.slip_regularisation_m_s": 1e-7,
+        }
+        values = solve(scene("bearing218", HERTZ | changes), "steady").values
+        assert values["status"] == code.OK
+        ratio.append(values["shaft_torque"] / load ** (4 / 3))
+    assert_allclose(ratio, ratio[1], rtol=2e-2)
+
+
+def test_reasons_name_the_size_of_what_is_taken_in(scene):
+    """E - 1 of the outer contact: 0.115 by the exact integrals at gyro_s1."""
+    assert_allclose(spin_across_share(scene("gyro_s1")), 0.11, rtol=0.1)
+    told = "\n".join(choice(scene("gyro_s1", HERTZ)).reasons)
+    assert "over the whole ellipse" in told and "11 %" in told
+    assert "on the centre line" in "\n".join(choice(scene("gyro_s1")).reasons)
+
+
+@pytest.mark.parametrize(
+    ("method", "hours"), [("constant_force", 1.2101), ("fixed_position", 1.2208)]
+)
+def test_life_with_even_wear(scene, method, hours):
+    """To 0.7 um and to 40 % of the preload, against the program written apart: 2e-3."""
+    found = life(scene("gyro_s1", HERTZ | {"operation.preload_method": method})).values
+    assert_allclose(found["life"][1] / 3600.0, hours, rtol=2e-3)

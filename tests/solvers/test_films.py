@@ -1,0 +1,501 @@
+"""Films and running in: the law, its limits, films worn through, and what is said of them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from bearingwear.cli import main
+from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import cold_start
+from bearingwear.kernels.friction import even_coefficient
+from bearingwear.kernels.steady_balance import (
+    Seat,
+    friction_balance,
+    full_jacobian,
+    motion_equilibrium,
+)
+from bearingwear.kernels.verification import friction_check
+from bearingwear.lives.ends import with_end
+from bearingwear.lives.life import life
+from bearingwear.lives.surfaces import surface_life
+from bearingwear.results.warnings import warnings_in
+from bearingwear.scene.blocks import CRITERIA, EndOfLife
+from bearingwear.scene.errors import SceneError
+from bearingwear.solvers.bearing.films import Cover, Films
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.effects.choice import NotAvailable, choice
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.state import State
+
+S_0, ALPHA_S = 24.8e6, 0.001  # MoS2, Singer et al. (1990)
+STEEL = "materials.bearing_steel"
+HERTZ = {"model.contact": "hertz", "uncertainty": None}
+FILM = HERTZ | {
+    "friction.ball_race": None,
+    "friction.film.shear_strength_MPa": S_0 / 1e6,
+    "friction.film.pressure_coefficient": ALPHA_S,
+}
+COULOMB = FILM | {
+    "friction.film.shear_strength_MPa": 0.0,
+    "friction.film.pressure_coefficient": 0.08,
+}
+THIN = FILM | {
+    "friction.film.thickness_um": 0.05,
+    "friction.film.wear_coefficient": 1e-6,
+    "friction.film.bare_ball_race": 0.1,
+}
+POSITION = {"operation.preload_method": "fixed_position"}
+RUNNING_IN = {f"{STEEL}.running_in": {"wear_coefficient": 5e-5, "depth_um": 0.02}}
+HOUR = 3600.0
+
+
+def through(result):
+    """Times at which the films of the races are worn through [s]."""
+    return result.values["race_film_worn_through"]
+
+
+# the law
+
+
+def test_law_goes_by_the_inverse_cube_root_of_the_load_to_its_limit():
+    c_a, c_b = 6.4e-5, 9.8e-6  # m/N^(1/3)
+    Q = np.logspace(-3, 12, 16)
+    mu = np.array([even_coefficient(S_0, q, c_a * np.cbrt(q), c_b * np.cbrt(q)) for q in Q])
+    assert_allclose(mu[1:] / mu[:-1], 10.0 ** (-1 / 3), rtol=1e-9)
+    assert mu[-1] == pytest.approx(0.0, abs=1e-4)
+    assert even_coefficient(0.0, 2.0, 6e-5, 2e-5) == 0.0
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_each_contact_has_the_coefficient_of_its_mean_pressure(scene, fidelity):
+    found = solve(scene("gyro_s1", FILM | POSITION), fidelity).values
+    peak = found["maximum_pressure"]
+    assert peak[0, 0] != pytest.approx(peak[0, 1], rel=1e-2)
+    expected = S_0 / (2 / 3 * peak) + ALPHA_S
+    assert_allclose(found["friction_coefficient"], expected, rtol=1e-12)
+    ratio = found["friction_heat"] / found["qv"]
+    even = expected - ALPHA_S  # sheared at the edge too, where slip is large and pressure small
+    assert np.all(ratio > expected) and np.all(ratio < ALPHA_S + 1.25 * even)
+
+
+@pytest.mark.parametrize("contact", ["hertz", "paper"])
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_one_coefficient_is_the_limit_without_shear_strength(scene, contact, fidelity):
+    """To the last bit."""
+    with_film, plain = (
+        solve(scene("gyro_s1", changes | {"model.contact": contact}), fidelity).values
+        for changes in (COULOMB, HERTZ)
+    )
+    assert_array_equal(with_film.pop("friction_coefficient"), np.full((1, 2), 0.08))
+    assert with_film.keys() == plain.keys()
+    for name, value in plain.items():
+        assert np.asarray(value).tobytes() == np.asarray(with_film[name]).tobytes(), name
+
+
+def test_a_life_with_one_coefficient_is_the_limit_without_shear_strength(scene):
+    with_film, plain = (life(scene("gyro_s1", c)).values for c in (COULOMB, HERTZ))
+    assert np.all(with_film.pop("history_friction_coefficient") == 0.08)
+    for name, value in plain.items():
+        assert np.asarray(value).tobytes() == np.asarray(with_film[name]).tobytes(), name
+
+
+# how it is solved and checked
+
+
+@pytest.fixture(scope="module", params=[FILM, HERTZ], ids=["film", "plain"])
+def solved(scene, request):
+    """A balance with drag, its place and motion."""
+    changes = request.param | {"lubricant.drag_density_kg_m3": 300.0, "model.quadrature": "gauss"}
+    problem = ThrustProblem.of(scene("gyro_s1", changes))
+    case = problem.solve(problem.g.D0)
+    assert case.status == code.OK
+    p = problem.balance(problem.g.D0)
+    start = Seat(delta_a=case.delta_a, state=cold_start())
+    u = np.append(case.u, [case.T_i, case.T_o])
+    return p, motion_equilibrium(p.bearing, u, start), u
+
+
+def test_newtons_derivatives_follow_the_pressure(solved):
+    """Against central differences, the equilibrium and with it mu anew at each step."""
+    p, seat, u = solved
+    assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
+    found, v_r = p.jacobian.copy(), p.bearing.op.v_r
+    slip = 1e-2 * v_r / (0.5 * p.bearing.D)
+    steps = [slip, slip, slip, slip, *(2 * [1e-6 * (seat.state.Q_i + seat.state.Q_o)])]
+    J = np.empty((6, 6))
+    for k, step in enumerate(steps):
+        sides = []
+        for sign in (1.0, -1.0):
+            moved, out = u.copy(), np.empty(6)
+            moved[k] += sign * step
+            state = motion_equilibrium(p.bearing, moved, seat).state
+            assert friction_balance(p, v_r, state, moved, out, False) == code.OK
+            sides.append(out)
+        J[:, k] = (sides[0] - sides[1]) / (2.0 * step)
+    # as exact as with one coefficient; tractions are on a scale of their own
+    assert_allclose(found[:, :4], J[:, :4], atol=2e-4 * np.abs(J[:, :4]).max())
+    assert_allclose(found[:, 4:], J[:, 4:], atol=2e-3 * np.abs(J[:, 4:]).max())
+
+
+@pytest.mark.parametrize("name", ["S_i", "S_o", "mu_i", "mu_o"])
+def test_check_says_no_to_another_law(solved, name):
+    """Its own formula for mu: one part in 1e4 of either side's law, and the balance is gone."""
+    p, seat, u = solved
+    op = p.bearing.op
+    if not op.S_i:
+        name = name.replace("S_", "mu_")
+
+    def left(law):
+        return friction_check(p.bearing.g, p.bearing.D, law, seat.state, u[:4], p.rule, True)[0]
+
+    assert left(op) < 1e-9
+    assert left(op._replace(**{name: getattr(op, name) * (1.0 + 1e-2) + 1e-6})) > 1e-6
+
+
+def test_random_films_are_solved(scene):
+    """Strong and weak films over three decades: solved, and the check agrees."""
+    random = np.random.default_rng(5)
+    for _ in range(12):
+        changes = FILM | {
+            "friction.film.shear_strength_MPa": 10.0 ** random.uniform(0, 2.5),
+            "friction.film.pressure_coefficient": random.uniform(0.0, 0.1),
+            "operation.preload_N": 10.0 ** random.uniform(0.7, 1.5),
+            "operation.preload_method": str(random.choice(["constant_force", "fixed_position"])),
+        }
+        found = solve(scene("gyro_s1", changes))
+        assert found.status == "ok"
+        assert found.values["friction_residual"] < 1e-9
+
+
+def test_in_time_as_steady(scene):
+    """Thrust alone, marched from the steady state: the same friction of the same loads."""
+    many = {"model.strips": 100, "model.points_across": 32}  # the two do not take the same points
+    march = {"model.dynamic_solution": "march", "model.simulated_turns": 2} | many
+    given = scene("gyro_s1", FILM | march | {"model.normal_balance": "frictionless"}).without_cage
+    steady, dynamic = (solve(given, fidelity).values for fidelity in ("steady", "dynamic"))
+    for name in ("friction_coefficient", "qv", "friction_heat"):
+        both = np.broadcast_to(steady[name], dynamic[name].shape)
+        assert_allclose(dynamic[name], both, rtol=1e-6)
+
+
+# films that wear through
+
+
+def test_a_film_like_what_lies_below_changes_nothing(scene):
+    """The same K and friction: two integrators of the life, of which one stops at films."""
+    alike = COULOMB | {
+        "friction.film.thickness_um": 0.1, "friction.film.wear_coefficient": 5e-6,
+        "friction.film.bare_ball_race": 0.08,
+    }  # fmt: skip
+    for more in ({}, POSITION, {"wear.counts": "ball"}):
+        filmed, plain = (life(scene("gyro_s1", c | more)).values for c in (alike, HERTZ))
+        assert filmed["end_criterion"] == plain["end_criterion"]
+        assert_allclose(filmed["life"], plain["life"], rtol=2e-4)
+        assert np.nanmax(filmed["life_error_bound"] / filmed["life"]) < 1e-3
+
+
+def test_time_to_wear_through_is_thickness_over_rate(scene):
+    """While wear is even: of a film so thin that nothing else changes."""
+    given = scene("gyro_s1", THIN | {"friction.film.thickness_um": 1e-5})
+    state = solver_of(given).at(0.0)
+    rate = state["loss_per_wear"][1] * 1e-6 / 6.6e9
+    first, later = np.argsort(-rate)
+    found = through(life(given))
+    assert found[first] == pytest.approx(1e-11 / rate[first], rel=1e-6)
+    # then one track is bare, and the other slips as it did not before
+    after = solver_of(given).at(1e-11, (first == 0, first == 1))["loss_per_wear"][1] * 1e-6 / 6.6e9
+    rest = (1e-11 - found[first] * rate[later]) / after[later]
+    assert found[later] == pytest.approx(found[first] + rest, rel=1e-4)
+
+
+def test_volume_of_a_film_balances(scene):
+    """What Archard's law took while there was film is its thickness times the area of the track."""
+    result = life(scene("gyro_s1", THIN))
+    v = result.values
+    time = v["history_time"][:, 1]
+    R_i, R_o = solve(scene("gyro_s1", THIN)).values["contact_track_radius"][0]
+    for k, R in enumerate((R_i, R_o)):
+        filmed = time <= through(result)[k]
+        filmed[np.argmax(time >= through(result)[k]) + 1 :] = False  # not the state after
+        t, a = time[filmed], v["history_semi_major_axis"][filmed, k]
+        qv = v["history_qv"][filmed, k]
+        worn = 9 * 1e-6 / 6.6e9 * np.trapezoid(qv, t)
+        assert worn == pytest.approx(4.0 * math.pi * R * a.mean() * 0.05e-6, rel=3e-3)
+        assert_allclose(v["history_race_wear_rate"][filmed, k], 9 * 1e-6 / 6.6e9 * qv, rtol=1e-12)
+        assert v["history_race_film"][filmed, k][-1] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_worn_through_friction_and_wear_are_those_below(scene):
+    v = life(scene("gyro_s1", THIN)).values
+    mu, rate, qv = (
+        v[f"history_{name}"] for name in ("friction_coefficient", "race_wear_rate", "qv")
+    )
+    factor = rate / (9.0 * qv)
+    for k in range(2):
+        bare = v["history_film_worn_share"][:, k] == 1.0
+        assert 0 < bare.sum() < bare.size and not bare[0]
+        assert_allclose(factor[bare, k], 5e-6 / 6.6e9, rtol=1e-12)
+        assert_allclose(factor[~bare, k], 1e-6 / 6.6e9, rtol=1e-12)
+        assert np.all(mu[bare, k] == 0.1) and np.all(mu[~bare, k] < 0.05)
+    assert np.all(np.diff(v["history_time"][:, 1]) >= 0.0)
+
+
+def test_criterion_ends_the_life_when_a_track_is_bare(scene):
+    result = life(scene("gyro_s1", THIN | {"wear.end_of_life.film_worn_share": 0.5}))
+    v = result.values
+    assert CRITERIA[v["end_criterion"]] == "film_worn_share"
+    assert v["life"][1] == np.nanmin(through(result)) == v["history_time"][-1, 1]
+    assert v["history_film_worn_share"][-1].max() == 1.0
+    assert np.isnan(np.nanmax(through(result))) or np.isnan(through(result)).any()
+
+
+def test_wear_coefficients_scale_all_times(scene):
+    """Twice the wear of all parts and films: half the life, at the same depths."""
+    soft = {
+        "friction.film.wear_coefficient": 2e-6, f"{STEEL}.wear_coefficient": 1e-5,
+    }  # fmt: skip
+    one, two = (life(scene("gyro_s1", THIN | more)).values for more in ({}, soft))
+    for name in ("life", "race_film_worn_through"):
+        assert_allclose(two[name], 0.5 * one[name], rtol=1e-9)
+
+
+def test_film_of_the_balls_covers_both_contacts(scene):
+    """No contact is bare before the balls' film is gone; then both are."""
+    on_balls = {
+        "bearing.ball_material": "ball", "materials.ball": {
+            "youngs_modulus_GPa": 208, "poisson_ratio": 0.3, "density_kg_m3": 7800,
+            "brinell_hardness_GPa": 6.6, "wear_coefficient": 5e-6,
+            "film": {"thickness_um": 0.01},
+        },
+        "friction.film.thickness_um": None,
+    }  # fmt: skip
+    v = life(scene("gyro_s1", THIN | on_balls)).values
+    share = v["history_film_worn_share"]
+    assert_array_equal(share[:, 0], share[:, 1])
+    assert "history_race_film" not in v
+    gone = v["history_ball_film"] <= 1e-18
+    assert np.all(share[~gone] == 0.0) and share[-1, 0] == 1.0
+    rate = v["history_ball_wear_rate"] / v["history_qv"].sum(axis=1)
+    assert_allclose(rate[[0, -1]] * 6.6e9, [1e-6, 5e-6], rtol=1e-12)
+
+
+def test_parts_wear_as_their_own_film_then_their_partners_then_as_themselves(scene):
+    on_balls = {f"{STEEL}.film": {"thickness_um": 0.01, "wear_coefficient": 3e-7}}
+    films = Films.of(scene("gyro_s1", FILM | on_balls))
+    films = replace(films, race=replace(films.race, film=films.race.film._replace(K_s=2e-6)))
+    for cover, balls, races in (
+        (Cover(True, True, True), [3e-7, 3e-7], [2e-6, 2e-6]),
+        (Cover(False, True, True), [3e-7, 3e-7], [3e-7, 2e-6]),
+        (Cover(False, True, False), [5e-6, 2e-6], [5e-6, 2e-6]),
+        (Cover(False, False, False), [5e-6, 5e-6], [5e-6, 5e-6]),
+    ):
+        ball, race = films.wearing(cover)
+        assert_array_equal(np.broadcast_to(ball.K_s, 2), balls)
+        assert_array_equal(np.broadcast_to(race.K_s, 2), races)
+        bare = not cover.ball and not cover.inner, not cover.ball and not cover.outer
+        assert films.bare(cover) == bare
+
+
+def test_race_control_follows_films_too(scene):
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.7}}
+    v = life(scene("gyro_s1", THIN | end), "race_control").values
+    assert v["status"] == code.OK and np.any(v["race_film_worn_through"] > 0.0)
+    assert v["history_friction_coefficient"][-1].max() == pytest.approx(0.1)
+
+
+def test_a_symmetric_pair_has_the_films_of_the_single_bearing(scene):
+    one = life(scene("gyro_s1", THIN)).values
+    two = life(scene("gyro_s1", THIN | {"arrangement.kind": "spring_pair"})).values
+    assert_allclose(two["life"], one["life"], rtol=1e-12)  # compiled apart, so but for rounding
+    for k in range(2):
+        worn_through = two["race_film_worn_through"][k]
+        assert_allclose(worn_through, one["race_film_worn_through"], rtol=1e-12)
+
+
+# in closed form
+
+
+def even(scene, **changes):
+    """A march with slip that stays as it is: rates go by K_s/H alone."""
+    per_wear = np.array([[2.0e6, 3.0e6], [4.0e7, 5.0e7]])  # [m Pa/s]
+
+    class Even:
+        solves = 0
+
+        def __call__(self, conditions):
+            values = {"ball_diameter_loss": conditions[0].loss, "loss_per_wear": per_wear}
+            values |= {"qv": np.array([1e-2, 2e-2]), "semi_major_axis": np.array([1e-4, 1e-4])}
+            return (State(code.OK, values | {"residual_preload": 7.0}),)
+
+    end = EndOfLife(ball_diameter_loss_um=0.7)
+    scene = with_end(replace(scene, model=replace(scene.model, tolerance=1e-8)), end)
+    return surface_life(scene, Even(), bounded=False, counts=(1,)), per_wear
+
+
+def test_running_in_in_closed_form(scene):
+    """dd/dt = c (K + (K_0 - K) e^(-d/h)):  K c t = h ln((K e^(d/h) + K_0 - K)/K_0)."""
+    path, per_wear = even(scene("gyro_s1", HERTZ | RUNNING_IN))
+    K, K_0, h = 5e-6, 5e-5, 0.02e-6
+    t = path.times[-1, 1]
+    depth = h * np.log((np.exp(K * per_wear[1] / 6.6e9 * t / h) * K_0 - (K_0 - K)) / K)
+    per_ball = 0.5 * per_wear[0].sum() / 6.6e9
+    ball = 2.0 * h * np.log((np.exp(K * per_ball * t / h) * K_0 - (K_0 - K)) / K)
+    assert depth.sum() + ball == pytest.approx(0.7e-6, rel=1e-6)
+    assert path.status == code.OK and path.states[-1].loss == pytest.approx(0.7e-6, rel=1e-8)
+
+
+def test_wear_through_in_closed_form(scene):
+    """Three spans of constant rates: both filmed, the outer bare, both bare."""
+    path, per_wear = even(scene("gyro_s1", THIN))
+    K_f, K, h = 1e-6 / 6.6e9, 5e-6 / 6.6e9, 0.05e-6
+    t_i, t_o = h / (K_f * per_wear[1])
+    assert t_o < t_i
+    film = np.array([s["film_left"] for s in path.states])
+    times = path.times[:, 1]
+    assert times[np.argmax(film[:, 1] <= 0.0)] == pytest.approx(t_o, rel=1e-7)
+    assert times[np.argmax(film[:, 0] <= 0.0)] == pytest.approx(t_i, rel=1e-7)
+    off_ball = K_f * per_wear[0].sum() * t_o + (per_wear[0] @ [K_f, K]) * (t_i - t_o)
+    loss = 2.0 * h + K * per_wear[1, 1] * (t_i - t_o) + off_ball
+    rest = (0.7e-6 - loss) / (K * per_wear.sum())
+    assert times[-1] == pytest.approx(t_i + rest, rel=1e-7)
+
+
+def test_running_in_costs_life_and_is_forgotten(scene):
+    plain, running = (life(scene("gyro_s1", HERTZ | more)).values for more in ({}, RUNNING_IN))
+    assert running["life"][1] < 0.95 * plain["life"][1]
+    first, last = (running["history_race_wear_rate"] / running["history_qv"])[[0, -1]]
+    assert_allclose(first / last, 10.0, rtol=1e-2)
+
+
+# what is said
+
+
+def test_warned_where_the_friction_of_a_worn_film_is_kept(scene):
+    kept = THIN | {"friction.film.bare_ball_race": None}
+    ids = {one["id"] for one in warnings_in(life(scene("gyro_s1", kept)).attrs)}
+    assert "film_worn" in ids
+    for changes in (THIN, kept | {"wear.end_of_life.film_worn_share": 0.5}, FILM):
+        result = life(scene("gyro_s1", changes))
+        assert "film_worn" not in {one["id"] for one in warnings_in(result.attrs)}
+
+
+def test_sheets_show_the_film(capsys, tmp_path):
+    from support import scene_file
+
+    path = str(scene_file("mos2_gyro"))
+    assert main(["check", path]) == 0
+    said = capsys.readouterr().out
+    assert "24.8 MPa over the mean pressure" in said and "0.5 um on each" in said
+    assert main(["solve", path]) == 0
+    assert "friction coefficient" in capsys.readouterr().out
+    settings = ["model.contact=hertz", "friction.film.thickness_um=0.4"]
+    assert main(["life", path, "--set", *settings]) == 0
+    said = capsys.readouterr().out
+    for text in ("friction, inner", "film, outer", "track without film", "worn through after"):
+        assert text in said, text
+    assert "ended by" in said and "share of a track without film 100 %, limit 50 %" in said
+
+
+def test_refused_where_it_cannot_be_followed(scene):
+    with pytest.raises(NotAvailable, match=r"films that wear through.* with fidelity dynamic"):
+        life(scene("gyro_s1", THIN), "dynamic")
+
+
+UNLIKE = {
+    "operation.preload_method": "fixed_position",
+    "arrangement.kind": "rigid_pair",
+    "arrangement.external_axial_N": 1e-9,
+}
+
+
+@pytest.mark.parametrize("contact", ["hertz", "worn"])
+def test_an_unlike_pair_has_films_too(scene, contact):
+    """Two bearings that are all but alike live as a symmetric pair; then the loads part them."""
+    thin = THIN | {"model.contact": contact, "friction.film.bare_ball_race": None}
+    alike = life(scene("gyro_s1", thin | UNLIKE | {"arrangement.external_axial_N": 0.0})).values
+    nearly = life(scene("gyro_s1", thin | UNLIKE)).values
+    assert_allclose(nearly["life"], alike["life"], rtol=1e-5)
+    if contact == "worn":
+        return
+    for k in range(2):
+        through = alike["race_film_worn_through"][k]
+        # a film that is all but gone ends between two states, on a straight line
+        assert_allclose(nearly["race_film_worn_through"][k], through, rtol=1e-4)
+    pushed = life(scene("gyro_s1", thin | UNLIKE | {"arrangement.external_axial_N": 1.0})).values
+    loaded, relieved = pushed["race_film_worn_through"][:, 1]  # outer races, which wear first
+    assert pushed["status"] == code.OK and loaded < relieved
+
+
+def test_an_unlike_warm_pair_has_films_too(scene):
+    G = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
+    warm = {
+        "thermal": {"conductance_W_K": G, "shaft_C": 20.0, "housing_C": 20.0},
+        "materials.bearing_steel.thermal_expansion_1_K": 11.5e-6,
+    }
+    changes = THIN | HERTZ | UNLIKE | warm
+    alike = life(scene("gyro_s1", changes | {"arrangement.external_axial_N": 0.0})).values
+    nearly = life(scene("gyro_s1", changes)).values
+    assert alike["status"] == code.OK
+    assert_allclose(nearly["life"], alike["life"], rtol=1e-5)
+
+
+def test_reasons_name_the_film(scene):
+    reasons = " ".join(choice(scene("gyro_s1", THIN | RUNNING_IN)).reasons)
+    for text in ("friction: of a film", "film of the races", "running in of the balls"):
+        assert text in reasons
+    assert "film" not in " ".join(choice(scene("gyro_s1", HERTZ)).reasons)
+
+
+def test_wear_of_a_film_by_pressure(scene):
+    """As Spalvins' films: so many times the wear at so many times the pressure, in each contact."""
+    film = {"friction.ball_race": None, "uncertainty": None, "model.contact": "hertz"} | {
+        f"friction.film.{name}": value
+        for name, value in {
+            "shear_strength_MPa": 24.8, "thickness_um": 0.5, "wear_coefficient": 5e-6,
+        }.items()
+    }  # fmt: skip
+    by_pressure = {
+        "friction.film.pressure_exponent": 3.6,
+        "friction.film.reference_pressure_GPa": 1,
+    }
+    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
+    for load in (7.0, 28.0):
+        changes = film | end | {"operation.preload_N": load}
+        plain, pressed = (scene("gyro_s1", changes | more) for more in ({}, by_pressure))
+        without, with_it = solve(plain).values, solve(pressed).values
+        Q, a, b = (without[n] for n in ("contact_load", "semi_major_axis", "semi_minor_axis"))
+        expected = (1e-9 * Q / (np.pi * a * b)) ** 3.6
+        assert_allclose(
+            with_it["race_wear_rate"] / without["race_wear_rate"], expected.ravel(), rtol=0.05
+        )
+        # counting balls and races: the balls alone lose as much only on bare races
+        ratio = life(plain).values["life"][1] / life(pressed).values["life"][1]
+        assert 0.95 * expected.min() < ratio < 1.05 * expected.max()
+
+
+def test_wear_by_pressure_in_a_dynamic_case(scene):
+    """Pure thrust: as the steady state has it, in the means and in the history."""
+    by_pressure = {
+        "friction.film.pressure_exponent": 3.6,
+        "friction.film.reference_pressure_GPa": 1,
+    }
+    given = scene("mos2_gyro", {"model.contact": "hertz"} | by_pressure)
+    steady, dynamic = (solve(given, fidelity) for fidelity in ("steady", "dynamic"))
+    for name in ("race_wear_rate", "ball_wear_rate"):
+        assert_allclose(dynamic.values[name].mean(), steady.values[name].mean(), rtol=1e-3)
+        history = dynamic.values[f"history_{name}"].mean(axis=0)
+        # pressures of the means by their axes, of the history by their loads
+        assert_allclose(history, dynamic.values[name], rtol=0.02)
+    assert "wear of films: as (p/1 GPa)^3.6" in dynamic.attrs["modelled"]
+
+
+@pytest.mark.parametrize("name", ["pressure_exponent", "reference_pressure_GPa"])
+def test_wear_by_pressure_needs_both(scene, name):
+    changes = {"friction.ball_race": None, "uncertainty": None}
+    changes |= {"friction.film.shear_strength_MPa": 24.8, f"friction.film.{name}": 2.0}
+    with pytest.raises(SceneError, match=f"got nothing with {name}, expected both"):
+        scene("gyro_s1", changes)

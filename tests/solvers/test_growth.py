@@ -1,0 +1,306 @@
+"""Heat, speed and fits against published forms, closed forms and limits."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
+from bearingwear.kernels.params import BallLoad
+from bearingwear.kernels.summary import ANGLE, LOAD
+from bearingwear.lives.life import life
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.growth import (
+    Expansion,
+    Ring,
+    axial_change,
+    growth_of,
+    thermal_expansion,
+)
+from bearingwear.solvers.bearing.mounted import mounted_geometry
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.effects.growth import change_at_speed, change_by_warm_ring
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.start import start_of
+
+HELD = {"operation.preload_method": "fixed_position"}
+PAPER = HELD
+HYBRID = {
+    "materials.silicon_nitride.thermal_expansion_1_K": 3.2e-6,
+    "materials.bearing_steel.thermal_expansion_1_K": 11.5e-6,
+}
+SEATED = {"bearing.bore_mm": 4.0, "bearing.outside_diameter_mm": 13.0}
+
+
+def static_preload(scene) -> float:
+    """Of the fixed position at rest, the parts as they run [N]."""
+    g = parameters.geometry(scene)
+    load = BallLoad(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    place = parameters.static_place(scene)
+    _, state = thrust_equilibrium(g, g.D0, load, 0.0, place, False, cold_start())
+    return g.n_balls * state.F_ix
+
+
+@pytest.mark.parametrize(
+    ("changes", "preload", "static", "angles", "qv"),
+    [
+        ({}, "7.3303", "7", ("21.4940", "19.9957"), "1"),
+        ({"temperature.inner_ring_C": 30}, "11.468", "11.273", ("21.0840", "20.1367"), "1.7402"),
+        ({"temperature.inner_ring_C": 30, "temperature.balls_C": 30},
+         "15.311", "15.161", ("20.9208", "20.2138"), "2.5208"),
+        ({"temperature.inner_ring_C": 15}, "5.6055", "5.129", ("21.8360", "19.8610"), "0.7288"),
+        ({"bearing.bore_mm": 4.0}, "7.3894", "7.0625", None, "1.0097"),
+    ],
+)  # fmt: skip
+def test_a_program_written_apart(scene, changes, preload, static, angles, qv):
+    """Temperature and growth of gyro_s1 at fixed position, to the digits it gives."""
+
+    def said(value: float, text: str) -> bool:
+        digits = len(text.partition(".")[2])
+        return abs(value - float(text)) <= 0.51 * 10.0**-digits
+
+    grown = scene("gyro_s1", PAPER | changes)
+    found, mounted = solve(grown).values, solve(scene("gyro_s1", PAPER)).values
+    assert said(found["residual_preload"], preload)
+    assert said(static_preload(grown), static)
+    assert said(found["total_qv"] / mounted["total_qv"], qv)
+    for value, text in zip(np.degrees(found["contact_angle"][0]), angles or (), strict=False):
+        assert said(value, text)
+
+
+def test_the_turning_ring_of_that_program(scene):
+    growth = growth_of(scene("gyro_s1", {"bearing.bore_mm": 4.0})).inner
+    assert abs(growth.speed - 4.870e-9) < 5e-13
+
+
+def ring(inside=2e-3, outside=3e-3, omega=1e4) -> Ring:
+    return Ring(inside=inside, outside=outside, E=208e9, nu=0.3, rho=7800.0, omega=omega)
+
+
+def test_rotating_disc_and_annulus():
+    """Timoshenko and Goodier: rim and bore of an annulus, rim of a full disc."""
+    r = ring()
+    a, b, E, nu = r.inside, r.outside, r.E, r.nu
+    load = r.rho * r.omega**2 / (4.0 * E)
+    rim = load * b * ((3.0 + nu) * a**2 + (1.0 - nu) * b**2)
+    bore = load * a * ((3.0 + nu) * b**2 + (1.0 - nu) * a**2)
+    assert_allclose([r.growth_at_speed(b), r.growth_at_speed(a)], [rim, bore], rtol=1e-10)
+    full = ring(inside=0.0)
+    assert_allclose(full.growth_at_speed(b), load * b**3 * (1.0 - nu), rtol=1e-10)
+
+
+def test_pressed_rings():
+    """Lame: a thin ring is a hoop, and one under even pressure shrinks evenly."""
+    r = ring()
+    assert_allclose(r.growth_under(1e6, 1e6, r.inside), -0.7e6 / r.E * r.inside, rtol=1e-10)
+    thin = ring(inside=3e-3 * (1.0 - 1e-6))
+    hoop = 1e6 * thin.inside**2 / (thin.E * (thin.outside - thin.inside))
+    assert_allclose(thin.growth_under(1e6, 0.0, thin.inside), hoop, rtol=1e-5)
+
+
+def fitted(scene, **keys):
+    changes = {f"fits.{name}": value for name, value in keys.items()}
+    return growth_of(scene("gyro_s1", SEATED | changes))
+
+
+def track(scene, side):
+    b = scene("gyro_s1").bearing
+    cosine = math.cos(math.radians(b.contact_angle_deg))
+    return 0.5e-3 * (b.pitch_diameter_mm + side * b.ball_diameter_mm * cosine)
+
+
+@pytest.mark.parametrize("hole", [0.0, 1.5, 3.0])
+def test_two_rings_of_one_material(scene, hole):
+    """p = E I (b^2 - a^2)(a^2 - c^2)/(4 a^3 (b^2 - c^2)), at rest."""
+    still = {"operation.shaft_speed_rpm": 0.0, "fits.shaft_bore_mm": hole}
+    still |= SEATED | {"fits.shaft_interference_um": 2.0}
+    found = growth_of(scene("gyro_s1", still)).inner
+    a, b, c, E, tight = 2e-3, track(scene, -1.0), 0.5e-3 * hole, 208e9, 2e-6
+    p = E * tight * (b**2 - a**2) * (a**2 - c**2) / (4.0 * a**3 * (b**2 - c**2))
+    assert_allclose(found.pressure, p, rtol=1e-10)
+    assert_allclose(found.fit, 2.0 * p * a**2 * b / (E * (b**2 - a**2)), rtol=1e-10)
+
+
+def test_a_tight_ring_on_a_full_shaft_is_a_full_disc(scene):
+    """It grows by rotation as the disc does, and by the fit as I a/(2 b)."""
+    found = fitted(scene, shaft_interference_um=4.0).inner
+    a, b, omega = 2e-3, track(scene, -1.0), 1000.0 * math.pi
+    disc = 7800.0 * omega**2 * b**3 * 0.7 / (4.0 * 208e9)
+    assert_allclose(found.speed + found.fit, disc + 4e-6 * a / (2.0 * b), rtol=1e-10)
+
+
+def test_an_outer_ring_in_a_thick_housing(scene):
+    """Of one material the track closes by I a/(2 b)."""
+    found = fitted(scene, housing_interference_um=3.0).outer
+    assert_allclose(found.fit, -1.5e-6 * track(scene, 1.0) / 6.5e-3, rtol=1e-10)
+
+
+def test_a_fit_that_speed_takes(scene):
+    slow, fast = (
+        growth_of(
+            scene(
+                "turbopump",
+                {
+                    "bearing.bore_mm": 35.0,
+                    "fits.shaft_interference_um": 10.0,
+                    "fits.shaft_bore_mm": 20.0,
+                    "operation.shaft_speed_rpm": rpm,
+                },
+            )
+        ).inner
+        for rpm in (0.0, 80_000.0)
+    )
+    assert slow.pressure > 0.0 and not slow.seat_lost
+    assert fast.pressure == fast.fit == 0.0 and fast.seat_lost
+
+
+def test_a_fit_follows_the_warmth_of_shaft_and_housing(scene):
+    base = SEATED | {"fits.shaft_interference_um": 2.0, "temperature.inner_ring_C": 40}
+    alike, cold, warm = (
+        growth_of(scene("gyro_s1", base | shaft)).inner.pressure
+        for shaft in ({}, {"temperature.shaft_C": 20}, {"temperature.shaft_C": 50})
+    )
+    assert cold < alike < warm
+    assert_allclose(alike, fitted(scene, shaft_interference_um=2.0).inner.pressure, rtol=1e-12)
+
+
+def test_nothing_given_changes_no_bit(scene):
+    for name in ("gyro_s1", "turbopump", "turbine", "bearing218"):
+        made = scene(name)
+        assert parameters.geometry(made) == mounted_geometry(made)
+    for changes in ({"temperature.reference_C": 35.0}, {"fits.shaft_interference_um": 0.0}):
+        made = scene("gyro_s1", changes)
+        assert parameters.geometry(made) == mounted_geometry(made)
+
+
+ALIKE = {f"temperature.{part}_C": 120.0 for part in
+         ("inner_ring", "outer_ring", "balls", "shaft", "housing")}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+def test_equal_warming_changes_nothing_but_scale(scene, method):
+    """Angles stay to 1e-12; loads go as the square of the lengths."""
+    still = {"operation.preload_method": method, "operation.shaft_speed_rpm": 0.0}
+    lengths = 1.0 + 11.5e-6 * 100.0
+    preload = 7.0 * (lengths**2 if method == "constant_force" else 1.0)
+    cold = solve(scene("gyro_s1", still), "race_control").values
+    warm = solve(
+        scene("gyro_s1", still | ALIKE | {"operation.preload_N": preload}), "race_control"
+    ).values
+    assert_allclose(warm["contact_angle"], cold["contact_angle"], rtol=0.0, atol=1e-12)
+    # the loads hang on a deformation of a thousandth of the lengths that cancel to it
+    assert_allclose(warm["contact_load"], lengths**2 * cold["contact_load"], rtol=1e-10)
+    assert_allclose(warm["semi_major_axis"], lengths * cold["semi_major_axis"], rtol=1e-10)
+
+
+def test_a_groove_radius_that_stays_would_be_wrong(scene):
+    """13.5 N where 11.5 N is right, of a ring that is 10 K warmer (gyro_s1, running)."""
+    warm = scene("gyro_s1", PAPER | {"temperature.inner_ring_C": 30})
+    problem = ThrustProblem.of(warm)
+    rigid = replace(problem, g=problem.g._replace(r_i=mounted_geometry(warm).r_i))
+    contact = rigid.solve(rigid.g.D0).contacts[0]
+    assert abs(9.0 * contact[LOAD] * math.sin(contact[ANGLE]) - 13.5) < 0.05
+
+
+def test_mass_of_the_balls_is_kept(scene):
+    g, cold = (
+        parameters.geometry(scene("gyro_s1", changes))
+        for changes in ({"temperature.balls_C": 90.0}, {})
+    )
+    assert g.D0 > cold.D0
+    assert_allclose(g.rho * g.D0**3, cold.rho * cold.D0**3, rtol=1e-14)
+
+
+@pytest.mark.parametrize("orientation", ["back_to_back", "face_to_face"])
+def test_axial_change_of_a_pair(orientation):
+    """From the distances of the grooves on shaft and in housing; one bearing has no span."""
+    heat = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=2e-4, housing=5e-5)
+    A1, span = 70e-6, 20e-3
+    back = orientation == "back_to_back"
+    on_shaft, in_housing = (span - A1, span + A1) if back else (span + A1, span - A1)
+    grown_shaft, grown_housing = on_shaft * (1.0 + 2e-4), in_housing * (1.0 + 5e-5)
+    apart = 0.5 * (grown_housing - grown_shaft) * (1.0 if back else -1.0)
+    assert_allclose(axial_change(heat, A1, span, orientation), apart - A1, rtol=1e-9)
+    assert_allclose(axial_change(heat, A1), 0.5 * A1 * 2.5e-4, rtol=1e-12)
+
+
+def test_unlike_materials(scene):
+    """A hybrid bearing that is warmed evenly loses preload."""
+    hybrid = HELD | HYBRID
+    even = {f"temperature.{part}_C": 70.0 for part in ("inner_ring", "outer_ring", "balls")}
+    cold = solve(scene("turbopump", hybrid)).values["residual_preload"]
+    warm = solve(scene("turbopump", hybrid | even)).values["residual_preload"]
+    assert 0.55 * cold < warm < 0.7 * cold
+    assert thermal_expansion(scene("turbopump", hybrid | even)).balls == 3.2e-6 * 50.0
+
+
+def test_growth_at_speed_more_than_doubles_a_turbopump_preload(scene):
+    """Said of fixed position: `turbopump` with the bore of its description."""
+    held = scene("turbopump", HELD)
+    grown = scene("turbopump", HELD | {"bearing.bore_mm": 35.0})
+    assert static_preload_ratio(grown) > 2.0
+    assert_allclose(1.0 + change_at_speed(grown), static_preload_ratio(grown), rtol=0.02)
+    assert solve(grown).values["residual_preload"] > 1.5 * solve(held).values["residual_preload"]
+
+
+def static_preload_ratio(scene) -> float:
+    return static_preload(scene) / scene.operation.preload_N
+
+
+def test_estimates_before_the_solve(scene):
+    for name, more in (("gyro_s1", {}), ("turbopump", HYBRID), ("bearing218", {})):
+        warm = scene(name, HELD | more | {"temperature.inner_ring_C": 25.0})
+        estimate = 1.0 + change_by_warm_ring(warm, 5.0)
+        assert_allclose(estimate, static_preload_ratio(warm), rtol=0.02)
+
+
+WARM = HELD | {"temperature.inner_ring_C": 30.0, "temperature.balls_C": 25.0}
+
+
+def test_every_model_sees_it(scene):
+    """Steady, race control (its own orbit rate), dynamic and a life agree on the preload."""
+    warm = scene("gyro_s1", WARM)
+    steady = solve(warm).values["residual_preload"]
+    control = solve(warm, "race_control").values["residual_preload"]
+    assert_allclose(control, steady, rtol=5e-3)
+    history = life(warm).values["history_residual_preload"]
+    assert_allclose(history[0], steady, rtol=1e-9)
+    system = DynamicSystem.of(warm.without_cage, start_of(warm).u)
+    system.update()
+    balls = system.buffers.balls
+    lines = balls.A - balls.X
+    approach = np.hypot(*lines.T) - (system.bearing.g.r_i - 0.5 * system.bearing.D)
+    sines = lines[:, 0] / np.hypot(*lines.T)
+    assert_allclose((balls.factors[:, 0, 0] * approach**1.5 * sines).sum(), steady, rtol=1e-6)
+
+
+def test_what_a_file_says(scene):
+    changes = WARM | SEATED | {"fits.shaft_interference_um": 1.0, "temperature.shaft_C": 28.0}
+    result = solve(scene("gyro_s1", changes))
+    found = result.values
+    assert_allclose(found["part_temperature"], [30.0, 25.0, 20.0, 28.0, np.nan])
+    assert_allclose(found["thermal_growth"], [1.15e-4, 5.75e-5, 0.0, 9.2e-5, 0.0], atol=1e-18)
+    assert found["growth_at_speed"][0] > 0.0 and found["fit_pressure"][0] > 0.0
+    plain = solve(scene("gyro_s1")).values
+    assert not {"part_temperature", "growth_at_speed", "fit_pressure"} & plain.keys()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, ("left out, bearing.bore_mm", "temperature: left out; of second order")),
+        (HELD, ("+0.89 %", "for each K")),
+        (HELD | {"bearing.bore_mm": 4.0}, ("solved; about +0.89 %", "for each K")),
+        (WARM, ("+0.89 %", "temperature: given; about +88 %")),
+        (HELD | SEATED | {"fits.shaft_interference_um": 1.0}, ("fits: solved; about +7",)),
+    ],
+)
+def test_what_is_modelled_is_said(scene, changes, said):
+    from bearingwear.solvers.effects.choice import choice
+
+    told = "\n".join(choice(scene("gyro_s1", changes)).reasons)
+    for text in said:
+        assert text in told

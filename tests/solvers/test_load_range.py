@@ -1,0 +1,112 @@
+"""Largest load and pressure of a dynamic case: over balls and instants, not their means."""
+
+import re
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from bearingwear.cli import main
+from bearingwear.kernels.record import clear
+from bearingwear.kernels.status import OK
+from bearingwear.kernels.summary import LOAD, PRESSURE
+from bearingwear.results.netcdf import dataset, write_result
+from bearingwear.solvers.dynamic.run import begin
+from bearingwear.solvers.dynamic.windows import LoadRange, TimeRun
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.start import start_of
+from bearingwear.studies.grid.dynamic_tables import steady_and_dynamic
+
+LOADED = {
+    "cage": None,
+    "operation.radial_load_N": [0.0, -4.0],
+    "model.simulated_turns": 8,
+    "model.evaluated_turns": 4,
+}
+RANGE = ("maximum_pressure", "maximum_contact_load", "minimum_contact_load")
+
+
+@pytest.fixture(scope="module")
+def solved(scene):
+    result = solve(scene("gyro_s1", LOADED))
+    assert result.status == "ok"
+    return result
+
+
+def every_instant(scene, windows):
+    """Loads and pressures (instants, n, 2) of the last window, one interval at a time."""
+    system, _ = begin(scene, start_of(scene), None)
+    run, rows = TimeRun(scene, system, None), []
+    for window in range(windows):
+        for _ in range(run.grid.window):
+            clear(run.recorder.sums)
+            assert run.advance(1) == OK
+            if window == windows - 1:
+                rows.append(run.recorder.sums.contacts.copy())
+    return np.array(rows)[..., LOAD], np.array(rows)[..., PRESSURE]
+
+
+def test_of_all_instants(scene, solved):
+    v = solved.values
+    windows = round(v["simulated_turns"] / v["evaluated_turns"])
+    loads, pressures = every_instant(scene("gyro_s1", LOADED), windows)
+    assert_allclose(v["maximum_contact_load"], loads.max(axis=0), rtol=1e-6)
+    assert_allclose(v["minimum_contact_load"], loads.min(axis=0), rtol=1e-6)
+    # Cube root of the load; the contact angle changes the curvatures by a few thousandths.
+    assert_allclose(v["maximum_pressure"], pressures.max(axis=0), rtol=5e-3)
+    assert np.all(v["maximum_pressure"] > 1.05 * pressures.mean(axis=0))
+    assert np.all(v["minimum_contact_load"] < v["contact_load"])
+    assert np.all(v["contact_load"] < v["maximum_contact_load"])
+
+
+def test_the_same_without_histories(scene, solved):
+    none = {"model.history_points_per_turn": 0, "model.dynamic_solution": "march"}
+    bare = solve(scene("gyro_s1", LOADED | none)).values
+    assert "history_contact_load" not in bare
+    for name in RANGE:
+        assert_array_equal(bare[name], solved.values[name])
+
+
+def test_where_nothing_changes_it_is_the_mean(scene):
+    v = solve(scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]}), "dynamic").values
+    steady = solve(scene("gyro_s1", LOADED | {"operation.radial_load_N": [0.0, 0.0]})).values
+    assert_allclose(v["maximum_pressure"], np.tile(steady["maximum_pressure"], (9, 1)), rtol=1e-4)
+
+
+def test_pressure_goes_by_the_cube_root():
+    loads = LoadRange(1)
+    loads.add(np.array([[[8.0, 0.0]], [[1.0, 0.0]]], dtype="f4"))
+    assert_allclose(loads.largest_pressure(np.array([[1.5, 0.0]]), 2), [[2.0, 0.0]])
+    assert_array_equal(loads.unloaded, [[0.0, 2.0]])
+
+
+def test_names_say_what_a_number_is(solved):
+    d = dataset(solved)
+    assert d["maximum_pressure"].attrs["cell_methods"] == "time: maximum"
+    assert d["minimum_contact_load"].attrs["cell_methods"] == "time: minimum"
+    for name in RANGE:
+        assert " of all instants of the evaluated turns" in d[name].attrs["long_name"]
+    assert d["contact_load"].attrs["long_name"].endswith("contact, mean over the evaluated turns")
+    assert "evaluated" not in d["history_contact_load"].attrs["long_name"]
+
+
+def test_show_and_tables_take_the_extreme_of_all_balls(solved, tmp_path, capsys):
+    write_result(solved, tmp_path / "case.nc")
+    assert main(["show", str(tmp_path / "case.nc")]) == 0
+    rows = {line[2:30].strip(): line.split() for line in capsys.readouterr().out.splitlines()}
+    v = solved.values
+    for label, largest in (
+        ("maximum pressure, of all", 1e-9 * v["maximum_pressure"].max(axis=0)),
+        ("largest load, of all", v["maximum_contact_load"].max(axis=0)),
+        ("smallest load, of all", v["minimum_contact_load"].min(axis=0)),
+        ("contact load", v["contact_load"].mean(axis=0)),
+    ):
+        shown = [float(text) for text in rows[label] if re.fullmatch(r"[\d.]+", text)]
+        assert_allclose(shown[:2], largest, rtol=5e-3)  # three digits
+    axes = {"preload_method": 1, "friction": 1, "ball_diameter_loss": 1}
+    gathered = dataset(solved)[[*RANGE, "contact_load"]].expand_dims(axes)
+    gathered = gathered.assign_coords({axis: [0.0] for axis in axes})
+    both = steady_and_dynamic(gathered.isel(ball=[0]), gathered)
+    found = both["maximum_pressure.dynamic"].values.ravel()
+    assert_allclose(found, v["maximum_pressure"].max(axis=0))
+    assert_allclose(both["contact_load.dynamic"].values.ravel(), v["contact_load"].mean(axis=0))

@@ -1,0 +1,392 @@
+"""Two bearings on a rotor: published numbers, limits, and an independent balance of the rotor."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.scene.arrangement import Arrangement
+from bearingwear.sides import SHARED, of_bearing
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.arrangement import (
+    natural_frequencies,
+    rotor_balance,
+    rotor_stiffness,
+)
+from bearingwear.solvers.bearing.at_rest import Mechanics, lift_off_rigid
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.condition import Accuracy
+from bearingwear.solvers.effects.choice import NotAvailable, choice
+from bearingwear.solvers.solve import solve
+
+POSITION = {"operation.preload_method": "fixed_position"}
+RIGID = {**POSITION, "arrangement.kind": "rigid_pair"}
+SPRING = {"arrangement.kind": "spring_pair"}
+REST = {"operation.shaft_speed_rpm": 0.0}
+LOSS = "wear.ball_diameter_loss_um"
+
+
+@pytest.fixture(scope="module")
+def solved(scene):
+    """Function (changes, fidelity) -> values of gyro_s1, verified."""
+
+    def values(changes, fidelity=None, status="ok"):
+        result = solve(scene("gyro_s1", changes), fidelity)
+        assert result.status == status
+        return result.values
+
+    return values
+
+
+# benchmarks: static, gyro_s1, 7 N
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+@pytest.mark.parametrize(
+    ("F", "stiffness", "shift", "other"),
+    [
+        (0.0, 9.72282, 0.0, 7.0),
+        (3.5, 9.6988, 0.3603, 5.330),
+        (7.0, 9.6232, 0.7224, 3.824),
+        (14.0, 9.2455, 1.4619, 1.354),
+    ],
+)
+def test_external_force(solved, fidelity, F, stiffness, shift, other):
+    """Numbers of a program written apart from this one, to the digits given.
+
+    Its stiffness is the slope of the force; here the Hertz factors are held: 1e-5.
+    """
+    v = solved(RIGID | REST | {"arrangement.external_axial_N": F}, fidelity)
+    assert_allclose(v["system_axial_stiffness"] * 1e-6, stiffness, atol=6e-5, rtol=2e-5)
+    assert_allclose(v["rotor_axial_shift"] * 1e6, shift, atol=6e-5)
+    assert_allclose(v["residual_preload"], [other + F, other], atol=6e-4)
+    assert_allclose(v["lift_off_force"], 20.5774, atol=6e-5)
+    assert v["rotor_balance_residual"] < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("losses", "shift", "preload"),
+    [((0.1, 0.0), 0.14113, 6.3263), ((0.5, 0.0), 0.70812, 3.8803), ((0.25, 0.25), 0.0, 3.8706)],
+)
+def test_unequal_wear(solved, losses, shift, preload):
+    v = solved(RIGID | REST | {LOSS: losses[0], "arrangement.second": {LOSS: losses[1]}})
+    assert_allclose(v["rotor_axial_shift"] * 1e6, shift, atol=6e-6)
+    assert_allclose(v["residual_preload"], preload, atol=6e-5)
+
+
+def test_slope_of_the_force(scene):
+    """4.86141 N/um, the angle 20.4758 degrees and 2.21610 um of one bearing."""
+    one = scene("gyro_s1")
+    g, place, h = parameters.geometry(one), parameters.static_place(one), 1e-10
+    at_rest = Mechanics(g, g.D0)
+    slope = (at_rest.force(place + h) - at_rest.force(place - h)) / (2.0 * h)
+    assert_allclose([slope * 1e-6, place * 1e6], [4.86141, 2.21610], atol=6e-6)
+
+
+def test_small_unequal_wear(solved, scene):
+    """-(dF/dl)(l_1 - l_2)/(2 dF/d delta), its derivative from plain differences of one bearing."""
+    g = parameters.geometry(scene("gyro_s1"))
+    place = parameters.static_place(scene("gyro_s1"))
+    h = 1e-10
+    slope = -(Mechanics(g, g.D0 - h).force(place) - Mechanics(g, g.D0 + h).force(place)) / (2 * h)
+    stiffness = (Mechanics(g, g.D0).force(place + h) - Mechanics(g, g.D0).force(place - h)) / (
+        2 * h
+    )
+    found = [
+        solved(RIGID | REST | {LOSS: loss, "arrangement.second": {LOSS: 0.0}})["rotor_axial_shift"]
+        / (loss * 1e-6)
+        for loss in (1e-3, 2e-3)
+    ]
+    extrapolated = 2.0 * found[0] - found[1]
+    assert_allclose(extrapolated, slope / (2.0 * stiffness), rtol=1e-5)
+    assert_allclose(extrapolated, 0.5 / math.sin(math.radians(20.4758)), rtol=0.02)
+
+
+# what it must be the same as
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+@pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
+@pytest.mark.parametrize("loss", [0.0, 0.3])
+def test_symmetric_pair_is_the_single_bearing(solved, fidelity, single, pair, loss):
+    one, two = (solved(changes | {LOSS: loss}, fidelity) for changes in (single, pair))
+    for k in range(2):
+        other = of_bearing(two, k)
+        for name, value in one.items():
+            assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
+    assert set(two) - set(one) <= SHARED
+
+
+def test_hardly_unequal_pair_is_the_single_bearing(solved):
+    """The solver of unlike bearings, where they are alike."""
+    one = solved(POSITION | {LOSS: 0.2})
+    two = solved(
+        RIGID | {LOSS: 0.2, "arrangement.second": {LOSS: 0.2}, "arrangement.external_axial_N": 0}
+    )
+    for k in range(2):
+        for name in ("total_qv", "contact_load", "contact_angle", "ball_diameter_loss_rate"):
+            assert_allclose(two[name][k], one[name], rtol=1e-9, err_msg=name)
+    assert abs(two["rotor_axial_shift"]) < 1e-15
+
+
+def test_mirror_image(solved):
+    """Which bearing is called the first changes signs alone."""
+    force = {"arrangement.external_axial_N": 2.0, LOSS: 0.1, "arrangement.second": {LOSS: 0.4}}
+    back = {"arrangement.external_axial_N": -2.0, LOSS: 0.4, "arrangement.second": {LOSS: 0.1}}
+    one, two = solved(RIGID | force), solved(RIGID | back)
+    assert_allclose(one["rotor_axial_shift"], -two["rotor_axial_shift"], rtol=1e-9)
+    for name in ("total_qv", "residual_preload", "contact_angle"):
+        assert_allclose(one[name], two[name][::-1], rtol=1e-9)
+    assert_allclose(one["system_axial_stiffness"], two["system_axial_stiffness"], rtol=1e-9)
+
+
+# independent checks
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+@pytest.mark.parametrize("changes", [
+    {"arrangement.external_axial_N": 5.0},
+    {LOSS: 0.1, "arrangement.second": {LOSS: 0.5, "friction.ball_race": 0.03}},
+    {"arrangement.external_axial_N": -3.0,
+     "arrangement.second": {"bearing.ball_count": 8, "bearing.contact_angle_deg": 25.0}},
+])  # fmt: skip
+def test_balance_of_the_rotor(solved, scene, fidelity, changes):
+    """Forces and places anew, with nothing of the pair: a single bearing kept at each place."""
+    v = solved(RIGID | changes, fidelity)
+    F_ext = changes.get("arrangement.external_axial_N", 0.0)
+    sides = scene("gyro_s1", RIGID | changes).sides
+    moved = v["axial_displacement"] - [parameters.static_place(side) for side in sides]
+    assert_allclose(moved.sum(), 0.0, atol=1e-18)
+    assert_allclose(moved[0], v["rotor_axial_shift"], atol=1e-18)
+    forces = []
+    for side, place, speed in zip(
+        sides, v["axial_displacement"], v["orbit_speed"][:, 0], strict=True
+    ):
+        g = parameters.geometry(side)
+        load = orbit_load(float(speed), 0.0, 0.0)
+        D = float(parameters.ball_diameters(side)[0])
+        _, state = thrust_equilibrium(g, D, load, 0.0, float(place), False, cold_start())
+        forces.append(g.n_balls * state.F_ix)
+    if fidelity == "steady":
+        assert_allclose(forces, v["residual_preload"], rtol=1e-9)
+    assert_allclose(np.subtract(*v["residual_preload"]), F_ext, atol=1e-9)
+
+
+@pytest.mark.parametrize("F_ext", [0.0, 3.5, -3.5])
+def test_spring_gives_way_to_both(solved, scene, F_ext):
+    """F_2 = F_s - k_s e, e what both bearings give way; solved here by bisection."""
+    k_s = 0.2e6
+    changes = SPRING | REST | {
+        "arrangement.spring_stiffness_N_um": 0.2,
+        "arrangement.external_axial_N": F_ext,
+        LOSS: 0.3,
+    }  # fmt: skip
+    v = solved(changes)
+    one = scene("gyro_s1")
+    g, mounted = parameters.geometry(one), parameters.static_place(one)
+    worn = Mechanics(g, g.D0 - 0.3e-6)
+
+    def left(F_2):
+        given = worn.place(F_2 + F_ext) + worn.place(F_2) - 2.0 * mounted
+        return 7.0 - k_s * given - F_2
+
+    F_2 = brentq(left, 3.6, 9.0, xtol=1e-13)
+    assert_allclose(v["residual_preload"], [F_2 + F_ext, F_2], rtol=1e-9)
+    assert_allclose(v["rotor_axial_shift"], worn.place(F_2 + F_ext) - mounted, rtol=1e-8)
+    k = v["axial_stiffness"]
+    assert_allclose(v["system_axial_stiffness"], k[0] + k_s * k[1] / (k_s + k[1]), rtol=1e-12)
+    h = 1e-3
+    ends = [
+        solved(changes | {"arrangement.external_axial_N": F_ext + s * h})["rotor_axial_shift"]
+        for s in (-1, 1)
+    ]
+    # The tangent holds the Hertz factors, which follow the angle a little.
+    assert_allclose(2.0 * h / (ends[1] - ends[0]), v["system_axial_stiffness"], rtol=1e-3)
+
+
+def test_stiffness_is_the_slope_of_the_shift(solved):
+    h = 1e-3
+    ends = [
+        solved(RIGID | REST | {"arrangement.external_axial_N": F})["rotor_axial_shift"]
+        for F in (7.0 - h, 7.0 + h)
+    ]
+    stiffness = solved(RIGID | REST | {"arrangement.external_axial_N": 7.0})
+    assert_allclose(2.0 * h / (ends[1] - ends[0]), stiffness["system_axial_stiffness"], rtol=1e-3)
+
+
+def test_check_of_the_rotor_says_no(scene):
+    """Another place or force by a millionth is seen."""
+    made = scene("gyro_s1", RIGID | {"arrangement.external_axial_N": 3.5})
+    pair = solver_of(made, "steady", Accuracy.CHECKED).bearings
+    state = pair.solve(pair.start)
+    each = [side.case(one)[0] for side, one in zip(pair.sides, state.sides, strict=True)]
+    mounted = [side.mounted for side in pair.sides]
+    assert rotor_balance(made, mounted, each) < 1e-9
+    for name in ("residual_preload", "axial_displacement"):
+        wrong = [each[0] | {name: each[0][name] * (1.0 + 1e-6)}, each[1]]
+        assert rotor_balance(made, mounted, wrong) > 1e-7
+
+
+# lift-off
+
+
+def test_lift_off_is_a_named_status(solved):
+    at = {F: RIGID | REST | {"arrangement.external_axial_N": F} for F in (20.57, 20.58, -20.58)}
+    v = solved(at[20.57])
+    assert 0.0 < v["residual_preload"][1] < 1e-3
+    for F in (20.58, -20.58):
+        assert "total_qv" not in solved(at[F], status="lifted_off")
+    solved(SPRING | {"arrangement.external_axial_N": -7.0}, status="lifted_off")
+    assert solved(SPRING | {"arrangement.external_axial_N": -6.0})["residual_preload"][0] == (
+        pytest.approx(1.0)
+    )
+
+
+def test_wear_takes_the_preload_of_both(solved):
+    gone = RIGID | REST | {LOSS: 3.0, "arrangement.second": {LOSS: 3.1}}
+    solved(gone, status="preload_gone")
+
+
+def test_lift_off_at_vanishing_load(scene):
+    """2^(3/2), and 4.16 and 2.08 for a tandem of two against one: twice the balls."""
+    g = parameters.geometry(scene("gyro_s1"))
+    tandem = g._replace(n_balls=2 * g.n_balls)
+    F = 1e-5
+
+    def closed(one, two):
+        return sum(Mechanics(x, x.D0).place(F) for x in (one, two))
+
+    ratio = lift_off_rigid(Mechanics(g, g.D0), Mechanics(g, g.D0), closed(g, g)) / F
+    assert_allclose(ratio, 2.0**1.5, rtol=1e-3)
+    set_of_three = Mechanics(tandem, g.D0), Mechanics(g, g.D0)
+    least = lift_off_rigid(*set_of_three, closed(tandem, g)) / F
+    assert_allclose(least, 2.08, rtol=1e-3)
+    far = set_of_three[0].force(closed(tandem, g) - set_of_three[1].touch) / F
+    assert_allclose(far, 4.16, rtol=1e-3)
+
+
+def test_lift_off_of_a_spring(solved):
+    """The spring relaxes as the first bearing gives way: less than its force, by k_s/k."""
+    soft, none = (
+        solved(SPRING | {"arrangement.spring_stiffness_N_um": k})["lift_off_force"]
+        for k in (0.1, 0.0)
+    )
+    assert none == 7.0
+    assert 7.0 < soft < 7.5
+
+
+# rotor
+
+
+def test_frequencies_of_closed_forms():
+    """Springs at both ends; half of the sum of two unlike springs' roots is that of the trace."""
+    a = Arrangement(kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0)
+    side = np.diag([5e6, 15e6, 15e6, 0.0, 0.0])
+    found = natural_frequencies(a, np.array([side, side]), 10e6)
+    inertia = 0.03 * 0.02**2 / 12.0
+    expected = np.sqrt([10e6 / 0.03, 30e6 / 0.03, 30e6 * 0.01**2 / inertia]) / (2.0 * math.pi)
+    assert_allclose(found, expected, rtol=1e-12)
+    given = Arrangement(
+        kind="rigid_pair", rotor_mass_kg=0.03, span_mm=20.0, rotor_transverse_inertia_kg_mm2=4.0
+    )
+    heavier = natural_frequencies(given, np.array([side, side]), 10e6)
+    assert_allclose(heavier[2] / found[2], math.sqrt(inertia / 4e-6), rtol=1e-12)
+
+
+def test_back_to_back_resists_tilting_more(solved):
+    K = solved(RIGID)["stiffness_matrix"]
+    by = {
+        way: rotor_stiffness(Arrangement(kind="rigid_pair", span_mm=20.0, orientation=way), K)
+        for way in ("back_to_back", "face_to_face")
+    }
+    for one in by.values():
+        assert_allclose(one, one.T, rtol=0, atol=1e-9 * np.abs(one).max())
+        assert_allclose(one[1, 4], 0.0, atol=1e-9 * np.abs(one).max())  # a symmetric pair
+        assert_allclose(one[0, 0], 2.0 * K[0, 0, 0], rtol=1e-12)
+    lever = 4.0 * 0.01 * abs(K[0, 2, 3])
+    assert_allclose(by["back_to_back"][3, 3] - by["face_to_face"][3, 3], 2.0 * lever, rtol=1e-9)
+
+
+def test_frequencies_need_mass_and_span(solved):
+    assert "natural_frequency" not in solved(RIGID | {"arrangement.rotor_mass_kg": 0.03})
+    both = {"arrangement.rotor_mass_kg": 0.03, "arrangement.span_mm": 20.0}
+    v = solved(RIGID | both)
+    assert_allclose(
+        v["natural_frequency"][0],
+        math.sqrt(v["system_axial_stiffness"] / 0.03) / (2.0 * math.pi),
+        rtol=1e-12,
+    )
+
+
+# models
+
+
+def test_models_that_a_pair_has(scene):
+    pair = scene("gyro_s1", RIGID)
+    assert choice(pair).fidelity == "steady"
+    radial = scene("gyro_s1", RIGID | {"operation.radial_load_N": [0.0, 1.0]})
+    assert choice(radial).fidelity == "race_control"
+    assert solve(radial).status == "ok"
+    with_cage = scene("gyro_s1", RIGID | {"model.cage_results": True})
+    for asked in ((pair, "dynamic"), (with_cage, None)):
+        with pytest.raises(NotAvailable, match="rigid_pair, expected .*: set arrangement.kind sin"):
+            choice(*asked)
+
+
+def test_warm_shaft_and_span(solved):
+    """Back to back a longer shaft takes preload away, face to face it adds."""
+    warm = {"temperature": {"shaft_C": 30.0, "housing_C": 20.0}, "arrangement.span_mm": 20.0}
+    preloads = [
+        solved(RIGID | warm | {"arrangement.orientation": way})["residual_preload"][0]
+        for way in ("back_to_back", "face_to_face")
+    ]
+    none = solved(RIGID)["residual_preload"][0]
+    assert preloads[0] < none < preloads[1]
+
+
+def test_status_of_every_solve_is_known():
+    assert code.STATUS_NAMES[code.LIFTED_OFF] == "lifted_off"
+    assert set(code.STATUS_NAMES) == set(code.STATUS_SENTENCES)
+
+
+# temperatures from a network
+
+NETWORK = {
+    "thermal": {
+        "conductance_W_K": {
+            "inner_ring_shaft": 0.01, "outer_ring_housing": 0.02, "ball_race": 0.005,
+        },
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_symmetric_pair_with_a_network(solved, fidelity):
+    one, two = (solved(kind | NETWORK, fidelity) for kind in (POSITION, RIGID))
+    for k in range(2):
+        other = of_bearing(two, k)
+        for name, value in one.items():
+            assert_allclose(other[name], value, rtol=1e-12, err_msg=name)
+    cold = solved(RIGID, fidelity)
+    assert two["lift_off_force"] > 1.02 * cold["lift_off_force"]
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+def test_each_bearing_has_its_own_network(solved, fidelity):
+    """The more loaded side is warmer; heat flows and the rotor balance."""
+    v = solved(RIGID | NETWORK | {"arrangement.external_axial_N": 4.0}, fidelity)
+    assert v["part_temperature"][0, 0] > v["part_temperature"][1, 0] + 0.1
+    assert_allclose(np.subtract(*v["residual_preload"]), 4.0, atol=1e-7)
+    assert (v["heat_flow_residual"] < 1e-5).all()
+    given = dict(zip(("inner_ring_C", "balls_C", "outer_ring_C", "shaft_C", "housing_C"),
+                     v["part_temperature"].T, strict=True))  # fmt: skip
+    first = {f"temperature.{name}": float(t[0]) for name, t in given.items()}
+    second = {f"temperature.{name}": float(t[1]) for name, t in given.items()}
+    same = solved(RIGID | first | {"arrangement.external_axial_N": 4.0,
+                                   "arrangement.second": second}, fidelity)  # fmt: skip
+    for name in ("residual_preload", "total_qv", "rotor_axial_shift", "system_axial_stiffness"):
+        assert_allclose(same[name], v[name], rtol=1e-6, err_msg=name)

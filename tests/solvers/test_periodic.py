@@ -1,0 +1,142 @@
+"""Periodic motion found directly: against marches, and where there is none."""
+
+import json
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.lives.life import life
+from bearingwear.solvers.dynamic import periodic
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.errors import NotAvailable
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.start import start_of
+
+BARE = {"model.history_points_per_turn": 0, "model.contact": "paper"}
+RADIAL = BARE | {"operation.radial_load_N": [0.0, -1.5]}
+ROTATING = BARE | {"operation.rotating_load_N": 1.0}
+TILTED = BARE | {"operation.tilt_mrad": 0.3, "operation.preload_method": "fixed_position"}
+TIGHT = 1e-3  # tolerance of a march that is compared with
+
+
+@pytest.fixture(scope="module")
+def found(scene):
+    """Function (changes) -> the solved result."""
+    kept = {}
+
+    def solved(changes, name="gyro_s1"):
+        key = json.dumps([name, changes])
+        if key not in kept:
+            kept[key] = solve(scene(name, changes).without_cage)
+        return kept[key]
+
+    return solved
+
+
+@pytest.mark.parametrize("changes", [RADIAL, ROTATING, TILTED], ids=["radial", "rotating", "tilt"])
+def test_as_a_settled_march(scene, found, changes):
+    """QV of both contacts over an orbit after twelve others, mean of the balls.
+
+    The start leaves the balls of a march unevenly spaced for good, and each with a QV of its own.
+    """
+    direct = found(changes).values
+    bare = scene("gyro_s1", changes).without_cage
+    system = DynamicSystem.of(bare, start_of(bare).u)
+    orbit = 3.0 * direct["simulated_turns"] * system.turn  # three of nine passings are recorded
+    system.advance(12.0 * orbit, TIGHT)
+    before = system.qv.copy()
+    system.advance(orbit, TIGHT)
+    marched = (system.qv - before).mean(axis=0) / orbit
+    assert_allclose(direct["qv"].mean(axis=0), marched, rtol=1e-5)
+    assert direct["simulated_turns"] < 1.0
+
+
+def test_every_ball_does_the_same(found):
+    values = found(RADIAL).values
+    for name in ("qv", "maximum_contact_load", "minimum_contact_load", "orbit_speed"):
+        each = values[name]
+        assert_allclose(each, np.broadcast_to(each.mean(axis=0), each.shape), rtol=1e-5)
+    # and yet its load changes on the way
+    assert (values["maximum_contact_load"] > 1.2 * values["minimum_contact_load"]).all()
+    assert abs(values["qv_drift_per_turn"]) < 1e-6
+    assert abs(values["energy_account_error"]) < 1e-5
+
+
+@pytest.mark.parametrize("name, load", [("gyro_s1", 1.5), ("turbopump", 300.0)])
+def test_the_estimate_covers_what_tight_steps_change(found, name, load):
+    changes = BARE | {"operation.radial_load_N": [0.0, -load]}
+    rough = found(changes, name).values
+    tight = found(changes | {"model.dynamic_tolerance": 1e-5}, name).values
+    error = abs(rough["total_qv"] / tight["total_qv"] - 1.0)
+    assert 1e-9 < error <= rough["qv_error_estimate"]
+
+
+def test_what_was_done_is_told(found):
+    result = found(RADIAL)
+    assert result.attrs["start"].startswith("a periodic motion")
+    assert result.attrs["settled"].startswith("periodic: after 0.59")
+    assert any(text.startswith("motion: found as a per") for text in told(result))
+    asked = {"model.history_points_per_turn": 20, "model.simulated_turns": 1}
+    marched = found(RADIAL | asked)
+    assert any("history_points_per_turn" in text for text in told(marched))
+    assert marched.values["simulated_turns"] == 1.0
+    with_history = found(RADIAL | {"model.dynamic_solution": "periodic"} | asked).values
+    times = np.diff(with_history["time"])
+    assert_allclose(times, times[0], rtol=1e-9)
+    assert_allclose(len(times) * times[0], 9 * 0.5928e-3, rtol=0.02)
+
+
+def told(result):
+    return json.loads(result.attrs["modelled"])
+
+
+@pytest.mark.parametrize(
+    "changes, why",
+    [
+        ({"model.cage_results": True}, "a cage"),
+        ({"wear.ball_diameter_loss_um": [0.1] * 8 + [0.2]}, "unequal ball diameters"),
+        ({"operation.rotating_load_N": 1.0}, "loads that stand still beside one that turns"),
+        ({"operation.radial_load_N": [0.0, 0.0], "model.fidelity": "dynamic"}, "thrust alone"),
+    ],
+)
+def test_where_there_is_none(scene, changes, why):
+    asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"} | changes)
+    if not asked.model.cage_results:
+        asked = asked.without_cage
+    with pytest.raises(NotAvailable, match=f"dynamic_solution: got periodic with {why}, expected"):
+        solve(asked)
+
+
+def test_where_none_is_found(scene, monkeypatch):
+    monkeypatch.setattr(periodic, "ACCEPTED", 0.0)
+    monkeypatch.setattr(periodic, "MARCHED", (0.0, 1.0))
+    asked = scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}).without_cage
+    failed = solve(asked)
+    assert failed.status == "not_converged" and "no periodic motion" in failed.attrs["residual"]
+    marched = solve(scene("gyro_s1", RADIAL).without_cage)
+    assert marched.status == "ok" and marched.attrs["start"] == (
+        "the steady state under the thrust alone"
+    )
+
+
+def test_a_run_goes_on_from_a_periodic_motion(scene, found):
+    """At its end each ball is back where it was, at a later time."""
+    first = found(ROTATING).values
+    again = solve(
+        scene("gyro_s1", ROTATING).without_cage,
+        restart={"state": first["final_state"], "time": first["final_time"]},
+    ).values
+    assert_allclose(again["total_qv"], first["total_qv"], rtol=1e-6)
+    assert again["final_time"] == pytest.approx(2.0 * first["final_time"], rel=1e-5)
+
+
+def test_lives_use_it(scene):
+    worn = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}, "model.life_steps": 2}
+    asked = scene("gyro_s1", RADIAL | worn).without_cage
+    direct = life(asked).values
+    assert max(direct["history_simulated_turns"]) < 3.0
+    assert max(direct["history_disturbance_growth_per_turn"]) < 0.0
+    worn_away = direct["history_worn_diameter"]
+    assert_allclose(worn_away, worn_away[:, :1].repeat(9, axis=1), rtol=1e-5)
+    assert 0.5 < np.nanmax(direct["life"]) / direct["steady_life"] < 1.5

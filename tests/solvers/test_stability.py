@@ -1,0 +1,114 @@
+"""Stability of periodic motions: known multipliers, the thrust's own motion, growth in a march."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels.state import PSI
+from bearingwear.results.warnings import warnings_in
+from bearingwear.solvers.dynamic.periodic import Passing, periodic_motion
+from bearingwear.solvers.dynamic.stability import GrowthRates
+from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.start import start_of
+
+BARE = {"model.history_points_per_turn": 0, "model.contact": "paper"}
+RADIAL = BARE | {"operation.radial_load_N": [0.0, -1.5]}
+TURBINE = BARE | {"operation.radial_load_N": [0.0, -900.0], "operation.rotating_load_N": 0.0}
+TOLERANCE = 1e-4
+
+
+def motion_of(scene):
+    """A system where its run begins, and the periodic motion that is found from there."""
+    system = DynamicSystem.of(scene, start_of(scene).u)
+    system.update()
+    begun = system.packed(), system.time
+    motion = periodic_motion(system, TOLERANCE, system.control().method)
+    system.unpack(*begun)
+    return system, motion
+
+
+@pytest.mark.parametrize("largest, others", [(1.02, 0.4), (0.99, 0.4), (1.02, 1.3)])
+def test_known_multipliers(largest, others):
+    """Phases at the roots of 1, one of them exactly there; a pair of the spacing, five of others.
+
+    However fast others grow, they are not taken for the spacing.
+    """
+    n, turns = 9, 0.25
+    phases = 0.98 * np.exp(2j * np.pi * np.arange(n) / n)
+    phases[[1, -1]] *= largest / 0.98
+    phases[0] = 1.0
+    multipliers = np.concatenate([others * np.exp(1j * np.arange(-2, 3)), phases[::-1]])
+    growth = GrowthRates.of(multipliers, n, turns)
+    assert_allclose(growth.spacing, np.log(largest) / turns, rtol=1e-12)
+    assert_allclose(growth.other, np.log(others) / turns, rtol=1e-12)
+
+
+def test_next_to_the_thrust_alone(scene):
+    """Hardly any load: balls return as the steady state's linear motion has it, and stay apart."""
+    nearly = scene("gyro_s1", RADIAL | {"operation.radial_load_N": [0.0, -1e-3]}).without_cage
+    system, motion = motion_of(nearly)
+    slow = start_of(nearly).scales["slow_time_scale"]
+    assert_allclose(motion.growth.other, -system.turn / slow, rtol=0.02)
+    assert abs(motion.growth.spacing) < 1e-6
+
+
+def test_tangents_are_derivatives(scene):
+    """Columns of two balls against central differences of whole passings."""
+    system, motion = motion_of(scene("gyro_s1", RADIAL).without_cage)
+    passing = Passing(system, TOLERANCE, system.control().method)
+    states = np.append((motion.balls / passing.scale).ravel(), motion.passing / system.turn)
+    _, moved = passing.change_and_tangents(states)
+    for column in (0, 2, 3, 4, 19):
+        ends = []
+        for shift in (1e-5, -1e-5):
+            shifted = states.copy()
+            shifted[column] += shift
+            passing.change(shifted)
+            ends.append((system.balls / passing.scale).ravel())
+        difference = (ends[0] - ends[1]) / 2e-5
+        assert_allclose(moved[:, column], difference, atol=5e-3 * np.abs(difference).max())
+
+
+def test_uneven_spacing_grows_in_a_march_as_stated(scene):
+    """First harmonic of what lies between a march from the motion and one from beside it."""
+    system, motion = motion_of(scene("turbine", TURBINE).without_cage)
+    n, orbit = len(motion.balls), motion.passing * len(motion.balls)
+    begun, wave = (system.packed(), system.time), np.exp(2j * np.pi * np.arange(n) / n)
+    paths = []
+    for shift in (0.0, 1e-4):
+        system.unpack(*begun)
+        system.balls[:] = motion.balls
+        system.balls[:, PSI] += shift * wave.real
+        path = []
+        for _ in range(14):
+            system.advance(orbit, TOLERANCE)
+            path.append(system.balls[:, PSI].copy())
+        paths.append(np.array(path))
+    apart = np.abs((paths[1] - paths[0]) @ wave)
+    grown = np.log(apart[-1] / apart[7]) / (6.0 * orbit / system.turn)
+    assert motion.growth.spacing > 5e-3
+    assert_allclose(motion.growth.spacing, grown, rtol=3e-3)
+    assert motion.growth.other < 0.0
+
+
+def test_spacing_is_warned_of_where_no_cage_keeps_it(scene):
+    with_cage = scene("turbine", TURBINE)
+    for one, expected in ((with_cage, False), (with_cage.without_cage, True)):
+        result = solve(one)
+        assert result.values["spacing_growth_per_turn"] > 0.0
+        assert "even spacing grow" in result.attrs["settled"]
+        told = {warning["id"] for warning in warnings_in(result.attrs)}
+        assert ("motion_unstable" in told) == expected
+
+
+def test_a_motion_that_does_not_last_is_marched(scene, monkeypatch):
+    """By auto, which says why; it is kept, and warned of, where it is asked for."""
+    monkeypatch.setattr(Passing, "growth", lambda self, states: GrowthRates(spacing=0.0, other=0.1))
+    marched = solve(scene("gyro_s1", RADIAL | {"model.simulated_turns": 1.0}))
+    assert "left, unstable: disturbances grow e-fold in 10 turns" in marched.attrs["start"]
+    assert marched.values["simulated_turns"] == 1.0
+    assert "disturbance_growth_per_turn" not in marched.values
+    kept = solve(scene("gyro_s1", RADIAL | {"model.dynamic_solution": "periodic"}))
+    assert kept.values["disturbance_growth_per_turn"] == 0.1
+    assert "motion_unstable" in {warning["id"] for warning in warnings_in(kept.attrs)}

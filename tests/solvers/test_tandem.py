@@ -1,0 +1,86 @@
+"""Bearings in tandem: alike, and each bears its share of its side's axial force."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.optimize import brentq
+
+from bearingwear.lives.life import life
+from bearingwear.results.show import sheet_of_result
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.solve import solve
+
+POSITION = {"operation.preload_method": "fixed_position"}
+RIGID = {**POSITION, "arrangement.kind": "rigid_pair"}
+SPRING = {"arrangement.kind": "spring_pair"}
+REST = {"operation.shaft_speed_rpm": 0.0}
+TWO_AND_TWO = {"arrangement.tandem": [2, 2], "operation.preload_N": 14.0}
+
+
+@pytest.mark.parametrize("fidelity", ["steady", "race_control"])
+@pytest.mark.parametrize(("single", "pair"), [(POSITION, RIGID), ({}, SPRING)])
+def test_two_and_two_are_the_single_bearing_at_half_the_preload(scene, fidelity, single, pair):
+    one = solve(scene("gyro_s1", single), fidelity).values
+    four = solve(scene("gyro_s1", pair | TWO_AND_TWO), fidelity).values
+    for name in ("residual_preload", "contact_load", "total_qv", "ball_diameter_loss_rate"):
+        for each in four[name]:
+            assert_allclose(each, one[name], rtol=1e-9, err_msg=name)
+    times = 4.0 if pair is RIGID else 2.0
+    assert_allclose(four["system_axial_stiffness"], times * one["axial_stiffness"], rtol=1e-9)
+
+
+def test_life_of_two_and_two(scene):
+    one, four = (life(scene("gyro_s1", x)) for x in (POSITION, RIGID | TWO_AND_TWO))
+    assert one.status == four.status == "ok"
+    assert_allclose(four.values["life"], one.values["life"], rtol=1e-6)
+    assert one.attrs["ended_by"] == four.attrs["ended_by"] and "40 %" in one.attrs["ended_by"]
+
+
+@pytest.mark.parametrize("F_ext", [0.0, 4.0, -3.0])
+def test_two_against_one(scene, F_ext):
+    """At rest, against the root of a plain balance: twice the balls on the first side."""
+    made = scene("gyro_s1", RIGID | REST | {
+        "arrangement.tandem": [2, 1], "arrangement.external_axial_N": F_ext,
+    })  # fmt: skip
+    v = solve(made).values
+    one_bearing = scene("gyro_s1", REST)
+    g = parameters.geometry(one_bearing)
+    places = [
+        parameters.static_place(one_bearing.with_({"operation.preload_N": F})) for F in (3.5, 7.0)
+    ]
+    twice, one = Mechanics(g._replace(n_balls=2 * g.n_balls), g.D0), Mechanics(g, g.D0)
+
+    def left(x):
+        return twice.force(places[0] + x) - one.force(places[1] - x) - F_ext
+
+    x = brentq(left, -1.5e-6, 1.5e-6, xtol=1e-18)
+    assert_allclose(v["rotor_axial_shift"], x, rtol=1e-7, atol=1e-16)
+    forces = twice.force(places[0] + x), one.force(places[1] - x)
+    assert_allclose(v["residual_preload"], [forces[0] / 2.0, forces[1]], rtol=1e-9)
+    stiffness = 2.0 * v["axial_stiffness"][0] + v["axial_stiffness"][1]
+    assert_allclose(v["system_axial_stiffness"], stiffness, rtol=1e-12)
+
+
+def test_lift_off_at_vanishing_load(scene):
+    """SNFA's 2.08 of a set of two against one."""
+    made = RIGID | REST | {"operation.preload_N": 1e-4, "arrangement.tandem": [2, 1]}
+    found = solve(scene("gyro_s1", made)).values["lift_off_force"]
+    assert_allclose(found / 1e-4, 2.08, rtol=2e-3)
+
+
+def test_heaviest_share_limits(scene):
+    """A fraction of the preload is one of each bearing's own share."""
+    changes = {"arrangement.tandem": [3, 1], "wear.end_of_life": {"preload_fraction": 0.5}}
+    found = life(scene("gyro_s1", RIGID | changes))
+    F = np.asarray(found.values["history_residual_preload"])[:, -1]
+    assert_allclose((F / [7.0 / 3.0, 7.0]).min(), 0.5, rtol=1e-6)
+    assert "residual preload 50 %" in found.attrs["ended_by"]
+
+
+def test_sheet_says_each_share(scene):
+    found = sheet_of_result(solve(scene("gyro_s1", SPRING | {"arrangement.tandem": [2, 1]})))
+    assert any("2 and 1 in tandem" in line for line in found.heading)
+    (row,) = [row for block in found.blocks for row in block.rows if row.name == "residual_preload"]
+    assert row.values == pytest.approx((3.5, 7.0))
+    assert row.note == "limits 1.4, 2.8"

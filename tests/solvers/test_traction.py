@@ -1,0 +1,243 @@
+"""Traction in the balance of normal forces of the steady state."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from bearingwear.kernels import status as code
+from bearingwear.kernels.ball_response import joined_equilibrium, load_rates
+from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.hertz import race_contact
+from bearingwear.kernels.steady_balance import (
+    Seat,
+    friction_balance,
+    full_jacobian,
+    motion_equilibrium,
+)
+from bearingwear.kernels.summary import QV
+from bearingwear.kernels.thrust import motion_jacobian
+from bearingwear.kernels.verification import friction_check
+from bearingwear.lives.life import life
+from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.quadrature import gauss_legendre
+from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.effects.choice import choice, gyroscopic_share
+from bearingwear.solvers.solve import solve
+from bearingwear.solvers.steady import axial_force
+
+LINE = {
+    "model.contact": "paper",
+    "model.normal_balance": "with_traction",
+    "model.quadrature": "gauss",
+    "model.strips": 1000,
+}
+HERTZ = {"model.contact": "hertz"}
+HELD = {"operation.preload_method": "fixed_position"}
+
+
+@pytest.mark.parametrize(
+    "name, changes",
+    [
+        ("gyro_s1", {}),
+        ("gyro_s1", HELD | {"friction.ball_race": 0.05}),
+        ("turbopump", {"friction.slip_regularisation_m_s": 1e-3}),
+    ],
+)
+def test_as_plain_vectors(scene, name, changes):
+    """The answer put into the equations as plain vectors, none of them the solver's; line slip."""
+    s = scene(name, LINE | changes)
+    g, m = parameters.geometry(s), parameters.operating_point(s)
+    case = ThrustProblem.of(s).solve(g.D0)
+    values = solve(s, "steady").values
+    assert case.status == values["status"] == code.OK
+    load, angle = values["contact_load"][0], values["contact_angle"][0]
+    w, Omega, r = case.u[:3], case.u[3], case.r
+    R, mass = 0.5 * g.D0, g.rho * math.pi / 6.0 * g.D0**3
+    x01, weight = gauss_legendre(2000)
+    force, moment, race = np.array([0.0, 0.0, mass * r * Omega**2]), np.zeros(3), 0.0
+    for k, (side, r_g, speed) in enumerate(((-1, g.r_i, m.omega_i), (1, g.r_o, m.omega_o))):
+        sine, cosine = math.sin(angle[k]), math.cos(angle[k])
+        c_a = race_contact(g, float(side), g.D0, cosine, math.nan).c_a
+        a = c_a * load[k] ** (1 / 3)
+        R_d, x = 2 * r_g * R / (r_g + R), a * x01
+        h = np.sqrt(R_d**2 - x**2) - math.sqrt(R_d**2 - a**2) + math.sqrt(R**2 - a**2)
+        normal, along = side * np.array([sine, 0, cosine]), np.array([cosine, 0, -sine])
+        p = h[:, None] * normal + x[:, None] * along
+        ball = np.cross(w, p) + [0.0, -r * Omega, 0.0]
+        v = np.column_stack([0 * x, -speed * (r + p[:, 2]), 0 * x]) - ball
+        v -= (v @ normal)[:, None] * normal  # slip lies in the contact's plane
+        dQ = 0.75 * load[k] * (1 - x01**2) * weight
+        pull = ((m.mu_i, m.mu_o)[k] * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
+        on_ball = pull.sum(axis=0) - load[k] * normal
+        force, moment = force + on_ball, moment + np.cross(p, pull).sum(axis=0)
+        race = on_ball[0] if side < 0 else race
+    spin = 0.1 * mass * g.D0**2 * Omega * np.array([0.0, w[2], -w[1]])
+    assert np.abs(force).max() < 1e-7 * load.max()
+    assert np.abs(moment + spin).max() < 1e-6 * m.mu_o * load.max() * R
+    assert_allclose(g.n_balls * race, values["residual_preload"], rtol=1e-6)
+    if s.operation.preload_method == "constant_force":
+        assert_allclose(values["residual_preload"], s.operation.preload_N, rtol=1e-8)
+    without = solve(s.with_({"model.normal_balance": "frictionless"}), "steady").values["total_qv"]
+    assert 1e-3 < abs(values["total_qv"] / without - 1.0) < 0.2  # and it matters
+
+
+@pytest.fixture(
+    scope="module", params=[(m, c) for m in ({}, HELD) for c in (HERTZ, LINE)], ids=repr
+)
+def solved(request, scene):
+    """A solved balance at fixed quadrature points: problem, seat, unknowns, case."""
+    method, contact = request.param
+    drag = {"lubricant.drag_density_kg_m3": 300.0, "model.quadrature": "gauss"}
+    problem = ThrustProblem.of(scene("gyro_s1", method | contact | drag))
+    case = problem.solve(problem.g.D0)
+    assert case.status == code.OK
+    p = problem.balance(problem.g.D0)
+    u = np.array([*case.u, case.T_i, case.T_o])
+    seat = motion_equilibrium(p.bearing, u, Seat(delta_a=case.delta_a, state=cold_start()))
+    return p, seat, u, case
+
+
+def test_jacobian_of_all_six(solved):
+    """Against central differences, the equilibrium solved anew at each orbit rate and traction."""
+    p, seat, u, _ = solved
+    assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
+    found = p.jacobian.copy()
+    R, v_r = 0.5 * p.bearing.D, p.bearing.op.v_r
+    steps = np.array([1e-2 * v_r / R] * 4 + [1e-5 * seat.state.Q_o] * 2)
+    J = np.empty((6, 6))
+    for k in range(6):
+        low, high = np.empty((2, 6))
+        for sign, out in ((-1.0, low), (1.0, high)):
+            moved = u + sign * steps[k] * np.eye(6)[k]
+            state = motion_equilibrium(p.bearing, moved, seat).state
+            assert friction_balance(p, v_r, state, moved, out, False) == code.OK
+        J[:, k] = (high - low) / (2.0 * steps[k])
+    scale = np.abs(J * steps).max(axis=1)[:, None] / steps
+    assert np.abs((found - J) / scale).max() <= 1e-3
+
+
+def test_jacobian_of_the_motion_lets_tractions_follow(solved):
+    p, seat, u, _ = solved
+    assert full_jacobian(p, p.bearing.op.v_r, seat, u) == code.OK
+    J = p.jacobian
+    followed = J[:4, :4] - J[:4, 4:] @ np.linalg.solve(J[4:, 4:], J[4:, :4])
+    assert_allclose(motion_jacobian(p), followed, rtol=1e-9, atol=1e-12 * np.abs(followed).max())
+
+
+@pytest.mark.parametrize("by", range(3))
+def test_response_of_a_ball_is_that_of_its_equilibrium(solved, by):
+    """Orbit radius, angles and loads by orbit rate and tractions, against the nested solver's."""
+    p, seat, u, _ = solved
+    b, held = p.bearing, p.bearing.preload.constant_force
+    start = (b.g, b.D), (b.preload.F_x, seat.delta_a, held, cold_start())
+    step = (3e-2, 1e-5, 1e-5)[by]
+    moved = []
+    for sign in (-1.0, 1.0):
+        load = orbit_load(*(u[3:] + sign * step * np.eye(3)[by]))
+        s = thrust_equilibrium(*start[0], load, *start[1])[1]
+        moved.append([[s.X2, s.alpha_i, s.Q_i], [s.X2, s.alpha_o, s.Q_o]])
+    exact = np.subtract(*moved[::-1]) / (2.0 * step)
+    found = np.empty((3, 2, 3))
+    load_rates(b.g, b.D, orbit_load(*u[3:]), seat.delta_a, held, seat.state, found)
+    scale = np.abs(exact).max(axis=0)
+    assert_allclose(found[by] / scale, exact / scale, atol=1e-5)
+
+
+def test_ball_and_race_are_found_together(solved):
+    """By Newton's steps from nearby, as by the nested solver from nothing; or it says so."""
+    p, seat, u, _ = solved
+    b, load = p.bearing, orbit_load(u[3] * 1.01, u[4] * 1.1, u[5])
+    held = b.preload.constant_force
+    place, found = joined_equilibrium(b.g, b.D, load, b.preload.F_x, seat.delta_a, held, seat.state)
+    args = b.g, b.D, load, b.preload.F_x, seat.delta_a, held
+    other, nested = thrust_equilibrium(*args, cold_start())
+    assert found.status == nested.status == code.OK
+    assert_allclose(place, other, rtol=1e-10)
+    for name in ("X1", "X2", "alpha_i", "alpha_o", "Q_i", "Q_o", "F_ix", "P_x", "P_r"):
+        assert_allclose(getattr(found, name), getattr(nested, name), rtol=1e-9, err_msg=name)
+    far = seat.state._replace(X2=seat.state.X2 - 1e-5)  # off the outer race
+    assert joined_equilibrium(*args, far)[1].status == code.NOT_CONVERGED
+
+
+def test_check_says_no_to_another_traction(solved):
+    """Friction has to give what the balance of normal forces was solved with."""
+    p, seat, u, _ = solved
+    b = p.bearing
+    args = b.g, b.D, b.op
+    assert friction_check(*args, seat.state, u, p.rule, True)[0] < 1e-9
+    wrong = seat.state._replace(P_x=seat.state.P_x * (1.0 + 1e-6))
+    assert friction_check(*args, wrong, u, p.rule, True)[0] > 1e-8
+    assert friction_check(*args, wrong, u, p.rule, False)[0] < 1e-9
+
+
+def test_converges_as_newton_does(solved, scene):
+    """From the state with half the traction: each residual is about the square of the last."""
+    p, seat, u, case = solved
+    problem = ThrustProblem.of(scene("gyro_s1", HERTZ))
+    start = problem.solve(problem.g.D0 - 1e-9).u
+    assert problem.solve(problem.g.D0, start=start).iterations <= 6
+
+
+@pytest.mark.parametrize("name", ["gyro_s1", "turbopump", "bearing218"])
+@pytest.mark.parametrize("method", ["constant_force", "fixed_position"])
+def test_balance_of_power_and_of_the_race(scene, name, method):
+    s = scene(name, HERTZ | {"operation.preload_method": method})
+    problem = ThrustProblem.of(s)
+    case, n = problem.solve(problem.g.D0), problem.g.n_balls
+    assert case.residuals.power < 1e-9 and case.residuals.friction < 1e-9
+    if method == "constant_force":
+        assert_allclose(axial_force(case, n), s.operation.preload_N, rtol=1e-9)
+    values = solve(s, "steady").values
+    assert_allclose(values["residual_preload"], axial_force(case, n), rtol=1e-9)
+    heat, drag = values["friction_heat"].sum() * n, values["drag_power"]
+    assert_allclose(values["shaft_torque"] * problem.op.omega_i, heat + drag, rtol=1e-8)
+    # the moment about y is carried by what pushes the ball along its contacts
+    gyroscopic = values["gyroscopic_moment"][0] / (0.5 * problem.g.D0)
+    assert_allclose(abs(case.T_i - case.T_o), gyroscopic, rtol=1e-2)
+    assert values["stable"] == 1
+
+
+def test_it_vanishes_with_the_speed(scene):
+    """Without a gyroscopic moment there is next to nothing to carry."""
+    slow = {"operation.shaft_speed_rpm": 300.0, "friction.slip_regularisation_m_s": 1e-6}
+    both = [HERTZ, HERTZ | {"model.normal_balance": "frictionless"}]
+    one, other = (solve(scene("gyro_s1", c | slow), "steady").values for c in both)
+    assert_allclose(one["contact_load"], other["contact_load"], rtol=1e-3)
+
+
+def test_life_has_it(scene):
+    both = [scene("gyro_s1", HERTZ | HELD | {"model.normal_balance": c}) for c in
+            ("with_traction", "frictionless")]  # fmt: skip
+    one, other = (life(s).values for s in both)
+    start = solve(both[0], "steady").values["residual_preload"]
+    assert_allclose(one["history_residual_preload"][0], start, rtol=1e-9)
+    assert abs(one["life"][1] / other["life"][1] - 1.0) > 1e-3
+
+
+def test_the_paper_is_without(scene):
+    problem = ThrustProblem.of(scene("gyro_s1"))
+    case = problem.solve(problem.g.D0)
+    assert case.T_i == case.T_o == 0.0
+    forced = replace(problem, traction=True).solve(problem.g.D0)
+    assert abs(forced.contacts[:, QV].sum() / case.contacts[:, QV].sum() - 1.0) > 1e-2
+
+
+@pytest.mark.parametrize("name, most", [("gyro_s1", 1.1), ("turbopump", 2.0), ("bearing218", 1.5)])
+def test_estimate_before_the_solve(scene, name, most):
+    """Of the ball that rolls on the inner race; one that rolls on the outer has less to carry."""
+    s = scene(name, HERTZ)
+    found = solve(s, "steady").values
+    axial = s.operation.preload_N / s.bearing.ball_count
+    right = found["gyroscopic_moment"][0] / (0.5e-3 * s.bearing.ball_diameter_mm) / axial
+    assert 0.95 * right < gyroscopic_share(s) < most * right
+    assert "traction: in the balance of normal forces" in "\n".join(choice(s).reasons)
+
+
+def test_runs_in_time_have_it_and_say_so(scene):
+    said = "traction: in the balance of normal forces"
+    for contact, has in (("hertz", True), ("paper", False)):
+        s = scene("gyro_s1", {"model.contact": contact})
+        assert (said in "\n".join(choice(s, "dynamic").reasons)) == has

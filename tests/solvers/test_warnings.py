@@ -1,0 +1,458 @@
+"""Absurd scenes are warned of, sane ones are not; where a warning is found again."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_allclose
+from support import ROOT, scene_file
+
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.lives.life import life
+from bearingwear.results.netcdf import load
+from bearingwear.results.warnings import (
+    gathered_warnings,
+    impractical_warnings,
+    warning_lines,
+    warnings_in,
+)
+from bearingwear.scene.scene import SceneError
+from bearingwear.scene.variant import variant
+from bearingwear.solvers.effects.cautions import CAUTIONS
+from bearingwear.solvers.effects.choice import choice
+from bearingwear.solvers.effects.warnings import warnings_of
+from bearingwear.solvers.solve import solve
+
+STEEL = {
+    "youngs_modulus_GPa": 208, "poisson_ratio": 0.3, "density_kg_m3": 7800,
+    "brinell_hardness_GPa": 6.6, "wear_coefficient": 5e-6,
+}  # fmt: skip
+SPINDLE = {
+    "name": "spindle_7008C",
+    "bearing": {
+        "ball_count": 15, "ball_diameter_mm": 8.4, "pitch_diameter_mm": 54.0,
+        "contact_angle_deg": 15.0, "inner_groove_factor": 0.52, "outer_groove_factor": 0.53,
+        "ball_material": "steel", "race_material": "steel",
+    },
+    "materials": {"steel": STEEL},
+    "operation": {
+        "shaft_speed_rpm": 19000, "preload_method": "constant_force", "preload_N": 140,
+    },
+    "friction": {"ball_race": 0.08},
+    "wear": {"end_of_life": {"gyroscopic_slip_share": 0.5}},
+}  # fmt: skip
+STEEP = {
+    "model.normal_balance": "frictionless",  # as dynamic runs have it
+    "bearing.ball_count": 10, "bearing.ball_diameter_mm": 8.1, "bearing.pitch_diameter_mm": 33.5,
+    "bearing.contact_angle_deg": 40.0, "operation.shaft_speed_rpm": 30000,
+    "operation.preload_N": 210,
+}  # fmt: skip
+RADIAL = {"operation.radial_load_N": [0.0, -2000.0], "model.simulated_turns": 8}
+
+
+@pytest.fixture(scope="module")
+def spindle(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scenes") / "spindle.yaml"
+    path.write_text(yaml.safe_dump(SPINDLE), encoding="utf-8")
+    return path
+
+
+def ids(result) -> set[str]:
+    return {one["id"] for one in warnings_in(result.attrs)}
+
+
+ABSURD = {
+    "both rings turn": (
+        {"operation.outer_speed_rpm": -18_000, "wear.end_of_life.gyroscopic_slip_share": 0.1},
+        {"limit_passed"},
+    ),
+    "speed of a dentist's drill": (
+        {"operation.shaft_speed_rpm": 200_000, "operation.preload_N": 2000},
+        {"pressure_above_yield", "ellipse_over_shoulder", "speed_beyond_practice",
+         "inner_load_lost"},
+    ),
+    "faster than its maker allows": (
+        {"bearing.maker": "NSK", "bearing.designation": "7012C"}, {"speed_beyond_makers"},
+    ),
+    "a ring that bursts": (
+        {"operation.shaft_speed_rpm": 70_000, "operation.preload_N": 2000, "bearing.bore_mm": 40},
+        {"pressure_above_practice", "hoop_stress"},
+    ),
+    "twenty kilonewtons": ({"operation.preload_N": 20_000}, {"pressure_above_practice"}),
+    "kN typed for N": ({"operation.preload_N": 0.14}, {"preload_too_small", "inner_load_lost"}),
+    "one newton at rest": (
+        {"operation.preload_N": 1.0, "operation.shaft_speed_rpm": 100},
+        {"preload_too_small", "slip_rounded"},
+    ),
+    "too fast for its spring": ({"operation.preload_N": 10}, {"inner_load_lost"}),
+    "rev/h typed for r/min": (
+        {"operation.shaft_speed_rpm": 1.14e6}, {"speed_beyond_practice"},  # and not solved
+    ),
+    "worn through": ({"wear.ball_diameter_loss_um": 3.0}, {"groove_worn"}),
+    "soft steel": ({"materials.steel.yield_pressure_GPa": 0.6}, {"pressure_above_yield"}),
+    "low shoulders": ({"bearing.inner_shoulder_mm": 46.0}, {"ellipse_over_shoulder"}),
+    "thrust through a low outer shoulder": (
+        {"bearing.outer_shoulder_mm": 61.9, "operation.preload_N": 2000}, {"ellipse_over_shoulder"},
+    ),
+    "radial load that unloads balls": (
+        RADIAL, {"radial_load_large", "inner_load_lost", "pressure_above_practice"},
+    ),
+    "a fixed position, cold and rigid": (
+        {"operation.preload_method": "fixed_position", "bearing.bore_mm": 40},
+        {"temperature_left_out", "preload_grown"},
+    ),
+    "a fixed position at speed": (
+        {"operation.preload_method": "fixed_position"},
+        {"temperature_left_out", "growth_left_out"},
+    ),
+    "a ring that comes loose": (
+        {"bearing.bore_mm": 40, "fits.shaft_interference_um": 0.5, "fits.shaft_bore_mm": 30.0},
+        {"fit_lost"},
+    ),
+    "60 000 r/min under a light spring": (
+        {"operation.shaft_speed_rpm": 60_000}, {"inner_load_lost"},
+    ),
+    "friction of nothing": ({"friction.ball_race": 1e-4}, {"friction_beyond_practice"}),
+    "friction of a seizure": (
+        {"friction.ball_race": 1.2, "operation.shaft_speed_rpm": 3000},
+        {"friction_beyond_practice"},
+    ),
+    "in liquid nitrogen": (
+        {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), -200)},
+        {"temperature_beyond_practice"},
+    ),
+    "red hot": (
+        {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), 300)},
+        {"temperature_beyond_practice"},
+    ),
+    "a radial load of twice the preload": (
+        {"operation.radial_load_N": [0.0, -300.0], "model.simulated_turns": 8},
+        {"radial_load_large"},
+    ),
+    "tilted by a degree": (
+        {"operation.tilt_mrad": 10.0, "model.simulated_turns": 8},
+        {"tilt_beyond_practice", "pressure_above_practice", "inner_load_lost"},
+    ),
+    "a turn in an hour": (
+        {"operation.shaft_speed_rpm": 1.0 / 60.0}, {"slip_rounded"},
+    ),
+    "speed of `new`": ({"description": "Speed assumed: 19000 r/min."}, {"speed_assumed"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ABSURD)
+def test_absurd_scenes(spindle, name):
+    changes, expected = ABSURD[name]
+    result = solve(variant(spindle, changes))
+    assert ids(result) == expected
+    for one in warnings_in(result.attrs):
+        assert one["excess"] is None or one["excess"] > 1.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "fidelity", "expected"),
+    [
+        (STEEP, None, {"over_limit_when_new", "ellipse_over_shoulder"}),
+        ({"operation.radial_load_N": [0.0, -50.0], "operation.preload_N": 300,
+          "wear.end_of_life.ball_diameter_loss_um": 0.01}, "race_control",
+         {"criterion_not_watched"}),
+        ({"wear.end_of_life.ball_diameter_loss_um": 2.0, "model.contact": "hertz"}, None,
+         {"groove_worn"}),
+        ({"wear.end_of_life.ball_diameter_loss_um": 2.0, "model.contact": "worn"}, None, set()),
+        ({"wear.end_of_life.ball_diameter_loss_um": 0.01}, None, set()),
+    ],
+)  # fmt: skip
+def test_lives(spindle, changes, fidelity, expected):
+    assert ids(life(variant(spindle, changes), fidelity)) == expected
+
+
+def test_a_speed_is_assumed_until_another_is_given(tmp_path):
+    path = tmp_path / "mine.yaml"
+    assert main(["new", str(path), "7008C"]) == 0
+    for speed, expected in (
+        ({}, {"speed_assumed"}),
+        ({"operation.shaft_speed_rpm": 12_000}, set()),
+    ):
+        scene = variant(path, speed)
+        assert {one["id"] for one in warnings_of(scene, choice(scene))} == expected
+
+
+def test_contacts_without_load(spindle):
+    """Nothing is divided by what is not there, and what is said can be written as JSON."""
+    scene = variant(spindle, {"wear.ball_diameter_loss_um": 3.0, "bearing.bore_mm": 40})
+    values = dict(solve(scene).values)
+    for name in ("contact_load", "semi_major_axis", "maximum_pressure"):
+        values[name] = values[name] * [0.0, 1.0]
+    told = warnings_of(scene, choice(scene), values)
+    assert {one["id"] for one in told} == {"inner_load_lost", "groove_worn"}
+    assert "Infinity" not in json.dumps(told) and "NaN" not in json.dumps(told)
+    values["contact_load"] = values["contact_load"] * 0.0
+    assert warnings_of(scene, choice(scene), values)
+
+
+@pytest.mark.parametrize("shoulders", [{}, {"inner_shoulder_mm": 48.0, "outer_shoulder_mm": 60.0}])
+def test_sane_scenes(spindle, shoulders):
+    rings = {"bore_mm": 40.0, "outside_diameter_mm": 68.0} | shoulders
+    sane = [variant(spindle, {f"bearing.{key}": value for key, value in rings.items()})]
+    sane += [variant(scene_file(name), {}) for name in ("gyro_s1", "turbopump")]
+    for scene in sane:
+        result = solve(scene)
+        assert result.status == "ok" and ids(result) == set()
+
+
+def is_beyond_its_end(scene, values):
+    end, kept = scene.wear.end_of_life, values["residual_preload"] / scene.operation.preload_N
+    return bool(
+        kept < end.preload_fraction
+        or np.max(values["gyroscopic_slip_share"]) > end.gyroscopic_slip_share
+        or abs(values["skid_ratio"]) > end.skid_ratio
+    )
+
+
+def test_the_study_warns_of_its_worn_grooves_and_cold_fixed_positions_alone():
+    """And of points of the grid that are beyond what ends the life of their scene."""
+    studies = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())["studies"]
+    for study in studies:
+        for name in study["scenes"]:
+            for method in study["preload_method"]:
+                for mu in (study["friction"][0], study["friction"][-1]):
+                    for loss in (0.0, 0.1, 0.7):
+                        changes = {
+                            "operation.preload_method": method,
+                            "friction.ball_race": mu,
+                            "wear.ball_diameter_loss_um": loss,
+                        }
+                        scene = variant(scene_file(name), changes)
+                        result = solve(scene)
+                        expected = {"groove_worn"} if loss else set()
+                        if method == "fixed_position":
+                            expected |= {"temperature_left_out"}
+                        if is_beyond_its_end(scene, result.values):
+                            expected |= {"limit_passed"}
+                        assert ids(result) == expected, (name, changes)
+
+
+def test_what_nobody_would_build(spindle):
+    for changes, expected in (
+        ({"operation.preload_N": 10}, ["inner_load_lost"]),
+        ({"operation.preload_N": 20_000}, []),
+        ({}, []),
+    ):
+        found = solve(variant(spindle, changes))
+        assert [one["id"] for one in impractical_warnings(found.attrs)] == expected
+
+
+def test_a_cage_of_phenolic_bears_no_heat(scene):
+    """The rings bear 150 degrees, the cage does not; of steel it does."""
+    hot = {"temperature": dict.fromkeys(("inner_ring_C", "balls_C", "outer_ring_C"), 150)}
+    for material, expected in (("phenolic", True), ("bearing_steel", False)):
+        found = scene("gyro_s1", hot | {"cage.material": material})
+        told = {one["id"]: one["sentence"] for one in warnings_of(found, choice(found))}
+        assert ("temperature_beyond_practice" in told) == expected
+        assert not expected or "cage of phenolic" in told["temperature_beyond_practice"]
+
+
+def test_pressure_of_tilted_rings_is_no_matter_of_speed(spindle):
+    tilted = solve(variant(spindle, ABSURD["tilted by a degree"][0]))
+    told = {one["id"]: one for one in warnings_in(tilted.attrs)}
+    assert told["pressure_above_practice"]["advice"].endswith("take less tilt")
+    assert next(iter(told)) == "tilt_beyond_practice"
+
+
+def test_nothing_skids_at_rest(spindle):
+    at_rest = {"operation.shaft_speed_rpm": 0.0, "operation.radial_load_N": [0.0, -600.0]}
+    assert "inner_load_lost" not in ids(solve(variant(spindle, at_rest)))
+
+
+def test_a_ball_without_load_reaches_no_shoulder():
+    """Its contact angle says where it would touch."""
+    loaded = {
+        "operation.radial_load_N": [0.0, -60.0],
+        "operation.shaft_speed_rpm": 3000.0,
+        "bearing.inner_shoulder_mm": 5.7,
+    }
+    solved = solve(variant(scene_file("gyro_s1"), loaded), "race_control")
+    load = solved.values["contact_load"][:, 0]
+    assert (load == 0.0).any() and (load > 0.0).any()
+    assert "ellipse_over_shoulder" not in ids(solved)
+
+
+def test_a_cage_without_weight():
+    """Said where the cage is solved, and only there."""
+    for changes, fidelity, expected in (
+        ({}, "dynamic", {"cage_weightless"}),
+        ({}, "steady", set()),
+        ({"operation.gravity_m_s2": [0.0, 0.0, -9.81]}, "dynamic", set()),
+    ):
+        scene = variant(scene_file("gyro_s1"), changes)
+        chosen = choice(scene, fidelity)
+        assert {one["id"] for one in warnings_of(scene, chosen)} == expected
+        told = [reason for reason in chosen.reasons if "weightless" in reason]
+        assert len(told) == len(expected)
+
+
+def test_every_caution_is_tested_and_documented():
+    told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
+    known = {caution.id for caution in CAUTIONS}
+    assert len(known) == len(CAUTIONS)
+    marks = dict(re.findall(r"^- `(\w+)`(\\\*)?: ", told, re.MULTILINE))
+    assert {name: bool(mark) for name, mark in marks.items()} == {
+        caution.id: caution.impractical for caution in CAUTIONS
+    }
+    tested = set().union(*(expected for _, expected in ABSURD.values()))
+    of_lives_and_cages = {"over_limit_when_new", "criterion_not_watched", "cage_weightless"}
+    of_lives_and_cages |= {"film_worn"}  # tests/solvers/test_films.py
+    of_lives_and_cages |= {"motion_unstable"}  # tests/solvers/test_stability.py
+    assert known - tested == of_lives_and_cages
+
+
+def test_hoop_stress_of_a_disc_with_a_tiny_hole(spindle):
+    """Twice that in the middle of a full disc, rho omega^2 b^2 (3 + nu)/8."""
+    turning = {"operation.shaft_speed_rpm": 90_000, "bearing.bore_mm": 1e-3}
+    told = warnings_of(scene := variant(spindle, turning), choice(scene))
+    (found,) = (one for one in told if one["id"] == "hoop_stress")
+    omega, b = 90_000 * math.pi / 30.0, 0.5e-3 * (54.0 - 8.4)
+    disc = 7800 * omega**2 * b**2 * 3.3 / 8.0
+    assert_allclose(found["excess"] * 200e6, 2.0 * disc, rtol=5e-3)
+
+
+def test_edge_of_an_ellipse_that_just_reaches_its_shoulder(spindle):
+    values = solve(variant(spindle, {})).values
+    radii = 8.4 * np.array([0.52, 0.53])  # of the grooves [mm]
+    edge = values["contact_angle"][0] + 1e3 * values["semi_major_axis"][0] / radii
+    apart = 8.4 * np.array([0.02, -0.03]) * math.cos(math.radians(15.0))
+    radius = 27.0 + apart + np.array([-1.0, 1.0]) * radii * np.cos(edge)
+    for ring, outwards, at in (("inner", 1.0, 2 * radius[0]), ("outer", -1.0, 2 * radius[1])):
+        for room, expected in ((1e-3, set()), (-1e-3, {"ellipse_over_shoulder"})):
+            shoulder = {f"bearing.{ring}_shoulder_mm": at + outwards * room}
+            assert ids(solve(variant(spindle, shoulder))) == expected
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "allowed"),
+    [
+        ("bore_mm", 46, "< 45.6"),
+        ("inner_shoulder_mm", 45, "> 45.6 and < 54"),
+        ("outer_shoulder_mm", 63, "> 54 and < 62.4"),
+        ("outside_diameter_mm", 62, "> 62.4"),
+    ],
+)
+def test_rings_that_do_not_fit(spindle, key, value, allowed):
+    with pytest.raises(SceneError, match=f"bearing.{key}: got {value} .*number {allowed}$"):
+        variant(spindle, {f"bearing.{key}": value})
+
+
+def test_keys_that_are_left_out_stay_away(spindle):
+    plain = variant(spindle, {}).to_dict()
+    assert "bore_mm" not in plain["bearing"] and "yield_pressure_GPa" not in json.dumps(plain)
+
+
+# where they are told
+
+
+def test_a_life_of_nothing_says_why(spindle, tmp_path, capsys):
+    """Once it was 0 h, "ok: solved and verified", and nothing else."""
+    steep = [f"--set={key}={value}" for key, value in STEEP.items()]
+    assert main(["life", str(spindle), "-o", str(tmp_path / "life.nc"), *steep]) == 0
+    told = capsys.readouterr().err.splitlines()[0]
+    assert re.fullmatch(
+        r"warning: over the limit when new: gyroscopic slip share 6\d\.\d % above 50 %; "
+        "lower speed, more preload or ceramic balls",
+        told,
+    )
+    made = load(tmp_path / "life.nc")
+    assert re.fullmatch(r"gyroscopic slip share 6\d.\d %, limit 50 %", made.attrs["ended_by"])
+    assert warning_lines(made.attrs)[0] == told
+    assert main(["show", str(tmp_path / "life.nc")]) == 0
+    shown = capsys.readouterr().out
+    assert told in " ".join(shown.split()) and made.attrs["ended_by"] in shown
+
+
+def test_a_breath_of_radial_load_does_not_change_how_a_life_ends(spindle):
+    """Once it was 2.6 h by race control, which does not see the slip that ends it at once."""
+    thrust = life(variant(spindle, STEEP))
+    breath = STEEP | {"operation.radial_load_N": [0.0, -0.001], "model.simulated_turns": 4}
+    loaded = life(variant(spindle, breath))
+    assert loaded.attrs["fidelity"] == "dynamic" and thrust.attrs["fidelity"] == "steady"
+    assert loaded.values["life"][1] == thrust.values["life"][1] == 0.0
+    assert ids(loaded) == ids(thrust) and "over_limit_when_new" in ids(loaded)
+
+
+def test_a_life_that_begins_at_its_limit_says_so(spindle):
+    worn = {"wear.ball_diameter_loss_um": 0.3, "wear.end_of_life": {"ball_diameter_loss_um": 0.3}}
+    lived = life(variant(spindle, worn))
+    assert lived.values["life"].tolist() == [0.0, 0.0]
+    told = warnings_in(lived.attrs)[0]
+    assert told["id"] == "over_limit_when_new" and told["excess"] == 1.0
+    assert told["sentence"] == ("over the limit from the start: interference loss 0.3 um at 0.3 um")
+
+
+def test_friction_that_is_rounded_away(scene):
+    """At 50 r/min the torque is a third of what it is without rounding."""
+    slow = scene("gyro_s1", {"operation.shaft_speed_rpm": 50.0})
+    result = solve(slow)
+    (told,) = warnings_in(result.attrs)
+    assert told["id"] == "slip_rounded" and told["excess"] > 10.0
+    said = re.fullmatch(r"set friction.slip_regularisation_m_s to (\S+) or less", told["advice"])
+    better = float(said[1])
+    finer = solve(replace(slow, friction=replace(slow.friction, slip_regularisation_m_s=better)))
+    assert ids(finer) == set()
+    # what the advice gives is right: two hundredths of the slip do not change it any more
+    finest = replace(slow.friction, slip_regularisation_m_s=0.5 * better)
+    right = solve(replace(slow, friction=finest)).values["shaft_torque"]
+    assert_allclose(finer.values["shaft_torque"], right, rtol=2e-3)
+    assert result.values["shaft_torque"] < 0.5 * right
+    assert "shaft_torque_error_estimate" not in result.values  # no half of it says how much
+    assert finer.values["shaft_torque_error_estimate"] < 0.01
+
+
+def test_a_criterion_that_is_met_later_is_no_warning(spindle):
+    lived = life(variant(spindle, {"wear.end_of_life.ball_diameter_loss_um": 0.01}))
+    assert lived.attrs["ended_by"] == "interference loss 0.01 um, limit 0.01 um"
+
+
+def test_exit_status_stays(spindle, tmp_path, capsys):
+    argv = ["solve", str(spindle), "-o", str(tmp_path / "case.nc")]
+    assert main([*argv, "--set", "operation.preload_N=20000"]) == 0
+    assert capsys.readouterr().err.startswith("warning: ")
+    assert main(argv) == 0
+    assert capsys.readouterr().err == ""
+    assert load(tmp_path / "case.nc").attrs["warnings"] == "[]"
+
+
+def test_check_tells_what_the_scene_alone_shows(spindle, capsys):
+    argv = ["check", str(spindle), "--set", "operation.preload_N=0.14"]
+    assert main([*argv, "--fidelity", "race_control"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    unwatched, small = (line for line in lines if line.startswith("  warning: "))
+    assert "end of life" in unwatched and "preload of 0.14 N" in small
+
+
+def test_python_warns(spindle):
+    scene = variant(spindle, {"operation.preload_N": 20_000})
+    with pytest.warns(
+        UserWarning, match=r"^spindle_7008C: .*pressure .*3\.3\d GPa .*2 GPa"
+    ) as caught:
+        found = bearingwear.solve(scene)
+    assert len(caught) == 1 and caught[0].filename == __file__
+    assert json.loads(found.attrs["warnings"])[0]["id"] == "pressure_above_practice"
+    with pytest.warns(UserWarning, match="over the limit when new"):
+        bearingwear.life(variant(spindle, STEEP))
+
+
+def test_gathered_at_their_worst():
+    small, large = (
+        {"warnings": json.dumps([{"id": "groove_worn", "sentence": s, "advice": "a", "excess": x}])}
+        for s, x in (("small", 2.0), ("large", 7.0))
+    )
+    told = {"warnings": gathered_warnings([small, {}, large, small])}
+    (one,) = warnings_in(told)
+    assert one["cases"] == 3 and one["sentence"] == "large"
+    assert warning_lines(told) == ["warning: 3 times, at worst: large; a"]
+    again = gathered_warnings([told, told])
+    assert warnings_in({"warnings": again})[0]["cases"] == 6
