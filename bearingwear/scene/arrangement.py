@@ -195,8 +195,13 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
         replace(scene, arrangement=alone, operation=replace(scene.operation, preload_N=preload / n))
         for n in a.tandem
     )
+    changes, end = dict(a.second), scene.wear.end_of_life
+    by_film = end is not None and end.film_worn_share is not None
+    if by_film and "friction.film" in changes and changes["friction.film"] is None:
+        # an end of life is shared: it is then that of the other bearing's film
+        changes["wear.end_of_life.film_worn_share"] = None
     try:
-        return first, second.with_(a.second) if a.second else second
+        return first, second.with_(changes) if changes else second
     except SceneError as error:
         key = ".".join(filter(None, ("arrangement.second", error.source or error.key)))
         raise SceneError(key, error.problem, error.involved) from None

@@ -1,0 +1,87 @@
+"""Effects that no kind of life knows of one by one: each bearing of a pair as if it were alone.
+
+A spring so soft that its force stays the same ties two unlike bearings by nothing but the end of
+their life. Each of them then lives as a single bearing under a constant force does.
+"""
+
+import numpy as np
+import pytest
+from support import scene_file
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.life import life
+from bearingwear.scene.read import load_scene
+
+END = "wear.end_of_life={ball_diameter_loss_um: 0.2}"
+FILM = (
+    "friction.ball_race=null",
+    "friction.film={shear_strength_MPa: 0, pressure_coefficient: 0.08, thickness_um: 0.02, "
+    "wear_coefficient: 1.0e-6, bare_ball_race: 0.1}",
+)
+NETWORK = (
+    "thermal={conductance_W_K: {inner_ring_shaft: 0.1, outer_ring_housing: 0.1, ball_race: 0.05}, "
+    "shaft_C: 20, housing_C: 20}"
+)
+PLAIN = ("friction.ball_race=0.06",)
+SECOND = "arrangement.second={friction.film: null, friction.ball_race: 0.06}"
+SPRING = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1e-7", SECOND)
+CASES = {
+    "steady": ("steady", "hertz", 1e-5),
+    "race control": ("race_control", "hertz", 1e-5),
+    "grooves": ("steady", "worn", 5e-3),  # to what their steps differ
+}
+
+
+def lived(contact, fidelity, *changes):
+    method = "operation.preload_method=constant_force"
+    given = [f"model.contact={contact}", method, END, "cage=null", "uncertainty=null", *changes]
+    found = life(load_scene(scene_file("gyro_s1"), given), fidelity)
+    assert found.values["status"] == code.OK
+    return found.values
+
+
+def at(values, time, name, bearing=...):
+    """A history of a bearing at a time."""
+    return np.interp(time, values["history_time"][:, 1], values[f"history_{name}"][bearing])
+
+
+THICK = "friction.film.thickness_um=0.3"  # a step along grooves wears more than a thin film
+
+
+@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize("warm", [(), (NETWORK,)], ids=["cold", "warm"])
+def test_a_film_on_one_of_two_bearings_that_nothing_ties(kind, warm):
+    fidelity, contact, rtol = CASES[kind]
+    film = (*FILM, THICK) if contact == "worn" else FILM
+    pair = lived(contact, fidelity, *film, *SPRING, *warm)
+    filmed, plain = (lived(contact, fidelity, *one, *warm) for one in (film, PLAIN))
+    # the one that ends the life ends it as it does alone
+    ends = min(filmed["life"][1], plain["life"][1])
+    assert pair["life"][1] == pytest.approx(ends, rel=rtol)
+    # the film is gone when it is gone alone, and the other bearing never had one
+    through = filmed["race_film_worn_through"]
+    known = through < ends
+    assert known.any() != (contact == "worn")
+    own, left = pair["race_film_worn_through"], filmed["history_race_film"]
+    assert own[0][known] == pytest.approx(through[known], rel=rtol)
+    for race in np.flatnonzero(~known):
+        alone = np.interp(ends, filmed["history_time"][:, 1], left[:, race])
+        assert pair["history_race_film"][0, -1, race] == pytest.approx(alone, rel=rtol)
+    assert np.isnan(own[1]).all() and np.isnan(pair["history_race_film"][1]).all()
+    for k, single in enumerate((filmed, plain)):
+        for name in ("ball_diameter_loss", "total_qv", "friction_used_by_gyroscopic_moment"):
+            alone = at(single, 0.9 * ends, name)
+            assert at(pair, 0.9 * ends, name, k) == pytest.approx(alone, rel=2e-2), (k, name)
+        start = single["history_part_temperature"][0] if warm else np.zeros(0)
+        if warm:
+            found = pair["history_part_temperature"][k][0]
+            assert found == pytest.approx(start, rel=1e-5)
+            assert start.max() > 20.0
+
+
+def test_a_film_may_end_the_life_of_a_pair_of_which_one_bearing_has_it():
+    end = "wear.end_of_life.film_worn_share=0.5"
+    pair = lived("hertz", "steady", *FILM, *SPRING, end)
+    alone = lived("hertz", "steady", *FILM, end)
+    assert pair["life"][1] == pytest.approx(alone["life"][1], rel=1e-5)
+    assert np.nanmax(pair["history_film_worn_share"][0][-1]) == 1.0
