@@ -13,10 +13,10 @@ from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.growth import lasting_growth
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.criterion import end_attribute
-from bearingwear.solvers.effects.growth import growth_values
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.result import Result
 from bearingwear.solvers.solve import provenance
@@ -72,8 +72,7 @@ def life(
         if scene.one_of_alike is not scene:
             values = joined([values, values])
     elapsed = time.perf_counter() - started
-    if scene.thermal is None and scene.pair is None:  # or each bearing has its own
-        values |= growth_values(scene)
+    values |= lasting_growth(scene)
     attrs |= end_attribute(scene, values) | provenance(scene, chosen, values)
     return Result(values, attrs, elapsed)
 

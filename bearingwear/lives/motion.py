@@ -89,12 +89,10 @@ class Motion:
             scene = self.parts.worn_scene(worn)
         except SceneError:
             return Run(code.CRITERION_NOT_REACHED)
-        warmth: dict[str, Any] = {}
-        if scene.thermal is not None:
-            warm = warm_scene(scene)
-            if warm.status != code.OK:
-                return Run(warm.status, residual=warm.sentence)
-            scene, warmth = warm.scene, warmth_of(scene, warm)
+        warm = warm_scene(scene)
+        if warm.status != code.OK:
+            return Run(warm.status, residual=warm.sentence)
+        scene, warmth = warm.scene, warmth_of(scene, warm)
         if before is not None:
             values, attrs = solve_dynamic(scene, restart=before.end)
         if before is None or values["status"] != code.OK:

@@ -91,8 +91,11 @@ def solver_of(
 
 
 def _bearing(scene: Scene, fidelity: str, accuracy: Accuracy) -> Solver:
-    made: Solver = Steady(scene, accuracy) if fidelity == "steady" else RaceControl(scene)
-    return made if scene.thermal is None else Warm(made)
+    return _warm(Steady(scene, accuracy) if fidelity == "steady" else RaceControl(scene))
+
+
+def _warm(solver: Solver) -> Solver:
+    return solver if solver.scene.thermal is None else Warm(solver)
 
 
 def worn_bearings(
@@ -116,7 +119,7 @@ def worn_bearings(
         worn = Worn(side.scene, unworn, cells)
         if worn.bearing.status != code.OK:
             return worn.bearing.status, bearings
-        sides.append(worn if side.scene.thermal is None else Warm(worn))
+        sides.append(_warm(worn))
     if isinstance(bearings, Alone):
         return found.status, Alone(scene, tuple(sides))
     return found.status, OnRotor(scene, bearings.arrangement, tuple(sides), WORN_BALANCED)

@@ -26,6 +26,7 @@ from bearingwear.solvers.bearing.arrangement import (
     stacked_sides,
 )
 from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.bearing.growth import growth_values, is_held
 from bearingwear.solvers.bearing.rotor_balance import (
     ROTOR_BALANCED,
     Nearby,
@@ -42,7 +43,6 @@ from bearingwear.solvers.condition import (
     Solver,
     States,
 )
-from bearingwear.solvers.effects.growth import growth_values, is_held
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.thermal import HEAT_BALANCED

@@ -7,10 +7,10 @@ from typing import Any
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.growth import growth_values
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy, CaseValues
 from bearingwear.solvers.effects.choice import Choice, NotAvailable, choice
-from bearingwear.solvers.effects.growth import growth_values
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.result import Result
@@ -66,9 +66,6 @@ def solved(
     # its kernels take long to load, and the other models need none of them
     from bearingwear.solvers.dynamic.run import solve_dynamic
 
-    if scene.thermal is None:
-        values, attrs = solve_dynamic(scene, restart=restart, progress=progress)
-        return values | growth_values(scene), attrs
     found = warm_scene(scene)
     if found.status != code.OK:
         return {"status": found.status} | growth_values(found.scene), {"residual": found.sentence}

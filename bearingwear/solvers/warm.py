@@ -99,11 +99,13 @@ class Warm:
 
 
 def warm_scene(scene: Scene) -> Warmed:
-    """A scene with a thermal network at the temperatures that its motion is marched at.
+    """A scene at the temperatures that its motion is marched at: its own without a network.
 
-    They are those of the steady state under the thrust alone, or of race control where there is
-    none: warming takes a million turns.
+    Else they are those of the steady state under the thrust alone, or of race control where there
+    is none: warming takes a million turns.
     """
+    if scene.thermal is None:
+        return Warmed(code.OK, scene, NOTHING, 0, np.zeros((3, 3)))
     loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
     solution = Warm(Steady(thrust_alone(scene)))(Condition(loss))
     if solution.status not in (code.OK, code.WARM_SEIZURE, code.NO_HEAT_BALANCE):
@@ -135,9 +137,10 @@ def preload_spread(solver: Warm) -> str:
 
 
 def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:
-    """Temperatures and heat flows of a scene with a network, as a state of a life has them."""
+    """Temperatures and heat flows of a network, as a state of a life has them."""
     t = found.scene.temperature
-    assert scene.thermal is not None and t is not None
+    if scene.thermal is None or t is None:
+        return {}
     return {
         "part_temperature": np.array(part_temperatures(found.scene)),
         "heat_flow_residual": heat_flow_residual(scene.thermal, t, found.heat),
@@ -147,7 +150,8 @@ def warmth_of(scene: Scene, found: Warmed) -> dict[str, Any]:
 def network_values(scene: Scene, found: Warmed, status: int, heat: HeatFlow) -> dict[str, Any]:
     """Result variables of the network with the heat of a result, whose status they may change."""
     t = found.scene.temperature
-    assert scene.thermal is not None and t is not None
+    if scene.thermal is None or t is None:
+        return {}
     residual = heat_flow_residual(scene.thermal, t, heat)
     made = {"heat_flow_residual": residual, "thermal_solves": found.solves}
     if status == code.OK and not residual <= LARGEST_HEAT_RESIDUAL:

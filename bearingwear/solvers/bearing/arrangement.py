@@ -98,9 +98,8 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None or a.span_mm is None:
         return math.nan
-    sides = scene.sides if scene.pair else (scene, scene)
     each = []
-    for n, side, state in zip(a.tandem, sides, states, strict=True):
+    for n, side, state in zip(a.tandem, (scene.sides * 2)[:2], states, strict=True):
         g = mounted_geometry(side)
         D, load, angle = (
             np.array([g.D0 - state.loss]),

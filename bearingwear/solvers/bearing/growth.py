@@ -6,7 +6,7 @@ the mass of the balls and the elastic constants stay.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Material, Scene
@@ -266,3 +266,28 @@ def grown(g: Geometry, growth: Growth, axial: float) -> Geometry:
         r_o=g.r_o * (1.0 + heat.outer_ring),
         rho=g.rho / (1.0 + heat.balls) ** 3,
     )
+
+
+def is_held(scene: Scene) -> bool:
+    """Whether the preload is that of a fixed position."""
+    return scene.operation.preload_method == "fixed_position"
+
+
+def growth_values(scene: Scene) -> dict[str, Any]:
+    """Result variables of the growth; none where the bearing runs as mounted."""
+    growth, values = growth_of(scene), {}
+    if scene.temperature is not None:
+        values["part_temperature"] = part_temperatures(scene)
+        values["thermal_growth"] = list(growth.heat)
+    rings = (growth.inner, growth.outer)
+    if any(ring.speed for ring in rings):
+        values["growth_at_speed"] = [ring.speed for ring in rings]
+    if scene.fits is not None:
+        values["growth_by_fit"] = [ring.fit for ring in rings]
+        values["fit_pressure"] = [ring.pressure for ring in rings]
+    return values
+
+
+def lasting_growth(scene: Scene) -> dict[str, Any]:
+    """`growth_values` of a life, if the bearing grows alike all along; none of a pair."""
+    return growth_values(scene) if scene.thermal is None and len(scene.sides) == 1 else {}

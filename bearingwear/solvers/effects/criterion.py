@@ -19,7 +19,7 @@ def value_along(
 
     def at_step(name: str) -> np.ndarray:
         history = np.asarray(life[f"history_{name}"])
-        of_each = scene.pair is not None and f"history_{name}" not in SHARED
+        of_each = len(scene.sides) > 1 and f"history_{name}" not in SHARED
         return history[:, k] if of_each else history[k]
 
     initial = np.array([side.operation.preload_N for side in scene.sides])

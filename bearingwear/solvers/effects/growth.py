@@ -16,7 +16,7 @@ from bearingwear.solvers.bearing.growth import (
     axial_change,
     grown,
     growth_of,
-    part_temperatures,
+    is_held,
 )
 from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
 
@@ -34,11 +34,6 @@ Told = tuple[float | None, Mapping[str, Any]]
 
 _STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
 _COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
-
-
-def is_held(scene: Scene) -> bool:
-    """Whether the preload is that of a fixed position."""
-    return scene.operation.preload_method == "fixed_position"
 
 
 def preload_change(scene: Scene, growth: Growth) -> float:
@@ -152,18 +147,3 @@ def fit_lost(scene: Scene) -> Told | None:
     seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
     lost = [seat for seat, is_lost in seats.items() if is_lost]
     return (None, {"seats": " and ".join(lost)}) if lost else None
-
-
-def growth_values(scene: Scene) -> dict[str, Any]:
-    """Result variables of the growth; none where the bearing runs as mounted."""
-    growth, values = growth_of(scene), {}
-    if scene.temperature is not None:
-        values["part_temperature"] = part_temperatures(scene)
-        values["thermal_growth"] = list(growth.heat)
-    rings = (growth.inner, growth.outer)
-    if any(ring.speed for ring in rings):
-        values["growth_at_speed"] = [ring.speed for ring in rings]
-    if scene.fits is not None:
-        values["growth_by_fit"] = [ring.fit for ring in rings]
-        values["fit_pressure"] = [ring.pressure for ring in rings]
-    return values

@@ -34,7 +34,7 @@ def warnings_of(
         id, sentence, advice, whether it is `impractical` (`cautions.Caution`), and `excess`: how
         many times the value is the limit, None for a fact.
     """
-    if scene.pair is not None:
+    if len(scene.sides) > 1:
         return _of_both(scene, chosen, values or {})
     every = list(evidence_of(scene, chosen, values or {}))
     return [

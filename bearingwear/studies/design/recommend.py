@@ -152,7 +152,8 @@ def mapped(
         for friction in axes.friction
     ]
     scenes = [one for part in parts for one in scenes_of_part(scene, *part)]
-    if scene.pair is None and not any(grooves_followed(one, "steady")[0] for one in scenes):
+    unlike = len(scene.one_of_alike.sides) == 2
+    if not (unlike or any(grooves_followed(one, "steady")[0] for one in scenes)):
         workers, tell = 1, None
     with processes(workers, "recommend") as each:
         lives = each(_followed, [(one, slip_limit, quick) for one in scenes])
