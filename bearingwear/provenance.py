@@ -118,7 +118,8 @@ def _file_hash(path: str) -> bytes:
 def sources_hash(*modules: str) -> str:
     """Hash of the names and contents of `sources`, 16 hexadecimal digits."""
     paths = sources(*modules)
-    names = "\n".join(os.path.relpath(path, PACKAGE) for path in paths)
+    folders = f"{PACKAGE}/", f"{PACKAGE.parent}/"
+    names = "\n".join(str(path).removeprefix(folders[0]).removeprefix(folders[1]) for path in paths)
     return hashlib.sha256(f"{names}\n{contents_hash(paths)}".encode()).hexdigest()[:16]
 
 

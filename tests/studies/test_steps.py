@@ -15,8 +15,7 @@ from bearingwear.studies.design import recommend
 
 def pattern_of(step, output):
     """Regular expression of an output, its wildcards as the workflow has them."""
-    matches = {"scene": r"[A-Za-z0-9_-]+", "case": r"[a-z_]+-mu\d+\.\d{3}-loss\d+\.\d{2}"}
-    matches |= step.matches
+    matches = step.matches
     parts = re.split(r"\{(\w+)\}", output)
     seen: set[str] = set()
     text = ""
@@ -27,7 +26,7 @@ def pattern_of(step, output):
             text += f"(?P={name_or_text})"
         else:
             seen.add(name_or_text)
-            text += f"(?P<{name_or_text}>{matches.get(name_or_text, '[^/]+')})"
+            text += f"(?P<{name_or_text}>{matches[name_or_text]})"
     return re.compile(text)
 
 
@@ -68,7 +67,7 @@ def test_steps_are_called_as_their_functions_are(made):
             inspect.signature(function).bind(**step.files(wildcards), **step.given(wildcards))
         except TypeError as error:
             pytest.fail(f"{step.name} calls {step.run}: {error}")
-        assert step.text(wildcards)
+        assert step.label.format(**wildcards)
         called.add(step.run)
     runs = {step.run for study in made.values() for step in study.steps}
     assert called == runs

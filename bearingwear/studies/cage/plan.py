@@ -120,6 +120,14 @@ class CagePlan:
             "model.evaluated_turns": self.stretch_turns * self.evaluated_stretches,
         }
 
+    def settings_at(self, point: CagePoint) -> dict[str, Any]:
+        """What decides the runs of a cage besides the scene."""
+        return {
+            "changes": self.changes_at(point),
+            "starts": list(self.starts),
+            "stretch_turns": self.stretch_turns,
+        }
+
     def check_scenes(self) -> None:
         """Read the scene as every cage of the map changes it.
 

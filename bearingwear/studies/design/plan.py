@@ -88,11 +88,6 @@ class MapAxes:
         axes = (self.preload_method, self.friction, self.shaft_speed_rpm, self.preload_N)
         return math.prod(map(len, axes))
 
-    @property
-    def jobs(self) -> list[str]:
-        """Names of the parts of the map: one method and one friction coefficient each."""
-        return [f"{method}-mu{mu:.3f}" for method in self.preload_method for mu in self.friction]
-
 
 def axes_around(
     scene: Scene,
@@ -174,6 +169,27 @@ class DesignPlan:
     def small_maps(self) -> dict[str, MapAxes]:
         """Axes of the small map of each scene that has one."""
         return {name: one.small_map for name, one in self.scenes.items() if one.small_map}
+
+    @property
+    def map_parts(self) -> dict[tuple[str, ...], tuple[str, str, float]]:
+        """Scene, method and friction coefficient of each part of the maps, by its names."""
+        return {
+            (scene, method, f"{mu:.3f}"): (scene, method, mu)
+            for scene, axes in self.maps.items()
+            for method in axes.preload_method
+            for mu in axes.friction
+        }
+
+    def part_settings(self, part: tuple[str, str, float]) -> dict[str, Any]:
+        """What decides a part of a map besides the scene."""
+        scene, method, mu = part
+        return {
+            "method": method,
+            "friction": mu,
+            "shaft_speed_rpm": self.maps[scene].shaft_speed_rpm,
+            "preload_N": self.maps[scene].preload_N,
+            "slip_limit": self.scenes[scene].limits.gyroscopic_slip_share,
+        }
 
     def beside(self, scene: str) -> dict[str, dict[str, Any]]:
         """Other assumptions about a scene, as plain data by their names."""

@@ -5,7 +5,6 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from glob import glob
@@ -13,18 +12,21 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.scene.checking import read_record
-from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.plan import CHECKED, CHECKED_FIDELITIES, DesignPlan
-from bearingwear.studies.protocol import Bundle, Step, Study, Wildcards
+from bearingwear.studies.protocol import (
+    SCENE,
+    Bundle,
+    Step,
+    Study,
+    bundle,
+    figure_step,
+    step,
+    table_step,
+)
 from bearingwear.studies.uncertainty.plan import UncertaintyPlan
 
-_PLAN = "config/design.yaml"
-_SAMPLED = "config/uncertainty.yaml"
-_RUN = "studies.design"
-_SCENE = "config/scenes/{scene}.yaml"
-_FOLDER = "results/{scene}/design"
+_SAMPLED = Path("config/uncertainty.yaml")
 _SMALL = "results/{scene}/preload"
-_DESIGN, _RECOMMENDATION = f"{_FOLDER}/design.nc", f"{_FOLDER}/recommendation.nc"
 
 SHEETS = {"recommendation": "bearingwear.studies.design.show:recommendation_sheet"}
 """What `bearingwear show` says of the kinds of files that this study makes."""
@@ -39,9 +41,9 @@ PLOTS = {
 
 def study(config: Mapping[str, Any]) -> DesignStudy:
     """The study of config/design.yaml."""
-    sampled = read_record(UncertaintyPlan, _SAMPLED).scenes if Path(_SAMPLED).is_file() else ()
+    sampled = read_record(UncertaintyPlan, _SAMPLED).scenes if _SAMPLED.is_file() else ()
     studied = [scene for block in config.get("studies", ()) for scene in block["scenes"]]
-    plan = read_record(DesignPlan, _PLAN)
+    plan = read_record(DesignPlan, "config/design.yaml")
     return DesignStudy(plan, tuple(sampled), studied, config.get("uncertain_lives", {}))
 
 
@@ -59,8 +61,6 @@ class DesignStudy(Study):
         Of which of these `scenes` lives are sampled, from how many `samples`, by which `seed`.
     """
 
-    name = "design"
-
     def __init__(
         self,
         plan: DesignPlan,
@@ -68,62 +68,20 @@ class DesignStudy(Study):
         studied: Sequence[str] = (),
         spread: Mapping[str, Any] | None = None,
     ) -> None:
-        self.plan = plan
-        self.spread = dict(spread or {})
-        spread_of = self.spread.pop("scenes", ())
         # of a pair there are no states of wear to study, and its map is the whole study
-        small = plan.small_maps.items()
-        self.small_maps = {name: of for name, of in small if name in studied or not studied}
-        self.spread_of = [scene for scene in self.small_maps if scene in spread_of]
-        self.drawn = {
-            scene: _drawn(scene, _FOLDER, several=True, sampled=scene in sampled)
-            for scene in plan.maps
-        }
-        self.small = {
-            scene: _drawn(
-                scene,
-                _SMALL,
-                several=len(axes.friction) > 1,
-                answered={
-                    **({"beside": f"{_SMALL}/beside.nc"} if plan.beside(scene) else {}),
-                    **({"spread": f"{_SMALL}/spread.nc"} if scene in self.spread_of else {}),
-                },
-            )
-            for scene, axes in self.small_maps.items()
-        }
-        self.jobs = (
-            *(self._chosen() if plan.maps else ()),
-            *(self._small() if self.small_maps else ()),
-            *self.drawn.values(),
-            *self.small.values(),
-            *(self._checked() if plan.maps else ()),
+        small = [name for name in plan.small_maps if name in studied or not studied]
+        sample = dict(spread or {})
+        spread_of = [scene for scene in small if scene in sample.pop("scenes", ())]
+        super().__init__(
+            "design",
+            plan,
+            *_chosen(plan),
+            *_small(plan, small, spread_of, sample),
+            *(_drawn(scene, scene in sampled) for scene in plan.maps),
+            *(_small_drawn(plan, scene, scene in spread_of) for scene in small),
+            *_checked(plan),
+            folder="results/{scene}/design",
         )
-
-    def targets(self) -> list[str]:
-        drawn = [path for bundle in self.drawn.values() for path in bundle.outputs]
-        checks = [f"results/{scene}/design/tables/check.md" for scene in self.drawn]
-        return [*drawn, *checks, *self.default_targets()]
-
-    def default_targets(self) -> list[str]:
-        drawn = [path for bundle in self.small.values() for path in bundle.outputs]
-        solved = [
-            f"results/{scene}/preload/{name}.nc"
-            for scene in self.small
-            for name in ("design", "recommendation")
-        ]
-        beside = [
-            f"{_SMALL}/beside.nc".format(scene=scene)
-            for scene in self.small
-            if self.plan.beside(scene)
-        ]
-        spread = [f"{_SMALL}/spread.nc".format(scene=scene) for scene in self.spread_of]
-        return [*solved, *beside, *spread, *drawn]
-
-    def inputs(self) -> list[str]:
-        return [_SCENE.format(scene=scene) for scene in self.plan.scenes]
-
-    def check(self) -> None:
-        self.plan.check_scenes()
 
     def page_answers(self) -> list[str]:
         kinds = ("answer.json", "tables/*.md", "figures/*.svg", "figures/*.png")
@@ -131,198 +89,168 @@ class DesignStudy(Study):
         small = [path for path in self.default_targets() if not path.endswith((".csv", ".nc"))]
         return there or small
 
-    def _chosen(self) -> list[Step]:
-        plan = self.plan
-        return [
-            Step(
-                name="map",
-                run=f"{_RUN}.map.map_part",
-                inputs={"scene": _SCENE},
-                outputs=(f"{_FOLDER}/map/{{method}}-mu{{mu}}.nc",),
-                settings=self._map_settings,
-                matches={"method": "|".join(PRELOAD_METHODS), "mu": r"\d+\.\d{3}"},
-                label="{scene}: design map, {method}, mu {mu}",
-                seconds=6.5,  # 640 lives
-            ),
-            Step(
-                name="gather",
-                run=f"{_RUN}.choice.design_map",
-                inputs=lambda w: {
-                    "parts": [
-                        f"results/{w['scene']}/design/map/{job}.nc"
-                        for job in plan.maps[w["scene"]].jobs
-                    ]
-                },
-                outputs=(_DESIGN,),
-                settings=lambda w: {"limits": plan.scenes[w["scene"]].limits.given},
-                label="{scene}: gather the design map",
-            ),
-            Step(
-                name="recommend",
-                run=f"{_RUN}.recommend.recommendation_of",
-                inputs={"scene": _SCENE, "design": _DESIGN},
-                outputs=(_RECOMMENDATION,),
-                label="{scene}: recommended preload",
-            ),
-        ]
 
-    def _map_settings(self, wildcards: Wildcards) -> dict[str, Any]:
-        axes = self.plan.maps[wildcards["scene"]]
-        return {
-            "method": wildcards["method"],
-            "friction": float(wildcards["mu"]),
-            "shaft_speed_rpm": axes.shaft_speed_rpm,
-            "preload_N": axes.preload_N,
-            "slip_limit": self.plan.scenes[wildcards["scene"]].limits.gyroscopic_slip_share,
-        }
-
-    def _small(self) -> list[Step]:
-        maps, scenes = self.small_maps, self.plan.scenes
-        return [
-            Step(
-                name="small_map",
-                run=f"{_RUN}.recommend.small_map",
-                inputs={"scene": _SCENE},
-                outputs=(f"{_SMALL}/design.nc", f"{_SMALL}/recommendation.nc"),
-                settings=lambda w: {
-                    "axes": asdict(maps[w["scene"]]),
-                    "limits": scenes[w["scene"]].limits.given,
-                },
-                matches={"scene": "|".join(map(re.escape, maps))},
-                label="{scene}: small map and recommended preload",
-                alone=True,
-                tells=True,
-            ),
-            *(
-                Step(
-                    name=f"beside_{scene}",
-                    run=f"{_RUN}.beside.lives_beside",
-                    inputs={
-                        "scene": _SCENE.format(scene=scene),
-                        "recommendation": f"{_SMALL}/recommendation.nc".format(scene=scene),
-                    },
-                    outputs=(f"{_SMALL}/beside.nc".format(scene=scene),),
-                    settings={"cases": self.plan.beside(scene)},
-                    label=f"{scene}: other assumptions at the recommended preload",
-                )
-                for scene in maps
-                if self.plan.beside(scene)
-            ),
-            *(
-                Step(
-                    name=f"spread_{scene}",
-                    run="studies.uncertainty.quantiles.recommended_life_quantiles",
-                    inputs={
-                        "scene": _SCENE.format(scene=scene),
-                        "recommendation": f"{_SMALL}/recommendation.nc".format(scene=scene),
-                    },
-                    outputs=(f"{_SMALL}/spread.nc".format(scene=scene),),
-                    settings=self.spread,
-                    label=f"{scene}: how lives at the recommended preload spread",
-                    seconds=9.0,
-                )
-                for scene in self.spread_of
-            ),
-        ]
-
-    def _checked(self) -> list[Step]:
-        check = f"{_FOLDER}/check"
-        times = {"times": "|".join(CHECKED).replace(".", r"\.")}
-        return [
-            Step(
-                name="check_scene",
-                run=f"{_RUN}.dynamic_check.check_scene_text",
-                inputs={"scene": _SCENE, "recommendation": _RECOMMENDATION},
-                outputs=(f"{check}/{{times}}.yaml",),
-                settings=lambda w: {"times": float(w["times"])},
-                matches=times,
-                label="{scene}: scene at {times} times the recommended preload",
-            ),
-            Step(
-                name="solve_check",
-                run="studies.solve.solved_case",
-                inputs={"scene": f"{check}/{{times}}.yaml"},
-                outputs=(f"{check}/{{times}}-{{fidelity}}.nc",),
-                settings=lambda w: {"fidelity": w["fidelity"]},
-                matches={**times, "fidelity": "|".join(CHECKED_FIDELITIES)},
-                label="{scene}: {times} times the recommended preload, {fidelity}",
-                seconds=8.5,
-            ),
-            Step(
-                name="check_table",
-                run=f"{_RUN}.check_table.check_table",
-                inputs={
-                    "recommendation": _RECOMMENDATION,
-                    "cases": [
-                        f"{check}/{factor}-{fidelity}.nc"
-                        for factor in CHECKED
-                        for fidelity in CHECKED_FIDELITIES
-                    ],
-                },
-                outputs=(f"{_FOLDER}/tables/check.md",),
-                label="{scene}: the recommended preload, solved dynamically",
-                caption="design",
-                result="design, dynamic",
-            ),
-        ]
-
-
-def _drawn(
-    scene: str,
-    folder: str,
-    several: bool,
-    sampled: bool = False,
-    answered: Mapping[str, str] | None = None,
-) -> Bundle:
-    """Figures and tables of a map.
-
-    Parameters
-    ----------
-    scene, folder : str
-    several : bool
-        Whether it is of several friction coefficients.
-    sampled : bool
-        Whether the study of uncertainty samples lives of the scene.
-    answered : mapping, optional
-        What else the answer is made from, by the names of its arguments.
-    """
-    at = folder.format(scene=scene)
-    sample = ("uncertainty",) if sampled else ()
-    files = {name: f"{at}/{name}.nc" for name in ("design", "recommendation", *sample)}
-    inputs = {"design": files, "map": {"design": files["design"]}, "uncertainty": files}
-    figures = ("design", *(("map",) if several else ()), *sample)
-    steps = [
-        *(
-            Step(
-                name=f"figure_{name}",
-                run=f"{_RUN}.draw.draw_{name}",
-                inputs=inputs[name],
-                outputs=(f"{at}/figures/{name}.svg", f"{at}/figures/{name}.png"),
-                label=f"{scene}: figure {name} of the design study",
-                result=f"design, {name}",
-                caption="design",
-                category=scene,
-            )
-            for name in figures
+def _chosen(plan: DesignPlan) -> list[Step]:
+    """The map, in parts, and the preload to take."""
+    return [
+        step(
+            "map",
+            "map/{method}-mu{mu}.nc",
+            "map.map_part",
+            plan.map_parts,
+            scene=SCENE,
+            settings=plan.part_settings,
+            seconds=6.5,  # 640 lives
         ),
-        Step(
-            name="tables",
-            run=f"{_RUN}.tables.tables",
-            inputs=files,
-            outputs=(f"{at}/tables/map.csv", f"{at}/tables/design.md"),
-            label=f"{scene}: tables of the design study",
-            result="design, table",
-            caption="design",
-            category=scene,
+        step(
+            "gather",
+            "design.nc",
+            "choice.design_map",
+            [*plan.maps],
+            parts="map/{method}-mu{mu}.nc",
+            settings=lambda scene: {"limits": plan.scenes[scene].limits.given},
         ),
-        Step(
-            name="answer",
-            run=f"{_RUN}.answer.design_answer",
-            inputs=files | {k: v.format(scene=scene) for k, v in (answered or {}).items()},
-            outputs=(f"{at}/answer.json",),
-            label=f"{scene}: which preload to take",
+        step(
+            "recommend",
+            "recommendation.nc",
+            "recommend.recommendation_of",
+            design="design.nc",
+            scene=SCENE,
         ),
     ]
-    which, small = ("small map", "small_") if folder == _SMALL else ("map", "")
-    label = f"{scene}: figures and tables of its {which}"
-    return Bundle(name=f"{small}drawn_{scene}", steps=tuple(steps), label=label)
+
+
+def _small(
+    plan: DesignPlan, scenes: Sequence[str], spread_of: Sequence[str], sample: Mapping[str, Any]
+) -> list[Step]:
+    """The small map, and lives at the preload that it recommends."""
+    found: dict[str, Any] = {
+        "scene": SCENE,
+        "recommendation": f"{_SMALL}/recommendation.nc",
+        "default": True,
+    }
+    return [
+        step(
+            "small_map",
+            (f"{_SMALL}/design.nc", f"{_SMALL}/recommendation.nc"),
+            "recommend.small_map",
+            scenes,
+            scene=SCENE,
+            settings=lambda scene: {
+                "axes": asdict(plan.small_maps[scene]),
+                "limits": plan.scenes[scene].limits.given,
+            },
+            label="{scene}: small map and recommended preload",
+            default=True,
+            alone=True,
+            tells=True,
+        ),
+        step(
+            "beside",
+            f"{_SMALL}/beside.nc",
+            "beside.lives_beside",
+            [scene for scene in scenes if plan.beside(scene)],
+            settings=lambda scene: {"cases": plan.beside(scene)},
+            label="{scene}: other assumptions at the recommended preload",
+            **found,
+        ),
+        step(
+            "spread",
+            f"{_SMALL}/spread.nc",
+            "studies.uncertainty.quantiles.recommended_life_quantiles",
+            spread_of,
+            settings=sample,
+            label="{scene}: how lives at the recommended preload spread",
+            seconds=9.0,
+            **found,
+        ),
+    ]
+
+
+def _checked(plan: DesignPlan) -> list[Step]:
+    """The recommended preload, and some beside it, solved dynamically."""
+    check = "check/{times}-{fidelity}.nc"
+    return [
+        step(
+            "check_scene",
+            "check/{times}.yaml",
+            "dynamic_check.check_scene_text",
+            {(scene, times): times for scene in plan.maps for times in CHECKED},
+            scene=SCENE,
+            recommendation="recommendation.nc",
+            settings=lambda times: {"times": float(times)},
+            label="{scene}: scene at {times} times the recommended preload",
+        ),
+        step(
+            "solve_check",
+            check,
+            "studies.solve.solved_case",
+            {
+                (scene, times, fidelity): fidelity
+                for scene in plan.maps
+                for times in CHECKED
+                for fidelity in CHECKED_FIDELITIES
+            },
+            scene="check/{times}.yaml",
+            settings=lambda fidelity: {"fidelity": fidelity},
+            label="{scene}: {times} times the recommended preload, {fidelity}",
+            seconds=8.5,
+        ),
+        table_step(
+            "check",
+            "check_table.check_table",
+            name="check_table",
+            recommendation="recommendation.nc",
+            cases=check,
+            label="{scene}: the recommended preload, solved dynamically",
+            result="design, dynamic",
+        ),
+    ]
+
+
+def _drawn(scene: str, sampled: bool) -> Bundle:
+    """Figures and tables of a map."""
+    files = ("design", "recommendation", *(("uncertainty",) if sampled else ()))
+    inputs = {name: f"{name}.nc" for name in files}
+    figures = [_figure("design", inputs), _figure("map", {"design": "design.nc"})]
+    if sampled:
+        figures.append(_figure("uncertainty", inputs))
+    return bundle(
+        f"drawn_{scene}",
+        f"results/{scene}/design",
+        scene,
+        f"{scene}: figures and tables of its map",
+        *figures,
+        *_told(inputs, inputs),
+    )
+
+
+def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
+    """Figures and tables of a small map, and which preload to take."""
+    inputs = {name: f"{name}.nc" for name in ("design", "recommendation")}
+    more = {"beside": bool(plan.beside(scene)), "spread": with_spread}
+    several = len(plan.small_maps[scene].friction) > 1
+    return bundle(
+        f"small_drawn_{scene}",
+        f"results/{scene}/preload",
+        scene,
+        f"{scene}: figures and tables of its small map",
+        _figure("design", inputs),
+        *([_figure("map", {"design": "design.nc"})] if several else ()),
+        *_told(inputs, inputs | {name: f"{name}.nc" for name, there in more.items() if there}),
+        default=True,
+    )
+
+
+def _figure(name: str, inputs: Mapping[str, str]) -> Step:
+    run = f"draw.draw_{name}"
+    return figure_step(name, run, name=f"figure_{name}", inputs=inputs, result=f"design, {name}")
+
+
+def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
+    """Tables, and the answer."""
+    paths = ("map.csv", "design.md")
+    return [
+        table_step(paths, "tables.tables", name="tables", inputs=inputs, result="design, table"),
+        step("answer", "answer.json", "answer.design_answer", inputs=answered),
+    ]

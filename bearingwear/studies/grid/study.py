@@ -5,17 +5,16 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping, Sequence
+import functools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from bearingwear.studies.grid.drawn import bundles
-from bearingwear.studies.grid.grid import Case
+from bearingwear.studies.grid.grid import Case, Line
 from bearingwear.studies.grid.plan import Plan
-from bearingwear.studies.protocol import Step, Study, Wildcards
+from bearingwear.studies.protocol import SCENE, Bundle, Step, Study, step
 
-_RUN = "studies.grid"
-_SCENE = "config/scenes/{scene}.yaml"
 _ANSWER = "results/answer.json"
 
 START = 1.0
@@ -39,24 +38,19 @@ def study(config: Mapping[str, Any]) -> GridStudy:
 
 
 class GridStudy(Study):
-    """Everything that config.yaml asks for."""
-
-    name = "grid"
+    """Everything that config.yaml asks for; a plain `snakemake` makes all of it."""
 
     def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self.drawn = bundles(plan)
-        self.jobs = (*self._solved(), *self._lived(), *self._gathered(), *self.drawn)
-
-    def targets(self) -> list[str]:
-        plan = self.plan
-        solved = [path for scene in plan.grids for path in plan.solved(scene)]
-        gathered = [*plan.studies(), *plan.dynamics(), *plan.lives(), *plan.spreads_of_lives()]
-        drawn = [path for bundle in self.drawn for path in bundle.outputs]
-        return [*solved, *plan.dynamic_cases(), *gathered, *drawn, *self.page_answers()]
-
-    def default_targets(self) -> list[str]:
-        return self.targets()
+        super().__init__(
+            "grid",
+            plan,
+            *_solved(plan),
+            *_lived(plan),
+            *_gathered(plan),
+            *bundles(plan),
+            folder="results/{scene}",
+            default=True,
+        )
 
     def inputs(self) -> list[str]:
         return self.plan.inputs()
@@ -64,14 +58,11 @@ class GridStudy(Study):
     def refused(self, path: str) -> str | None:
         return self.plan.refused(path)
 
-    def check(self) -> None:
-        self.plan.check_scenes()
-
     def judged(self) -> list[str]:
         return [*self.plan.studies(), *self.plan.dynamics(), *self.plan.lives()]
 
     def page_sections(self) -> list[str]:
-        drawn = [path for bundle in self.drawn for path in bundle.outputs]
+        drawn = [path for job in self.jobs if isinstance(job, Bundle) for path in job.outputs]
         tables = [path for path in drawn if path.endswith(".md")]
         figures = [path for path in drawn if path.endswith((".svg", ".png"))]
         studies = [*self.plan.studies(), *self.plan.lives(), *self.plan.dynamics()]
@@ -80,137 +71,135 @@ class GridStudy(Study):
     def page_answers(self) -> list[str]:
         return [_ANSWER] if self.plan.lives() else []
 
-    def _solved(self) -> list[Step]:
-        """A rule for each list of losses that a job solves; wildcards say scene and line."""
-        plan = self.plan
-        parts: dict[tuple[float, ...], list[str]] = {}
-        for scene, grid in plan.grids.items():
-            for losses in plan.losses_of_jobs(grid):
-                parts.setdefault(losses, []).append(re.escape(scene))
-        lines = [
-            Step(
-                name="solve" if number == 1 else f"solve_{number}",
-                run=f"{_RUN}.solve.solved_line",
-                inputs={"scene": _SCENE},
-                outputs=tuple(
-                    f"results/{{scene}}/cases/{{line}}-{Case('', 0.0, loss).loss_id}.nc"
-                    for loss in losses
-                ),
-                settings=_line_settings(losses),
-                about="{scene}: cases of one preload method and friction, over the wear",
-                matches={"scene": "|".join(scenes), "line": r"[a-z_]+-mu\d+\.\d{3}"},
-                label=_line_label(losses),
-                seconds=START + SOLVE * len(losses),
-            )
-            for number, (losses, scenes) in enumerate(parts.items(), 1)
-        ]
-        chunks = [
-            Step(
-                name="solve_chunk",
-                run=f"{_RUN}.chunks.solved_chunk",
-                inputs={"scene": _SCENE},
-                outputs=("results/{scene}/chunks/{chunk}.nc",),
-                settings=self._chunk_settings,
-                matches={"chunk": r"\d+-[0-9a-f]{8}"},
-                label="{scene}: chunk {chunk} of the grid",
-                seconds=START + SOLVE * (plan.config.points_per_job or 0),
-            )
-        ]
-        return [*lines, *(chunks if any(map(plan.chunks, plan.grids)) else [])]
 
-    def _chunk_settings(self, wildcards: Wildcards) -> dict[str, Any]:
-        scene = wildcards["scene"]
-        lines = self.plan.chunks(scene)[f"results/{scene}/chunks/{wildcards['chunk']}.nc"]
-        return {"lines": lines, "losses_um": self.plan.grids[scene].ball_diameter_loss_um}
+def _solved(plan: Plan) -> list[Step]:
+    """A rule for each list of losses that a job solves, and one for chunks of several lines.
 
-    def _lived(self) -> list[Step]:
-        plan = self.plan
-        return [
-            Step(
-                name="solve_dynamic",
-                run="studies.solve.solved_case",
-                inputs={"scene": _SCENE},
-                outputs=("results/{scene}/dynamic/{case}.nc",),
-                settings=self._dynamic_settings,
-                about="{scene}: a case solved dynamically",
-                label=lambda w: (
-                    f"{w['scene']}, dynamic: {plan.dynamic[w['scene']].cases()[w['case']].label}"
-                ),
-                seconds=8.5,  # at 60 turns of the shaft
-                priority=1,  # the longest jobs
-            ),
-            Step(
-                name="wear_life",
-                run=f"{_RUN}.life.study_life",
-                inputs={"scene": _SCENE, "study": "results/{scene}/study.nc"},
-                outputs=("results/{scene}/wear_life.nc",),
-                label="{scene}: wear life",
-                seconds=1.7,
-            ),
-            Step(
-                name="quantiles",
-                run="studies.uncertainty.quantiles.life_quantiles",
-                inputs={"scene": _SCENE},
-                outputs=("results/{scene}/spread/mu{mu}.nc",),
-                settings=lambda w: {
-                    "friction": float(w["mu"]),
-                    "methods": plan.grids[w["scene"]].preload_method,
-                    "samples": plan.uncertain_lives.samples,
-                    "seed": plan.uncertain_lives.seed,
-                },
-                matches={"mu": r"\d+\.\d{3}"},
-                label="{scene}: how its lives spread, mu {mu}",
-                seconds=9.0,
-            ),
-        ]
-
-    def _dynamic_settings(self, wildcards: Wildcards) -> dict[str, Any]:
-        scene = wildcards["scene"]
-        case = self.plan.dynamic[scene].cases()[wildcards["case"]]
-        return {"changes": self.plan.dynamic_changes(scene, case), "fidelity": "dynamic"}
-
-    def _gathered(self) -> list[Step]:
-        return [
-            Step(
-                name="gather",
-                run=f"{_RUN}.gather.study",
-                inputs=lambda w: {"paths": self.plan.solved(w["scene"])},
-                outputs=("results/{scene}/study.nc",),
-                label="{scene}: gather the cases",
-            ),
-            Step(
-                name="gather_dynamic",
-                run=f"{_RUN}.gather.study",
-                inputs=lambda w: {"paths": self.plan.dynamic_cases(w["scene"])},
-                outputs=("results/{scene}/dynamic.nc",),
-                label="{scene}: gather the cases solved dynamically",
-            ),
-            Step(
-                name="answer",
-                run=f"{_RUN}.answer.lives_answer",
-                inputs={
-                    "lives": self.plan.lives(),
-                    "uncertainty": self.plan.spreads_of_lives(),
-                },
-                outputs=(_ANSWER,),
-                label="what the lives say",
-            ),
-        ]
+    Where a scene is solved in chunks, its single lines are solved for who asks for them.
+    """
+    parts: dict[tuple[tuple[float, ...], bool], dict[tuple[str, str], Line]] = {}
+    for scene, grid in plan.grids.items():
+        lines = {(scene, Case(*line, 0.0).line_id): line for line in grid.lines()}
+        for losses in plan.losses_of_jobs(grid):
+            parts.setdefault((losses, bool(plan.chunks(scene))), {}).update(lines)
+    solve = [
+        step(
+            "solve" if number == 1 else f"solve_{number}",
+            [f"cases/{{line}}-{Case('', 0.0, loss).loss_id}.nc" for loss in losses],
+            "solve.solved_line",
+            lines,
+            scene=SCENE,
+            settings=functools.partial(_line_settings, losses),
+            about="{scene}: cases of one preload method and friction, over the wear",
+            label=f"{{scene}}: {{line}}, loss {_span(losses)} um",
+            seconds=START + SOLVE * len(losses),
+            on_request=in_chunks,
+        )
+        for number, ((losses, in_chunks), lines) in enumerate(parts.items(), 1)
+    ]
+    chunks = step(
+        "solve_chunk",
+        "chunks/{chunk}.nc",
+        "chunks.solved_chunk",
+        {
+            (scene, Path(file).stem): (scene, lines)
+            for scene in plan.grids
+            for file, lines in plan.chunks(scene).items()
+        },
+        scene=SCENE,
+        settings=lambda chunk: {
+            "lines": chunk[1],
+            "losses_um": plan.grids[chunk[0]].ball_diameter_loss_um,
+        },
+        label="{scene}: chunk {chunk} of the grid",
+        seconds=START + SOLVE * (plan.config.points_per_job or 0),
+    )
+    return [*solve, chunks]
 
 
-def _line_settings(losses: Sequence[float]) -> Callable[[Wildcards], dict[str, Any]]:
-    def settings(wildcards: Wildcards) -> dict[str, Any]:
-        method, _, friction = wildcards["line"].partition("-mu")
-        return {"method": method, "friction": float(friction), "losses_um": losses}
-
-    return settings
+def _line_settings(losses: Sequence[float], line: Line) -> dict[str, Any]:
+    method, friction = line
+    return {"method": method, "friction": friction, "losses_um": losses}
 
 
-def _line_label(losses: Sequence[float]) -> Callable[[Wildcards], str]:
-    wear = f"loss {losses[0]:.2f} um" + (f" to {losses[-1]:.2f} um" if len(losses) > 1 else "")
+def _span(losses: Sequence[float]) -> str:
+    return f"{losses[0]:.2f}" + (f" to {losses[-1]:.2f}" if len(losses) > 1 else "")
 
-    def label(wildcards: Wildcards) -> str:
-        method, _, friction = wildcards["line"].partition("-mu")
-        return f"{wildcards['scene']}: {method.replace('_', ' ')}, mu {friction}, {wear}"
 
-    return label
+def _lived(plan: Plan) -> list[Step]:
+    return [
+        step(
+            "solve_dynamic",
+            "dynamic/{case}.nc",
+            "studies.solve.solved_case",
+            {
+                (scene, name): (scene, case)
+                for scene, grid in plan.dynamic.items()
+                for name, case in grid.cases().items()
+            },
+            scene=SCENE,
+            settings=lambda of: {"changes": plan.dynamic_changes(*of), "fidelity": "dynamic"},
+            about="{scene}: a case solved dynamically",
+            label="{scene}, dynamic: {case}",
+            seconds=8.5,  # at 60 turns of the shaft
+            priority=1,  # the longest jobs
+        ),
+        step(
+            "wear_life",
+            "wear_life.nc",
+            "life.study_life",
+            [*plan.grids],
+            scene=SCENE,
+            study="study.nc",
+            label="{scene}: wear life",
+            seconds=1.7,
+        ),
+        step(
+            "quantiles",
+            "spread/mu{mu}.nc",
+            "studies.uncertainty.quantiles.life_quantiles",
+            {
+                (scene, f"{mu:.3f}"): (scene, mu)
+                for scene in plan.uncertain_lives.scenes
+                for mu in plan.grids[scene].friction
+            },
+            scene=SCENE,
+            settings=lambda of: {
+                "friction": of[1],
+                "methods": plan.grids[of[0]].preload_method,
+                "samples": plan.uncertain_lives.samples,
+                "seed": plan.uncertain_lives.seed,
+            },
+            label="{scene}: how its lives spread, mu {mu}",
+            seconds=9.0,
+        ),
+    ]
+
+
+def _gathered(plan: Plan) -> list[Step]:
+    lives = step(
+        "answer",
+        _ANSWER,
+        "answer.lives_answer",
+        lives=plan.lives(),
+        uncertainty=plan.spreads_of_lives(),
+        label="what the lives say",
+    )
+    return [
+        step(
+            "gather",
+            "study.nc",
+            "gather.study",
+            [*plan.grids],
+            paths=plan.solved,
+            label="{scene}: gather the cases",
+        ),
+        step(
+            "gather_dynamic",
+            "dynamic.nc",
+            "gather.study",
+            paths="dynamic/{case}.nc",
+            label="{scene}: gather the cases solved dynamically",
+        ),
+        *([lives] if plan.lives() else []),
+    ]

@@ -25,9 +25,12 @@ class DynamicLife:
         default_factory=dict
     )
 
-    @property
     def scene_file(self) -> str:
         return f"config/scenes/{self.scene}.yaml"
+
+    def settings(self) -> dict[str, Any]:
+        """What decides it besides the scene."""
+        return {"changes": dict(self.changes), "fidelity": "dynamic"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +51,7 @@ class LivesPlan:
         """
         for name, life in self.lives.items():
             try:
-                for_life(variant(life.scene_file, life.changes), life.scene_file)
+                for_life(variant(life.scene_file(), life.changes), life.scene_file())
             except ValueError as error:
                 what = str(error).removeprefix("--set ")
                 raise ValueError(f"{LIVES_FILE}: lives.{name}: {what}") from None

@@ -9,7 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, NamedTuple
 
 from bearingwear.scene.coefficients import usual_spread
 from bearingwear.scene.records import Key
@@ -32,12 +32,42 @@ class SampledScene:
     ]
 
 
+class SamplePart(NamedTuple):
+    """A part of the sampled lives of a scene."""
+
+    scene: str
+    method: str
+    preload_choice: str
+    chunk: int
+
+    @property
+    def as_recommended(self) -> bool:
+        """Whether they are at the preload that the design study recommends."""
+        return self.preload_choice == AS_RECOMMENDED
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """All but its scene, which is a file."""
+        return {name: value for name, value in self._asdict().items() if name != "scene"}
+
+
 @dataclass(frozen=True, kw_only=True)
 class UncertaintyPlan:
     """Everything in config/uncertainty.yaml."""
 
     scenes: Annotated[Mapping[str, SampledScene], Key("Scenes whose lives are sampled", least=1)]
     sampling: Annotated[Sampling, Key("How their uncertain values are sampled")]
+
+    @property
+    def parts(self) -> list[SamplePart]:
+        """Every part of the sampled lives."""
+        return [
+            SamplePart(scene, method, choice, chunk)
+            for scene, sampled in self.scenes.items()
+            for method in sampled.preload_method
+            for choice in PRELOAD_CHOICES
+            for chunk in range(self.sampling.chunks)
+        ]
 
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Read every scene and look whether its lives can be sampled.

@@ -28,7 +28,7 @@ from workflow.studies.accuracy.plan import (
     AccuracyPlan,
     Tolerance,
 )
-from workflow.studies.accuracy.study import AccuracyStudy
+from workflow.studies.accuracy.study import study_of_accuracy
 from workflow.studies.accuracy.tables import SECTIONS, agree, section, table_rows
 
 PLAN_FILE = ROOT / ACCURACY_FILE
@@ -48,7 +48,7 @@ def plan():
 def test_names_with_hyphens_are_told_apart():
     """A file is named by its scene and its sweep, with a hyphen between them."""
     text = PLAN_FILE.read_text(encoding="utf-8").replace("gyro_worn", "gyro_fresh-worn")
-    sweep = AccuracyStudy(record(AccuracyPlan, yaml.safe_load(text))).steps[0]
+    sweep = study_of_accuracy(record(AccuracyPlan, yaml.safe_load(text))).steps[0]
     file = "(?P<of_scene>{of_scene})-(?P<sweep>{sweep})".format(**sweep.matches)
     for scene in ("gyro_fresh", "gyro_fresh-worn"):
         found = re.fullmatch(file, f"{scene}-long")
@@ -122,7 +122,7 @@ def trade(files, tmp_path_factory):
 
 def test_the_plan_reads_and_every_scene_of_it_is_valid(plan, monkeypatch):
     monkeypatch.chdir(ROOT)
-    plan.check_scenes()
+    plan.check_points()
     assert len(plan.scenes) >= 5 and set(PRESET_KEYS) == {"draft", "standard", "reference"}
     jobs = plan.jobs()
     assert ("bearing218", "strips") in jobs and ("bearing218", "turns") not in jobs

@@ -24,7 +24,7 @@ from bearingwear.studies.cage.motion import (
 )
 from bearingwear.studies.cage.plan import CAGE_STARTS, CagePlan
 from bearingwear.studies.cage.run import motions_from_starts
-from bearingwear.studies.cage.study import CageStudy
+from bearingwear.studies.cage.study import study_of_cages
 from bearingwear.studies.cage.tables import cage_table
 from bearingwear.studies.dataset import write_dataset
 
@@ -37,7 +37,7 @@ def test_plan_of_the_project(monkeypatch):
     plan = read_record(CagePlan, PLAN_FILE)
     plan.check_scenes()
     assert len(plan.points) == np.prod(list(plan.shape.values()))
-    study = CageStudy(plan)
+    study = study_of_cages(plan)
     settings = study.steps[0].given({"point": list(plan.points)[-1]})
     assert settings["changes"]["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan.gravity_m_s2)]
     assert settings["changes"]["friction.cage"] == max(plan.cage_friction)
@@ -127,7 +127,7 @@ def small(tmp_path_factory):
         stretch_turns=10,
         evaluated_stretches=2,
     )
-    study, paths = CageStudy(plan), []
+    study, paths = study_of_cages(plan), []
     scene = ROOT / plan.scene_file
     for name in plan.points:
         paths.append(folder / f"{name}.nc")
@@ -192,7 +192,7 @@ def test_what_was_not_solved_stays_empty(monkeypatch, tmp_path):
 
     monkeypatch.setattr(run, "solve_dynamic", lambda *_: ({"status": 5}, {}))
     plan = read_record(CagePlan, PLAN_FILE)
-    given = CageStudy(plan).steps[0].given({"point": next(iter(plan.points))})
+    given = study_of_cages(plan).steps[0].given({"point": next(iter(plan.points))})
     found = motions_from_starts(ROOT / plan.scene_file, **given)
     write_dataset(found, tmp_path / "point.nc")
     assert (found["status"] == 5).all() and found["motion"].isnull().all()

@@ -35,6 +35,7 @@ from bearingwear.studies.design.map import HERTZIAN_GROOVE, life_point, map_part
 from bearingwear.studies.design.plan import DesignLimits, DesignPlan, MapAxes
 from bearingwear.studies.design.recommend import mapped, recommendation_of
 from bearingwear.studies.design.study import DesignStudy
+from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.uncertainty.quantiles import quantiles_and_indices
 from bearingwear.studies.uncertainty.sample import sampled_lives
 
@@ -513,8 +514,7 @@ def test_scenes_without_an_uncertainty_study_ask_for_none():
 
 
 def asked_for(step):
-    files = step.inputs({"scene": "gyro_s1"}) if callable(step.inputs) else step.inputs
-    return [p for given in files.values() for p in ([given] if isinstance(given, str) else given)]
+    return [path for job in step.jobs() for path in flat_files(step.files(job))]
 
 
 def test_small_maps_are_those_of_scenes_in_the_main_study():

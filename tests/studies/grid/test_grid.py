@@ -10,15 +10,17 @@ from support import ROOT, scene_file
 
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant
-from bearingwear.studies.grid.drawn import bundles
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.grid.plan import Plan
+from bearingwear.studies.grid.study import GridStudy
+from bearingwear.studies.protocol import Bundle
 
 CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
 
 
 def drawn(plan):
-    return [path for bundle in bundles(plan) for path in bundle.outputs]
+    jobs = GridStudy(plan).jobs
+    return [path for job in jobs if isinstance(job, Bundle) for path in job.outputs]
 
 
 def figures_of(plan):
@@ -140,7 +142,7 @@ def test_jobs_of_scenes_have_names_of_their_own():
     column = {"scene": "x", "friction": 0.02}
     figures = {"worn_loss_um": 0.5, "friction": [0.02], "wear_columns": [column]}
     plan = Plan.from_config({"studies": [block], "dynamic": [in_time], "figures": figures})
-    names = [bundle.name for bundle in bundles(plan)]
+    names = [job.name for job in GridStudy(plan).jobs if isinstance(job, Bundle)]
     assert len(set(names)) == len(names) == 9
 
 

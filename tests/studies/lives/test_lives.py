@@ -7,7 +7,7 @@ from support import ROOT
 
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.lives.plan import LIVES_FILE, LivesPlan
-from bearingwear.studies.lives.study import LivesStudy
+from bearingwear.studies.lives.study import study_of_lives
 
 CHANGED = {"operation.preload_method": "fixed_position"}
 
@@ -17,7 +17,7 @@ def test_every_life_of_the_plan_is_a_valid_scene(monkeypatch):
     plan = read_record(LivesPlan, LIVES_FILE)
     plan.check_scenes()
     assert len(plan.lives) >= 5
-    made = LivesStudy(plan)
+    made = study_of_lives(plan)
     solve = made.steps[0]
     assert solve.files({"life": "cage_ends"}) == {"scene": "config/scenes/gyro_s1.yaml"}
     settings = solve.given({"life": "cage_ends"})
@@ -48,4 +48,4 @@ def test_a_faulty_life_is_named_in_one_line(life, said, tmp_path, monkeypatch):
 
 
 def test_no_lives_make_nothing():
-    assert LivesStudy(LivesPlan()).targets() == []
+    assert study_of_lives(LivesPlan()).targets() == []

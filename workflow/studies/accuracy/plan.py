@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Annotated, Any
@@ -210,6 +211,18 @@ class AccuracyPlan:
             _check_known(self.sweeps[row.sweep].against, (FIRST,), f"sweeps.{row.sweep}.against")
 
     def check_scenes(self) -> None:
+        """Check that every scene exists; to read it as all points change it takes seconds.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        for name in self.scenes:
+            if not os.path.isfile(self.scene_file(name)):
+                raise ValueError(f"{ACCURACY_FILE}: there is no scene {self.scenes[name].file}")
+
+    def check_points(self) -> None:
         """Read every scene as each of its points changes it.
 
         Raises

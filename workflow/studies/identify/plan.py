@@ -55,11 +55,6 @@ class IdentifyPlan:
         except ValueError as error:
             raise SceneError("ball_count", str(error)) from None
 
-    @property
-    def scene_names(self) -> list[str]:
-        """The scenes that are read."""
-        return sorted({self.scene, *self.marks})
-
     def check_scenes(self, folder: str | Path = "config/scenes") -> None:
         """Check that every scene exists.
 

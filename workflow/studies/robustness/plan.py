@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import load_scene
 from bearingwear.scene.records import NAME, Key
 
 ROBUSTNESS_FILE = "config/robustness.yaml"
@@ -216,6 +217,16 @@ class RobustnessPlan:
     @property
     def scene_file(self) -> str:
         return f"config/scenes/{self.scene}.yaml"
+
+    def check_scenes(self) -> None:
+        """Read the scene.
+
+        Raises
+        ------
+        ValueError
+            One line.
+        """
+        load_scene(self.scene_file)
 
     def draw(self, name: str) -> dict[str, Any]:
         """Blocks of all draws of a class, those it takes over among them."""
