@@ -15,12 +15,12 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-from bearingwear.model import dynamic_run, time_run
 from support import ROOT, scene_file
 
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
+from bearingwear.model import dynamic_run, time_run
 from bearingwear.results import variables
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.restart import restart_from
