@@ -58,8 +58,8 @@ def yaml_of(data: Any) -> str:
     return text
 
 
-def text_of(path: str | os.PathLike[str]) -> str:
-    """Contents of a small UTF-8 text file.
+def text_of(path: str | os.PathLike[str], kind: str = "YAML") -> str:
+    """Contents of a small UTF-8 text file of some kind.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def text_of(path: str | os.PathLike[str]) -> str:
         problem = f"got bytes that are not text (byte {error.start}), expected UTF-8"
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        problem = f"got a file that cannot be read ({reason}), expected a YAML file"
+        problem = f"got a file that cannot be read ({reason}), expected a {kind} file"
     raise SceneError("", problem, source=source)
 
 

@@ -368,10 +368,17 @@ def _carried(scene: Scene, friction: str, after: Posterior, by: Calibrated) -> S
     found = with_wear(scene, {"wear_coefficient": _rounded(math.exp(y.mean))})
     if friction:
         spread[friction] = remaining(x.deviation)
-        middle = perturbed(found, {friction: _rounded(math.exp(x.mean))})
+        middle = perturbed(found, {friction: _short(x)})
         assert middle is not None
         found = middle
     return replace(found, uncertainty=spread, calibrated=by)
+
+
+def _short(x: Normal) -> float:
+    """The middle of a friction, in the three decimals that a study takes where they are enough."""
+    value = math.exp(x.mean)
+    short = round(value, 3)
+    return short if abs(short / value - 1.0) < 0.1 * x.deviation else _rounded(value)
 
 
 def _rounded(value: float) -> float:

@@ -70,15 +70,18 @@ class BearingTest:
 def bearing_tests(path: str | Path, scene: Scene) -> list[BearingTest]:
     """The tests in a CSV file.
 
-    Its first line names the columns: keys of the scene (an empty cell leaves the scene's own value)
-    and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
+    Commas or semicolons part its columns. Its first line names them: keys of the scene (an empty
+    cell leaves the scene's own value) and those of `TEST_COLUMNS`. A row fills one of `SEEN`.
 
     Raises
     ------
     CaseFileError
         One line: file, row, column, what was given, what is allowed.
     """
-    table = csv.reader(io.StringIO(text_of(path).lstrip("\ufeff")), skipinitialspace=True)
+    text = text_of(path, "CSV").lstrip("\ufeff")
+    first = text.partition("\n")[0]
+    apart = ";" if ";" in first and "," not in first else ","
+    table = csv.reader(io.StringIO(text), skipinitialspace=True, delimiter=apart)
     lines = ((table.line_num, cells) for cells in table)
     rows = [(n, [c.strip() for c in cells]) for n, cells in lines if any(c.strip() for c in cells)]
     if len(rows) < 2:

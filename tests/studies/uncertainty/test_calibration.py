@@ -89,6 +89,17 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path, lines, said):
     assert said in str(refused.value) and "\n" not in str(refused.value)
 
 
+def test_semicolons_part_columns_too(tmp_path):
+    rows = ("operation.preload_N,life_h", "7,5")
+    both = [
+        bearing_tests(written(tmp_path, *lines), with_spread())
+        for lines in (rows, [row.replace(",", ";") for row in rows])
+    ]
+    assert both[0] == both[1] and both[0][0].value == 5.0
+    with pytest.raises(SceneError, match="cannot be read .*expected a CSV file"):
+        bearing_tests(tmp_path / "none.csv", with_spread())
+
+
 def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
     path = written(tmp_path, "torque_Nmm", "0.1")
     unknown = with_spread().to_dict()
@@ -167,6 +178,8 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     carried = load_scene(out)
     assert carried.calibrated.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert carried.calibrated.rows == 3
+    # a study of it takes three decimals
+    assert carried.friction.ball_race == round(carried.friction.ball_race, 3)
     assert carried.uncertainty["wear_coefficient"].factor < 1.5
     assert carried.uncertainty["wear_scatter"].factor == 1.3
     data = bearingwear.load(tmp_path / "calibrated.nc")
