@@ -13,7 +13,8 @@ import numpy as np
 
 from bearingwear.results.netcdf import CaseFileError, header, load
 from bearingwear.results.units import Interval, Rough, key_in_words
-from bearingwear.scene.scene import COUNTS
+from bearingwear.scene.coefficients import NINETY, usual_spread
+from bearingwear.scene.scene import COUNTS, WORN
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 
 if TYPE_CHECKING:
@@ -51,6 +52,9 @@ SEE = "the command bearingwear uncertainty computes it"
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""
 
+BY_WEAR = f"  {BEARINGS_BETWEEN}, by wear"
+"""Label of `band_by_wear`."""
+
 
 class Spread(NamedTuple):
     """Between which lives bearings lie, and why; counting wear in one way [h]."""
@@ -80,6 +84,38 @@ class Spread(NamedTuple):
             **{f"  {label}": part or "none" for label, part in parts.items()},
             **self.quantiles,
         }
+
+
+def band_by_wear(scene: Mapping[str, Any], life: float) -> tuple[Interval | None, str]:
+    """Between which lives 90 % of bearings lie by what is not known of wear; life goes as 1/K_s.
+
+    Parameters
+    ----------
+    scene : mapping
+        As a file states it. Without distributions it has those of the table of coefficients.
+    life : float
+
+    Returns
+    -------
+    Interval, optional
+        In the unit of the life; none where the distributions do not say, or not as lognormal.
+    str
+        What distributions were taken, empty if its own.
+    """
+    spread, taken = scene.get("uncertainty"), ""
+    if scene and not spread:
+        spread, taken = usual_spread(scene)
+    given = [one for name, one in (spread or {}).items() if name in WORN]
+    if not given or not life > 0.0 or any("factor" not in d or "median" in d for d in given):
+        return None, ""
+    deviation = math.hypot(*(math.log(one["factor"]) for one in given))
+    return Interval(*(life * math.exp(z * deviation) for z in (-NINETY, NINETY))), taken
+
+
+def hours_in_words(scene: Mapping[str, Any], life: float) -> str:
+    """A life that stands alone: `0.66 h (by wear 0.11 to 4 h)`."""
+    band, _ = band_by_wear(scene, life)
+    return f"{Rough(life).text} h" + (f" (by wear {band.text} h)" if band else "")
 
 
 def spread_text(spread: Spread | None) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -14,6 +13,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.pair_variables import is_pair
 from bearingwear.results.pair_view import bearings_of
+from bearingwear.results.quantiles import BY_WEAR, band_by_wear
 from bearingwear.results.rows import (
     COUNTED,
     VARIABLES,
@@ -25,10 +25,9 @@ from bearingwear.results.rows import (
     values,
 )
 from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import Interval, Rough, display
+from bearingwear.results.units import Rough, display
 from bearingwear.results.variables import RACES
-from bearingwear.scene.coefficients import NINETY, usual_spread
-from bearingwear.scene.scene import COUNTS, WORN
+from bearingwear.scene.scene import COUNTS
 
 LIVES = ("life", "normalised_life")
 STEADY_LIFE = ("steady_life", "steady_loss_at_end", "steady_time_to_loss")
@@ -74,19 +73,19 @@ def _life_blocks(file: Any) -> list[Block]:
     )
     life = _life_of(file, counted)
     own = Row(f"counts: {COUNTED[counted]}", "h", (Rough(life),), "life_of_the_scene")
-    spread, taken = scene.get("uncertainty"), ""
-    if scene and not spread:
-        spread, taken = usual_spread(scene)
-    band = _by_wear(spread or {}, life)
-    label = "  90 % of bearings, by wear"
-    by_wear = () if band is None else (Row(label, "h", (band,), "life_by_wear_alone"),)
-    from_table = (taken,) if taken and band else ()
+    band, taken = band_by_wear(scene, life)
+    by_wear = () if band is None else (Row(BY_WEAR, "h", (band,), "life_by_wear_alone"),)
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
     said = (str(file.ended_by),) if hasattr(file, "ended_by") else ()
     blocks = [
         Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
-        Block("life", (), (own, *by_wear, ended, loss), (*said, *_calibrated(scene), *from_table)),
+        Block(
+            "life",
+            (),
+            (own, *by_wear, ended, loss),
+            (*said, *_calibrated(scene), *filter(None, [taken])),
+        ),
     ]
     if "step" in file.dimensions and file.dimensions["step"].size:
         more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
@@ -99,22 +98,6 @@ def _life_blocks(file: Any) -> list[Block]:
         blocks.append(Block("along the life", ("start", "end"), ends))
         blocks.append(Block("what may end it", ("start", "end"), _criteria(file, scene)))
     return [*blocks, *_films(file), *_steady_life(file), *_worn(file)]
-
-
-def _by_wear(spread: Mapping[str, Any], life: float) -> Interval | None:
-    """Between which lives bearings lie by what is not known of wear; life goes as 1/K_s.
-
-    None where the distributions do not say, or not as lognormal.
-    """
-    given = {n: one for n, one in spread.items() if n in WORN}
-    if (
-        not given
-        or not life > 0.0
-        or any("factor" not in one or "median" in one for one in given.values())
-    ):
-        return None
-    deviation = math.hypot(*(math.log(one["factor"]) for one in given.values()))
-    return Interval(*(life * math.exp(z * deviation) for z in (-NINETY, NINETY)))
 
 
 def _calibrated(scene: Mapping[str, Any]) -> tuple[str, ...]:

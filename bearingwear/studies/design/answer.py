@@ -14,14 +14,16 @@ from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import (
+    BEARINGS_BETWEEN,
     RECOMMENDED,
     Spread,
+    band_by_wear,
     causes_told,
     load_quantiles,
     spread_cells,
     spreads_of,
 )
-from bearingwear.results.units import digits, in_print
+from bearingwear.results.units import Rough, digits, in_print
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
@@ -198,7 +200,7 @@ def _headline(design: xr.Dataset, recommendation: xr.Dataset) -> str:
     below = float(one["cliff_preload"])
     if math.isfinite(below):
         near = percent_in_text(abs(below / float(one["preload"]) - 1.0))
-        life = digits(float(one["cliff_life"]))
+        life = Rough(one["cliff_life"]).text
         end = f"; with {near} {'less' if below < one['preload'] else 'more'} it lasts {life} h"
     return f"{name}: take {taken[0]}{end}"
 
@@ -206,7 +208,7 @@ def _headline(design: xr.Dataset, recommendation: xr.Dataset) -> str:
 def _gives(recommendation: xr.Dataset) -> str:
     lives = _lives(recommendation)
     life = lives[0][2]
-    said = f"{digits(life)} h of life, counting {_COUNTED_WORDS[counted(recommendation)]}"
+    said = f"{Rough(life).text} h of life, counting {_COUNTED_WORDS[counted(recommendation)]}"
     if len(lives) > 1:
         other, twin, less = lives[1]
         ratio = life / less if less else math.inf
@@ -214,7 +216,7 @@ def _gives(recommendation: xr.Dataset) -> str:
         times = more if ratio < 1.1 else f"{ratio:.2g} times"
         words = _words(recommendation, other)
         words = f"a {words}" if is_pair(scene_of(recommendation)) else words
-        said += f": {times} the {digits(less)} h of {words} at {preload_text(twin)} N"
+        said += f": {times} the {Rough(less).text} h of {words} at {preload_text(twin)} N"
     return f"{said}."
 
 
@@ -274,7 +276,7 @@ def _spreads(
 
 
 def _sure(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
-    method, one, _ = _lives(recommendation)[0]
+    method, one, life = _lives(recommendation)[0]
     error = float(one["life_error_estimate"].isel(loss_basis=counted(recommendation)))
     said = []
     if int(recommendation["verdict"]) == NEITHER_LONGER:
@@ -284,6 +286,11 @@ def _sure(recommendation: xr.Dataset, spread: Mapping[str, Spread | None]) -> li
         )
     if mine := spread[method]:
         said.append(f"{mine.sentence}, over all that is uncertain.")
+    else:
+        band, taken = band_by_wear(scene_of(recommendation), life)
+        if band:
+            by_table = f" ({taken})" if taken else ""
+            said.append(f"{BEARINGS_BETWEEN} last {band.text} h by wear alone{by_table}.")
     by = scene_of(recommendation).get("calibrated")
     said += [CALIBRATED.format(**by) if by else NO_CLOCK, *track_told(recommendation)]
     if math.isfinite(error):

@@ -24,8 +24,14 @@ from bearingwear.plotting.drawing import (
     scene_of,
 )
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.quantiles import ALL_INPUTS, RECOMMENDED, spread_at, spread_text
-from bearingwear.results.units import digits, display
+from bearingwear.results.quantiles import (
+    ALL_INPUTS,
+    RECOMMENDED,
+    band_by_wear,
+    spread_at,
+    spread_text,
+)
+from bearingwear.results.units import Rough, digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import (
@@ -296,7 +302,8 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     basis = counted(recommendation)
     method, chosen = methods(recommendation)[k]
     chosen = chosen.isel(loss_basis=basis)
-    spread = ""
+    band, _ = band_by_wear(scene, float(chosen["life"]))
+    spread = f" (by wear {band.text} h)" if band else ""
     if uncertainty is not None:
         flag = int(chosen["preload_method"])
         one = at_recommended(uncertainty, flag).isel(loss_basis=basis)
@@ -311,7 +318,7 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
             )
         )
         return f"{name}: {verdict_told(recommendation)} ({both}{spread})"
-    hours = digits(float(chosen["life"]))
+    hours = Rough(chosen["life"]).text
     groove = ", grooves as they wear" if int(chosen["groove"]) == WORN_GROOVE else ""
     return (
         f"{name}: {method_words(scene, method)} at {preload_text(chosen)} N lasts longest{within}, "

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 import textwrap
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.pair_variables import method_words
+from bearingwear.results.quantiles import BY_WEAR, band_by_wear
 from bearingwear.results.rows import values
 from bearingwear.results.sheet import Block, Row, Sheet
-from bearingwear.results.units import digits, display, in_ascii
+from bearingwear.results.units import Rough, digits, display, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
@@ -49,18 +52,24 @@ class RoomRow(NamedTuple):
         return self.low, self.now, self.high
 
 
+def _lives(scene: Mapping[str, Any], lives: np.ndarray) -> Iterator[Row]:
+    """Lives (methods, 2) [h], and between which those that count lie by what is unknown of wear."""
+    for k, way in enumerate(COUNTS):
+        each = tuple(lives[:, k].tolist())
+        yield Row(f"life, {way.replace('_and_', ' + ')}", "h", each, "life")
+        found = [band_by_wear(scene, life)[0] for life in each]
+        if way == scene["wear"].get("counts", COUNTS[-1]) and any(found):
+            yield Row(BY_WEAR, "h", tuple(b or math.nan for b in found), "life_by_wear_alone")
+
+
 def recommendation_sheet(file: Any) -> Sheet:
     """What to take, one column per preload method."""
     scene = json.loads(file.scene)
     columns = tuple(methods_told(file))
-    lives = values(file, "life")
     rows = [
         Row("initial preload", "N", _numbers(file, "preload"), "preload", given=True),
         Row("held by", "", tuple(_held(file)), "active_limit"),
-        *(
-            Row(f"life, {way.replace('_and_', ' + ')}", "h", tuple(lives[:, k].tolist()), "life")
-            for k, way in enumerate(COUNTS)
-        ),
+        *_lives(scene, values(file, "life")),
         *_grooves(file),
         *(_row(file, name, *words) for name, words in quantities_told(file).items()),
     ]
@@ -203,10 +212,10 @@ def cliffs_told(file: Any) -> list[str]:
             continue
         side = "less" if below < preload else "more"
         near = f"{100.0 * abs(below / preload - 1.0):.2g} % {side}"
-        fall = f"the life falls to {digits(float(life))} h" if life > 0.0 else "there is no life"
+        fall = f"the life falls to {Rough(life).text} h" if life > 0.0 else "there is no life"
         text = f"{name}: at {below:.7g} N, {near}, {fall}"
         if np.isfinite(clear):
-            text += f"; {clear:.7g} N keeps 5 % away from it and lasts {digits(float(kept))} h"
+            text += f"; {clear:.7g} N keeps 5 % away from it and lasts {Rough(kept).text} h"
         said.append(text)
     return said
 

@@ -27,7 +27,7 @@ from bearingwear.results.quantiles import (
     spread_text,
     spreads_of,
 )
-from bearingwear.results.units import digits, display, in_print, key_in_words
+from bearingwear.results.units import Rough, digits, display, in_print, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 from bearingwear.studies.dataset import counted
@@ -169,7 +169,7 @@ def _both_ways(recommendation: xr.Dataset, uncertainty: xr.Dataset | None) -> st
     sampled = [] if uncertainty is None else [uncertainty]
     known = spreads_of(sampled, scene, method, scene["friction"]["ball_race"], RECOMMENDED)
     said = [
-        f"{digits(float(one['life'].isel(loss_basis=c)))} h counting {in_words(way)}"
+        f"{Rough(one['life'].isel(loss_basis=c)).text} h counting {in_words(way)}"
         + (f" ({spread_text((known or {}).get(way))})" if sampled else "")
         for c, way in sorted(enumerate(COUNTS), key=lambda pair: pair[0] != counted(recommendation))
     ]
@@ -263,7 +263,7 @@ def _sampled_cells(one: xr.Dataset, where: str, way: str) -> list[str]:
     return [
         f"{where}, {digits(float(one['preload']))} N",
         in_words(way),
-        digits(float(one["nominal_life"])),
+        Rough(one["nominal_life"]).text,
         known.bearings.text if known else "–",
         f"{100 * float(one['solved_share']):.4g} % of {int(one['evaluations'])}",
     ]

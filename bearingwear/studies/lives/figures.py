@@ -20,7 +20,8 @@ from bearingwear.plotting.drawing import (
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.results.units import digits
+from bearingwear.results.quantiles import hours_in_words
+from bearingwear.results.units import Rough, digits
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import dynamic_life, ended_by
 
@@ -124,8 +125,8 @@ def _cubed(exponent: int) -> str:
 def _message(life: xr.Dataset) -> str:
     hours, name = float(life["life"][counted(life)]), scene_of(life)["name"]
     if int(life["status"]) != OK:
-        return f"{name}: no end was reached in {digits(hours)} h ({ended_by(life)})"
-    text = f"{name}: {ended_by(life)} ends the life after {digits(hours)} h"
+        return f"{name}: no end was reached in {Rough(hours).text} h ({ended_by(life)})"
+    text = f"{name}: {ended_by(life)} ends the life after {hours_in_words(scene_of(life), hours)}"
     if "steady_life" in life:
         text += f", {hours / float(life['steady_life']):.3g} times the steady life"
     return text

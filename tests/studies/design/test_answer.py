@@ -54,8 +54,8 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     preload = float(found["preload"][0])
     assert answer.headline == f"mine: take a spring of {preload:g} N (constant force)"
     said = told(answer)
-    assert said["What it gives"].startswith(f"{digits(spring)} h of life, counting balls")
-    assert f"the {digits(fixed)} h of fixed position" in said["What it gives"]
+    assert said["What it gives"].startswith(f"{Rough(spring).text} h of life, counting balls")
+    assert f"the {Rough(fixed).text} h of fixed position" in said["What it gives"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
     assert (
         "Fixed position is the better method with axial stiffness" in said["What would change it"]
