@@ -1,6 +1,7 @@
 """The solver of a scene, composed of a model, temperatures and what the bearings stand on."""
 
-import itertools
+import bisect
+from operator import itemgetter
 
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
@@ -10,11 +11,12 @@ from bearingwear.solvers.condition import (
     Accuracy,
     Condition,
     Conditions,
+    SolvedBearing,
     Solver,
     States,
 )
 from bearingwear.solvers.race_control import RaceControl
-from bearingwear.solvers.rotor import Alone, OnRotor, RotorState, states_of
+from bearingwear.solvers.rotor import Alone, OnRotor, states_of
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.warm import Warm
@@ -25,30 +27,43 @@ WELL_BALANCED = 1e-7  # of many lives: a tenth of a life's tolerance
 LIFE_BALANCED = 1e-9  # force left on the rotor in a state of a life, over the larger one
 
 
+_LOSS = itemgetter(0)
+
+
 class Remembered:
-    """States by their conditions, each solved once, from the nearest that is known."""
+    """States by their conditions, each solved once.
+
+    One bearing starts from the nearest loss that is known, two from their last state.
+    """
 
     def __init__(self, bearings: Alone | OnRotor):
         self.bearings = bearings
         self._known: dict[Conditions, States] = {}
-        self._solved: dict[tuple[Bare, ...], list[tuple[float, float, RotorState]]] = {}
+        self._solved: dict[Bare, list[tuple[float, SolvedBearing]]] = {}
+        self.failed = 0
+        """How many of them were not found."""
 
     def __call__(self, conditions: Conditions) -> States:
         if conditions not in self._known:
-            first, last = conditions[0].loss, conditions[-1].loss  # the same of one bearing
-            films = tuple(one.bare for one in conditions)
-            found = self.bearings.solve(conditions, self._nearest(films, first, last))
-            if found.status == code.OK:
-                self._solved.setdefault(films, []).append((first, last, found))
+            near = self._nearest(conditions[0]) if len(conditions) == 1 else None
+            found = self.bearings.solve(conditions, near)
+            if found.status != code.OK:
+                self.failed += 1
+            elif len(conditions) == 1:
+                loss, bare, *_ = conditions[0]
+                known = self._solved.setdefault(bare, [])
+                bisect.insort(known, (loss, found.sides[0]), key=_LOSS)
             self._known[conditions] = states_of(self.bearings.sides, conditions, found)
         return self._known[conditions]
 
-    def _nearest(self, films: tuple[Bare, ...], first: float, last: float) -> RotorState | None:
-        """The state known of the nearest losses, with the same films where there is one."""
-        known = self._solved.get(films) or list(itertools.chain(*self._solved.values()))
-        if not known:
-            return None
-        return min(known, key=lambda one: abs(one[0] - first) + abs(one[1] - last))[2]
+    def _nearest(self, condition: Condition) -> SolvedBearing | None:
+        """The bearing at the nearest loss, with the same films where there is one."""
+        loss, near = condition.loss, list[tuple[float, SolvedBearing]]()
+        same = self._solved.get(condition.bare)
+        for known in [same] if same else self._solved.values():
+            k = bisect.bisect(known, loss, key=_LOSS)
+            near += known[max(k - 1, 0) : k + 1]
+        return min(near, key=lambda one: abs(one[0] - loss))[1] if near else None
 
     def at(self, loss: float, bare: Bare = COVERED) -> State:
         """State of one bearing at a loss of ball diameter [m], in some contacts without film."""
@@ -57,11 +72,6 @@ class Remembered:
     @property
     def solves(self) -> int:
         return len(self._known)
-
-    @property
-    def failed(self) -> int:
-        """How many of them were not found."""
-        return len(self._known) - sum(map(len, self._solved.values()))
 
 
 def solver_of(

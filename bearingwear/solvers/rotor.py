@@ -124,12 +124,12 @@ class Alone:
     def solve(
         self,
         conditions: Conditions,
-        near: RotorState | None = None,
+        near: SolvedBearing | None = None,
         tolerance: float | None = None,
     ) -> RotorState:
-        """The bearing in a condition, from a state nearby; no rotor is to be balanced."""
+        """The bearing in a condition, from one nearby; no rotor is to be balanced."""
         (side,), (condition,) = self.sides, conditions
-        solution = side(condition, self.near if near is None else near.sides[0])
+        solution = side(condition, near or self.near)
         if solution.is_usable:
             self.near = solution
         return half_of_pair(self.scene, side.mounted, solution)
@@ -192,24 +192,13 @@ class OnRotor:
     def solve(
         self,
         conditions: Conditions,
-        near: RotorState | None = None,
+        near: SolvedBearing | None = None,
         tolerance: float | None = None,
     ) -> RotorState:
-        """Both bearings in their conditions, from a state nearby.
-
-        Parameters
-        ----------
-        conditions : tuple of Condition
-        near : RotorState, optional
-            In place of the last one.
-        tolerance : float, optional
-            In place of the usual one.
-        """
+        """Both bearings in their conditions, from their last state."""
         tolerance = tolerance or self.tolerance
         if self.scene.operation.preload_N == 0.0:
             return RotorState(code.PRELOAD_GONE)
-        if near is not None:
-            self.near = list(near.sides)
         if not any(isinstance(side, Warm) for side in self.sides):
             return self._balanced(self.sides, conditions, tolerance)
         found = self._balanced(self.sides, conditions, max(tolerance, WARM_BALANCED))

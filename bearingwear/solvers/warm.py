@@ -78,7 +78,7 @@ class Warm:
         return self.solver.heat(solution)
 
     def state(self, solution: SolvedBearing) -> State:
-        state = self.solver.at(solution.scene).state(solution)
+        state = self.solver.state(solution)
         if not state.is_solved or solution.warmed is None:
             return state
         return state.with_values(warmth_of(self.scene, solution.warmed))
