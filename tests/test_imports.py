@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,12 @@ SHARED_NEEDS = {
     "unsolved": {"grid.grid"},
 }
 """What modules that studies share may import of one of them."""
+
+MOST_IMPORTS = {"solvers": 12, "lives": 15}
+"""Of other modules of the package in a file, kernels aside: more is a meeting room."""
+
+MOST_FILES = 15
+"""In a folder of `solvers` and `lives`."""
 
 LIBRARIES = {
     "kernels": {"numpy"},
@@ -112,6 +119,18 @@ def test_imports_point_downward(module):
             assert module.parent == Path("bearingwear/kernels/build"), f"{module} imports {name}"
         elif top not in sys.stdlib_module_names and part in LIBRARIES:
             assert top in LIBRARIES[part], f"{module} imports {name}"
+
+
+def test_solvers_and_lives_are_small_rooms():
+    crowded, folders = {}, Counter[Path]()
+    for module in (m for m in modules() if part_of(m) in MOST_IMPORTS):
+        folders[module.parent] += 1
+        own = {name for name in imported(module) if name.startswith("bearingwear.")}
+        own = {name for name in own if not name.startswith("bearingwear.kernels")}
+        if len(own) > MOST_IMPORTS[part_of(module)]:
+            crowded[str(module)] = len(own)
+    assert not crowded
+    assert not {str(folder): n for folder, n in folders.items() if n > MOST_FILES}
 
 
 @pytest.mark.parametrize(
