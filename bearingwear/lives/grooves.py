@@ -12,10 +12,9 @@ from bearingwear.scene.scene import LARGEST_LOSS, Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
 from bearingwear.solvers.compose import worn_bearings
-from bearingwear.solvers.condition import Accuracy, Solver
+from bearingwear.solvers.condition import Accuracy, innermost
 from bearingwear.solvers.rotor import states_of
 from bearingwear.solvers.state import State
-from bearingwear.solvers.warm import Warm
 from bearingwear.solvers.worn.depths import WornDepths, WornPoint
 from bearingwear.solvers.worn.solver import Worn
 
@@ -66,7 +65,7 @@ class Grooves:
         self.status, self.bearings = worn_bearings(scene, cells, accuracy)
         self.sides: tuple[Worn, ...] = ()
         if self.status == code.OK:
-            self.sides = tuple(map(_at_any_temperature, self.bearings.sides))
+            self.sides = tuple(map(innermost, self.bearings.sides))
         self._last: States = ()  # solved, not on the way
 
     @property
@@ -170,12 +169,6 @@ def follow_grooves(wearing: Grooves) -> Life:
             for node, of_node in zip(life.nodes, zip(*rates, strict=True), strict=True)
         ]
     return life
-
-
-def _at_any_temperature(side: Solver) -> Worn:
-    solver = side.solver if isinstance(side, Warm) else side
-    assert isinstance(solver, Worn)
-    return solver
 
 
 def _losing(state: State, rate: np.ndarray) -> State:

@@ -113,3 +113,33 @@ class Solver(Protocol):
 
     def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
         """The solution with the motion that a case took in its place; None where it kept it."""
+
+
+class Wrapper:
+    """A solver round another one, to which it hands on what it does not change."""
+
+    def __init__(self, solver: Solver):
+        self.solver, self.scene = solver, solver.scene
+        self.mounted, self.start, self.unsteady = solver.mounted, solver.start, solver.unsteady
+
+    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
+        return self.solver.mechanics(loss, Omega)
+
+    def heat(self, solution: SolvedBearing) -> HeatFlow:
+        return self.solver.heat(solution)
+
+    def state(self, solution: SolvedBearing) -> State:
+        return self.solver.state(solution)
+
+    def case(self, solution: SolvedBearing) -> CaseValues:
+        return self.solver.case(solution)
+
+    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
+        return self.solver.moved(solution, values)
+
+
+def innermost(solver: Any) -> Any:
+    """The model of a bearing inside all wrappers."""
+    while isinstance(solver, Wrapper):
+        solver = solver.solver
+    return solver

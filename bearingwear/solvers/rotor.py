@@ -42,6 +42,7 @@ from bearingwear.solvers.condition import (
     SolvedBearing,
     Solver,
     States,
+    innermost,
 )
 from bearingwear.solvers.state import State
 from bearingwear.solvers.steady import Steady
@@ -143,7 +144,7 @@ class Alone:
         (side,) = self.sides
         (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
-        if isinstance(side, Warm) and isinstance(side.solver, Steady) and is_held(side.scene):
+        if isinstance(side, Warm) and isinstance(innermost(side), Steady) and is_held(side.scene):
             if solution.status == code.OK:
                 attrs["preload_spread"] = preload_spread(side)
         if self.scene.pair is None:

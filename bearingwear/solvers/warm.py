@@ -8,9 +8,8 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.at_rest import Mechanics
 from bearingwear.solvers.bearing.growth import part_temperatures
-from bearingwear.solvers.condition import CaseValues, Condition, SolvedBearing, Solver
+from bearingwear.solvers.condition import CaseValues, Condition, SolvedBearing, Solver, Wrapper
 from bearingwear.solvers.race_control import RaceControl, heat_of_values
 from bearingwear.solvers.start import thrust_alone
 from bearingwear.solvers.state import State
@@ -30,7 +29,7 @@ reach from 0.54 over 2.0 (contacts alone) to 3.6 W/K (with oil)."""
 NOTHING = HeatFlow(inner=0.0, outer=0.0, drag=0.0)
 
 
-class Warm:
+class Warm(Wrapper):
     """A bearing with a thermal network.
 
     Parameters
@@ -42,9 +41,10 @@ class Warm:
     """
 
     def __init__(self, solver: Solver, kept: Warmed | None = None):
-        self.solver = solver if kept is None else solver.at(kept.scene)
-        self.scene, self.mounted, self.start = solver.scene, solver.mounted, solver.start
-        self.unsteady, self._kept = solver.unsteady, kept
+        super().__init__(solver)
+        self._kept = kept
+        if kept is not None:
+            self.solver = solver.at(kept.scene)
 
     def kept_at(self, solution: SolvedBearing) -> "Warm":
         """The bearing at the temperatures of a solution, whatever its heat."""
@@ -71,12 +71,6 @@ class Warm:
     def at(self, scene: Scene) -> Solver:
         return self.solver.at(scene)
 
-    def mechanics(self, loss: float, Omega: float | None = None) -> Mechanics:
-        return self.solver.mechanics(loss, Omega)
-
-    def heat(self, solution: SolvedBearing) -> HeatFlow:
-        return self.solver.heat(solution)
-
     def state(self, solution: SolvedBearing) -> State:
         state = self.solver.state(solution)
         if not state.is_solved or solution.warmed is None:
@@ -93,9 +87,6 @@ class Warm:
             heat = heat_of_values(self.scene, values)
             values |= network_values(self.scene, found, values["status"], heat)
         return values, attrs
-
-    def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
-        return self.solver.moved(solution, values)
 
 
 def warm_scene(scene: Scene) -> Warmed:
