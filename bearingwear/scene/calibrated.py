@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from bearingwear.scene.records import Key
 
@@ -16,6 +16,23 @@ SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
 )
 """Columns of what was seen: a life, a run that had not ended, a loss of ball diameter or a residual
 preload after a time, a shaft torque."""
+
+
+class Seen(NamedTuple):
+    """One of them in words, its unit, and its standard error where none is given, assumed [%]."""
+
+    words: str
+    unit: str
+    error: float
+
+
+SEEN_AS = {
+    SEEN_LIFE: Seen("life", "h", 0.0),
+    SEEN_RUN_OUT: Seen("run-out", "h", 0.0),
+    SEEN_LOSS: Seen("loss", "um", 10.0),
+    SEEN_PRELOAD: Seen("preload left", "N", 10.0),
+    SEEN_TORQUE: Seen("torque", "N mm", 10.0),
+}
 
 
 @dataclass(frozen=True, kw_only=True)

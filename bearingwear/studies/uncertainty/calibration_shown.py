@@ -15,11 +15,11 @@ from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import Interval, digits
 from bearingwear.scene.calibrated import (
     SEEN,
+    SEEN_AS,
     SEEN_LIFE,
     SEEN_LOSS,
     SEEN_PRELOAD,
     SEEN_RUN_OUT,
-    SEEN_TORQUE,
 )
 from bearingwear.studies.uncertainty.calibration_file import STAGES
 
@@ -29,14 +29,6 @@ _UNLIKELY = 0.01
 _FAR = 2.58
 """Shift of a mean, in standard deviations before the tests, with a probability of 0.01."""
 
-_UNITS = {SEEN_TORQUE: "N mm", SEEN_LOSS: "um", SEEN_PRELOAD: "N"}
-_WORDS = {
-    SEEN_LIFE: "life",
-    SEEN_RUN_OUT: "run-out",
-    SEEN_LOSS: "loss",
-    SEEN_PRELOAD: "preload left",
-    SEEN_TORQUE: "torque",
-}
 _COLOURS = dict(zip(STAGES, ("0.6", "C0"), strict=True))
 
 
@@ -89,7 +81,7 @@ def conflicts(file: Any) -> list[str]:
 def _labels(file: Any) -> list[str]:
     seen = [SEEN[int(k)] for k in values(file, "seen")]
     return [
-        f"row {int(row)}, {_WORDS[name]}"
+        f"row {int(row)}, {SEEN_AS[name].words}"
         for row, name in zip(values(file, "row"), seen, strict=True)
     ]
 
@@ -101,9 +93,9 @@ def _tests(file: Any) -> Iterator[Row]:
         name = SEEN[int(flag)]
         share = f"{100 * p:.2g} %"
         between = Interval(*map(float, expected))
+        unit = SEEN_AS[name].unit
         if name in (SEEN_LOSS, SEEN_PRELOAD):
-            label, value = f"{label} {digits(float(value))} {_UNITS[name]} after", after
-        unit = "N mm" if name == SEEN_TORQUE else "h"
+            label, value, unit = f"{label} {digits(float(value))} {unit} after", after, "h"
         text = f"> {digits(float(value))}" if name == SEEN_RUN_OUT else digits(float(value))
         yield Row(label, unit, (text, between, share))
 

@@ -10,14 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.scene.calibrated import (
-    SEEN,
-    SEEN_LIFE,
-    SEEN_LOSS,
-    SEEN_PRELOAD,
-    SEEN_RUN_OUT,
-    SEEN_TORQUE,
-)
+from bearingwear.scene.calibrated import SEEN, SEEN_AS, SEEN_LOSS, SEEN_PRELOAD
 from bearingwear.scene.errors import SceneError, short
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.strict_yaml import data_of, text_of
@@ -25,15 +18,6 @@ from bearingwear.scene.strict_yaml import data_of, text_of
 _AFTER, _COUNT, _ERROR = "after_h", "bearings", "error_percent"
 TEST_COLUMNS = (*SEEN, _AFTER, _COUNT, _ERROR)
 """Every column that is no key of the scene."""
-
-_ERRORS = {
-    SEEN_LIFE: 0.0,
-    SEEN_RUN_OUT: 0.0,
-    SEEN_LOSS: 10.0,
-    SEEN_PRELOAD: 10.0,
-    SEEN_TORQUE: 10.0,
-}
-"""Standard error of a measurement where none is given [%], assumed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +125,7 @@ class _Row:
         count = self.number_in(_COUNT, 1.0)
         if count != int(count):
             raise self.refused(_COUNT, f"got {count:g}, expected a whole number > 0")
-        error = self.number_in(_ERROR, _ERRORS[name])
+        error = self.number_in(_ERROR, SEEN_AS[name].error)
         if error > 100.0:
             raise self.refused(_ERROR, f"got {error:g}, expected a number from 0 to 100")
         return BearingTest(
