@@ -10,11 +10,13 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 
+from bearingwear.measures import LIMITED
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
 from bearingwear.studies.design.map import life_point
 
 SCENE = Path(__file__).resolve().parents[1] / "config" / "scenes" / "gyro_s1.yaml"
+LEAST = LIMITED["system_axial_stiffness_N_um"]  # dynamic or quasi-static, the lesser
 STIFFNESSES = (3.0, 5.0, 6.0)  # N/um
 KINDS = {
     "spring pair": ("constant_force", "spring_pair"),
@@ -32,18 +34,14 @@ def scene_of(method: str, kind: str, kelvin: float) -> Scene:
 
 
 def least_preload(scene: Scene, stiffness: float) -> tuple[float, dict] | None:
-    """The preload with the longest life that keeps the stiffness, and its point of a map."""
+    """The preload with the longest life that keeps both stiffnesses, and its point of a map."""
 
     def point(preload: float) -> dict:
         return life_point(scene.with_({"operation.preload_N": float(preload)}), None)
 
     def margin(preload: float) -> float:
         found = point(preload)
-        return (
-            found["system_axial_stiffness"] / (1e6 * stiffness) - 1.0
-            if not found["status"]
-            else -1.0
-        )
+        return float(LEAST.margins(found, stiffness)) if not found["status"] else -1.0
 
     found = [margin(p) for p in PRELOADS]
     for k in range(1, len(found)):

@@ -12,7 +12,7 @@ import numpy as np
 
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import Display, digits, display, scale_of
+from bearingwear.results.units import Display, display, scale_of
 from bearingwear.results.variables import CASE, LIFE
 from bearingwear.scene.catalogue import identity_line, speed_limit_line
 from bearingwear.scene.scene import COUNTS
@@ -74,8 +74,10 @@ def in_one_unit(blocks: Iterable[Block]) -> list[Block]:
         if unit == row.unit:
             return row
         values = tuple(v * factor / old if isinstance(v, float) else v for v in row.values)
-        limit = None if row.limit is None else row.limit * factor / old
-        return row._replace(unit=unit, values=values, limit=limit)
+        limit, *limits = (
+            None if one is None else one * factor / old for one in (row.limit, *row.limits)
+        )
+        return row._replace(unit=unit, values=values, limit=limit, limits=tuple(limits))
 
     return [replace(block, rows=tuple(map(converted, block.rows))) for block in known]
 
@@ -98,16 +100,16 @@ def side_by_side(of_each: Sequence[Sequence[Block]]) -> list[Block]:
 
 
 def _joined(rows: Sequence[Row]) -> Row:
-    """Rows of one quantity as one, in one unit; limits that differ and notes of each as notes."""
+    """Rows of one quantity as one, in one unit, with limits that differ and notes of each."""
     rescaled = in_one_unit([Block("", rows=tuple(rows))])[0].rows
-    limits = ["" if row.limit is None else digits(row.limit) for row in rescaled]
-    alike = len(set(limits)) == 1
-    differ = "" if alike else f"limits {', '.join(filter(None, limits))}"
+    alike = len({row.limit and f"{row.limit:.9g}" for row in rescaled}) == 1
+    limits = tuple(row.limit for row in rescaled for _ in row.values)
     notes = [f"{row.note} by bearing {k}" for k, row in enumerate(rows, 1) if row.note]
     return rescaled[0]._replace(
         values=tuple(value for row in rescaled for value in row.values),
         limit=rescaled[0].limit if alike else None,
-        note=", ".join(filter(None, (differ, *notes))),
+        limits=() if alike else limits,
+        note=", ".join(notes),
     )
 
 

@@ -19,8 +19,9 @@ LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
 class Row(NamedTuple):
     """A quantity, its values in the unit that is shown.
 
-    `values` are numbers or words, one for each column of the block; `limit` is in the same unit.
-    Numbers that are `given` stand as they are.
+    `values` are numbers or words, one for each column of the block; `limit` is in the same unit,
+    and so are `limits` of each column where they differ. Numbers that are `given` stand as they
+    are.
     """
 
     label: str
@@ -30,6 +31,7 @@ class Row(NamedTuple):
     limit: float | None = None
     note: str = ""
     given: bool = False
+    limits: tuple[float | None, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ class Sheet:
             {"block": block.title, "name": row.name or row.label, "label": row.label}
             | {"unit": row.unit}
             | _valued(block, row)
-            | ({} if row.limit is None else {"limit": row.limit})
+            | _limited(block, row)
             for block in self.blocks
             for row in block.rows
             if row.values
@@ -93,9 +95,11 @@ class Sheet:
                     for end, number in zip(ends, several, strict=True):
                         name = (row.name or row.label) + end
                         table.writerow([block.title, name, row.label, column, row.unit, number])
+                own = row.name or row.label, row.label
                 if row.limit is not None:
-                    own = row.name or row.label, row.label
                     table.writerow([block.title, *own, "limit", row.unit, row.limit])
+                for column, limit in zip(block.columns, row.limits, strict=False):
+                    table.writerow([block.title, *own, f"limit, {column}", row.unit, limit])
         return text.getvalue().rstrip("\n")
 
 
@@ -104,6 +108,12 @@ def _valued(block: Block, row: Row) -> dict[str, Any]:
     if not block.columns:
         return {"value": values[0]} if len(values) == 1 else {"values": values}
     return {"values": dict(zip(block.columns, values, strict=False))}
+
+
+def _limited(block: Block, row: Row) -> dict[str, Any]:
+    if row.limits:
+        return {"limit": dict(zip(block.columns, row.limits, strict=False))}
+    return {} if row.limit is None else {"limit": row.limit}
 
 
 def _plain(value: Any) -> Any:
@@ -131,7 +141,8 @@ def _lines(block: Block) -> list[str]:
     lines = [line(block.title, block.unit, block.columns)] if block.title else []
     for row, texts in zip(block.rows, cells, strict=True):
         limit = "" if row.limit is None else f"limit {digits(row.limit, row.unit)}"
-        notes = ", ".join(filter(None, (limit, row.note)))
+        each = ", ".join("–" if one is None else digits(one, row.unit) for one in row.limits)
+        notes = ", ".join(filter(None, (limit, each and f"limits {each}", row.note)))
         text = line(row.label, row.unit, texts)
         lines.append(f"{text}  {notes}" if notes else text)
     return [*lines, *(f"  {text}" for text in block.lines)]

@@ -1,12 +1,13 @@
 """Two bearings on one sheet: a column for each, and one unit for a quantity."""
 
+import json
 import re
 
 import pytest
 from support import scene_file
 
 from bearingwear.results.rows import side_by_side
-from bearingwear.results.sheet import Block, Row
+from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.show import sheet_of_result
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
@@ -30,7 +31,15 @@ def test_limits_that_differ_stand_beside_the_row():
     one = Block("bearing", (), (Row("preload", "N", (160.0,), limit=48.0),))
     (both,) = side_by_side([[one], [other]])
     assert both.columns == ("bearing 1", "bearing 2")
-    assert both.rows == (Row("preload", "N", (160.0, 100.0), note="limits 48, 24"),)
+    assert both.rows == (Row("preload", "N", (160.0, 100.0), limits=(48.0, 24.0)),)
+    sheet = Sheet(blocks=(both,))
+    assert sheet.text.endswith("160          100  limits 48, 24")
+    (quantity,) = json.loads(sheet.json)["quantities"]
+    assert quantity["limit"] == {"bearing 1": 48.0, "bearing 2": 24.0}
+    assert sheet.csv.splitlines()[-2:] == [
+        'bearing,preload,preload,"limit, bearing 1",N,48.0',
+        'bearing,preload,preload,"limit, bearing 2",N,24.0',
+    ]
 
 
 def test_a_spring_pair_has_each_quantity_once():

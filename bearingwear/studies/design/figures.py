@@ -116,7 +116,7 @@ def design_figure(
     over_preload.set(xlabel="initial preload (N)", title="life over preload")
     over_stiffness.set(
         xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.short}, over the life"),
-        title="life against stiffness",
+        title=f"life against {stiffness.short}",
     )
     as_wide_as_it_is(over_preload, design)
     if area:

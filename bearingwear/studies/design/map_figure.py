@@ -41,7 +41,7 @@ MAPPED = {
     "time_to_slip_limit": Mapped("time to the limit\nof gyroscopic slip", "h", "viridis"),
     "residual_preload_at_end": Mapped("residual preload\nat the end", "N", "cividis"),
     "friction_power": Mapped("largest friction\npower", "W", "magma"),
-    "axial_stiffness": Mapped("least axial\nstiffness", "N m-1", "cividis"),
+    "axial_stiffness": Mapped("least dynamic\nstiffness,\none bearing", "N m-1", "cividis"),
 }
 
 
