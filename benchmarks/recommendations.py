@@ -132,19 +132,32 @@ def solved(job: tuple[str, dict[str, Any], bool]) -> dict[str, Any]:
     name, case, whole = job
     scene, limits = scene_of(case), DesignLimits(**case["limits"])
     found = recommended(case)
-    ends = axes_of(scene).preload_N[0], axes_of(scene).preload_N[-1]
     for row in found["rows"]:
-        life = 0.0 if math.isnan(row["life"]) else row["life"]
-        best, lives = brute(scene, row["method"], limits, ends, life, whole)
-        row |= {"best_preload": best[1], "best_life": best[0], "lives": lives, "whole": whole}
+        row |= grid_of(scene, row, limits, whole)
     return {"name": name, **case, **found}
 
 
 def solved_again(one: dict[str, Any]) -> dict[str, Any]:
-    """A case of a file with its recommendation as it is now."""
-    found = recommended({key: value for key, value in one.items() if key not in FOUND})
-    rows = [old | new for old, new in zip(one["rows"], found["rows"], strict=True)]
-    return one | found | {"rows": rows}
+    """A case of a file with its recommendation as it is now; with its grid too, if the best of that
+    is not allowed any more or lasts longer or shorter by 1e-3.
+    """
+    case = {key: value for key, value in one.items() if key not in FOUND}
+    scene, limits, found = scene_of(case), DesignLimits(**case["limits"]), recommended(case)
+    for old, new in zip(one["rows"], found["rows"], strict=True):
+        new |= {key: old[key] for key in ("best_preload", "best_life", "lives")}
+        if old["best_life"] > 0.0:
+            life, margins = allowed_life(scene, old["method"], limits, old["best_preload"])
+            if not (min(margins) >= 0.0 and abs(life / old["best_life"] - 1.0) < 1e-3):
+                new |= grid_of(scene, new, limits, old["lives"] > 200)
+    return one | found
+
+
+def grid_of(scene: Scene, row: dict[str, Any], limits: DesignLimits, whole: bool) -> dict[str, Any]:
+    """What the grid has beside a recommendation."""
+    preloads = axes_of(scene).preload_N
+    life = 0.0 if math.isnan(row["life"]) else row["life"]
+    best, lives = brute(scene, row["method"], limits, (preloads[0], preloads[-1]), life, whole)
+    return {"best_preload": best[1], "best_life": best[0], "lives": lives, "whole": whole}
 
 
 def axes_of(scene: Scene) -> MapAxes:
@@ -183,16 +196,8 @@ def brute(
     known: dict[float, tuple[float, np.ndarray]] = {}
 
     def at(preload: float) -> tuple[float, np.ndarray]:
-        """Life [h] and how far the limits are."""
         if preload not in known:
-            made = held_by(scene, method, preload)
-            values = followed_point(made, limits.gyroscopic_slip_share)
-            life, margins = 0.0, np.array([-math.inf])
-            if values["status"] == OK:
-                life = float(values["life"][1]) / 3600.0
-                practical = -1.0 if values["impractical"] else 1.0
-                margins = np.array([*limit_margins(values, limits), practical])
-            known[preload] = life, margins
+            known[preload] = allowed_life(scene, method, limits, preload)
         return known[preload]
 
     def grid(low: float, high: float, step: float) -> list[float]:
@@ -209,6 +214,18 @@ def brute(
                 at(preload)
     allowed = [(life, p) for p, (life, left) in known.items() if min(left) >= 0.0 and life > 0.0]
     return max(allowed, default=(0.0, math.nan)), len(known)
+
+
+def allowed_life(
+    scene: Scene, method: str, limits: DesignLimits, preload: float
+) -> tuple[float, np.ndarray]:
+    """Life [h] and how far the limits are."""
+    values = followed_point(held_by(scene, method, preload), limits.gyroscopic_slip_share)
+    if values["status"] != OK:
+        return 0.0, np.array([-math.inf])
+    practical = -1.0 if values["impractical"] else 1.0
+    margins = np.array([*limit_margins(values, limits), practical])
+    return float(values["life"][1]) / 3600.0, margins
 
 
 def ratio(row: dict[str, Any]) -> float:
