@@ -53,13 +53,14 @@ from bearingwear.studies.design.show import (
 from bearingwear.studies.design.tables import none_because
 from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
 from bearingwear.studies.design.words import (
-    AS_LITTLE,
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
+    NONE_BECAUSE,
     brief_cells,
     brief_units,
     held_words,
     limit_text,
+    without_limits,
 )
 
 TAKE = {
@@ -187,7 +188,7 @@ def _headline(design: xr.Dataset, recommendation: xr.Dataset) -> str:
         for method, one, _ in _lives(recommendation)
     ]
     if not limits_of(recommendation).given:
-        return f"{name}: {AS_LITTLE}"
+        return f"{name}: {without_limits(recommendation.attrs[NONE_BECAUSE])[0]}"
     if not taken:
         return f"{name}: no preload keeps to all limits"
     if int(recommendation["verdict"]) == NEITHER_LONGER:

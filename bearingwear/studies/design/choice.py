@@ -21,7 +21,7 @@ from bearingwear.results.variable import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import limit_text
+from bearingwear.studies.design.words import NO_LIMIT, limit_text
 
 ACTIVE = (
     *LIMITED,
@@ -183,6 +183,8 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
         return "nobody would build or run it at any preload"
+    if not limits.given:
+        return NO_LIMIT
     margin = np.array([one.values for one in limit_margins(line, limits)])
     nearest = usable[margin[:, usable].argmax(axis=1)]
     failed = {

@@ -48,7 +48,7 @@ from bearingwear.studies.design.map import WORN_GROOVE
 from bearingwear.studies.design.recommend import best_method
 from bearingwear.studies.design.show import methods_told, verdict_told
 from bearingwear.studies.design.verdict import NEITHER_LONGER
-from bearingwear.studies.design.words import AS_LITTLE, LIMIT_WORDS
+from bearingwear.studies.design.words import LIMIT_WORDS, NONE_BECAUSE, without_limits
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
@@ -296,7 +296,7 @@ def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = 
     name = scene["name"]
     k = best_method(recommendation)
     if not limits_of(recommendation).given:
-        return f"{name}: {AS_LITTLE}"
+        return f"{name}: {without_limits(recommendation.attrs[NONE_BECAUSE])[0]}"
     if k is None:
         return f"{name}: no preload keeps to all limits"
     basis = counted(recommendation)

@@ -62,7 +62,7 @@ from bearingwear.studies.design.room import (
 )
 from bearingwear.studies.design.search import Found, Request, answered, search
 from bearingwear.studies.design.verdict import held, verdict_on
-from bearingwear.studies.design.words import LIMIT_KEY, NO_LIMIT, NONE_BECAUSE
+from bearingwear.studies.design.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
 
@@ -242,7 +242,8 @@ class Search:
         none = {}
         for k, (line, one) in enumerate(zip(known, found, strict=True)):
             if one is None:
-                none[line.method] = self._why_none(lines.isel(preload_method=k))
+                line_of_map = lines.isel(preload_method=k)
+                none[line.method] = why_none(line_of_map, self.limits, self.basis)
         there = {k: one for k, one in enumerate(found) if one is not None}
         scenes = [self._at(known[k].method, one.best.preload) for k, one in there.items()]
         for (k, one), more in zip(there.items(), self.each(_as_printed, scenes), strict=True):
@@ -292,11 +293,6 @@ class Search:
             for line, preload, exact in requests
         ]
         return list(self.each(_followed, jobs))
-
-    def _why_none(self, line: xr.Dataset) -> str:
-        if not self.limits.given:
-            return NO_LIMIT
-        return why_none(line, self.limits, self.basis)
 
     def _held(self, lines: Sequence[PreloadLine], rows: Sequence[dict[str, Any]]) -> xr.Dataset:
         """How far the choice holds: limits with new preloads, all else at the recommended ones."""

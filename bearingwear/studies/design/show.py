@@ -21,7 +21,6 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.verdict import CLAIMED, NO_COMPARISON, ONE_LONGER, VERDICTS
 from bearingwear.studies.design.words import (
-    AS_LITTLE,
     ASSUMED_WORDS,
     END_KEY,
     GROOVE_WORDS,
@@ -30,9 +29,9 @@ from bearingwear.studies.design.words import (
     NONE_BECAUSE,
     RECOMMENDED_WORDS,
     TRACK_WORDS,
-    WHAT_LIMITS,
     held_words,
     limit_text,
+    without_limits,
 )
 
 
@@ -76,12 +75,14 @@ def recommendation_sheet(file: Any) -> Sheet:
     given = json.loads(getattr(file, "limits", "{}"))
     limits = [in_ascii(limit_text(name, value)) for name, value in given.items() if value]
     rows = [row._replace(values=tuple(map(_known, row.values))) for row in rows]
-    none = json.loads(getattr(file, NONE_BECAUSE, "{}"))
+    because = getattr(file, NONE_BECAUSE, "{}")
+    none = json.loads(because)
+    told = () if limits else without_limits(because)
     heading = (
         f"{scene['name']}: {getattr(file, 'title', 'recommended preload').lower()} "
         f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
         f"friction {scene['friction']['ball_race']:g}",
-        *([told] if (told := in_ascii(verdict_told(file))) else []),
+        *filter(None, [in_ascii(verdict_told(file))]),
         *(line for text in cliffs_told(file) for line in textwrap.wrap(in_ascii(text), 110)),
         *(f"limit: {text}" for text in limits),
         *(
@@ -89,7 +90,7 @@ def recommendation_sheet(file: Any) -> Sheet:
             for method, why in none.items()
             if limits
         ),
-        *([] if limits else [AS_LITTLE, *textwrap.wrap(WHAT_LIMITS, 110)]),
+        *(line for text in told for line in textwrap.wrap(text, 110)),
     )
     attributes = {"warnings": getattr(file, "warnings", "[]")}
     heading += tuple(wrapped_warnings(attributes))

@@ -51,8 +51,8 @@ from bearingwear.studies.design.words import (
     HERTZIAN_LIFE_WORDS,
     LIMIT_WORDS,
     NONE_BECAUSE,
-    WHAT_LIMITS,
     limit_text,
+    without_limits,
 )
 
 
@@ -136,11 +136,12 @@ def _room(recommendation: xr.Dataset) -> list[str]:
 def none_because(recommendation: xr.Dataset) -> list[str]:
     """Why no preload is recommended, a sentence for each method without one."""
     scene = scene_of(recommendation)
+    because = recommendation.attrs.get(NONE_BECAUSE, "{}")
     if not limits_of(recommendation).given:
-        return [WHAT_LIMITS]
+        return list(filter(None, without_limits(because)[1:]))
     return [
         f"No preload by {method_words(scene, method)} keeps to all limits: {why}."
-        for method, why in json.loads(recommendation.attrs.get(NONE_BECAUSE, "{}")).items()
+        for method, why in json.loads(because).items()
     ]
 
 

@@ -1,5 +1,6 @@
 """Limits of the design study and what holds a preload, in words."""
 
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -80,7 +81,7 @@ NONE_BECAUSE = "none_because"
 NO_LIMIT = "no limit was given"
 """Why, where there is nothing to choose by."""
 
-AS_LITTLE = "no limit was given; take as little preload as you dare"
+AS_LITTLE = f"{NO_LIMIT}; take as little preload as you dare"
 """What there is to say without a limit, in a headline."""
 
 WHAT_LIMITS = (
@@ -89,6 +90,15 @@ WHAT_LIMITS = (
     "preloads that keep to it."
 )
 """What a limit does, where none was given."""
+
+
+def without_limits(attribute: str) -> tuple[str, str]:
+    """A headline where no limit was given, and what a limit would do; of `NONE_BECAUSE`."""
+    none = json.loads(attribute)
+    if NO_LIMIT in none.values():
+        return AS_LITTLE, WHAT_LIMITS
+    return f"{NO_LIMIT}; {'; '.join(dict.fromkeys(none.values()))}", ""
+
 
 LIMIT_KEY, END_KEY = "limits.", "wear.end_of_life."
 """Before the name of an assumption that is a limit of the design, or an end of the life."""

@@ -15,6 +15,7 @@ from bearingwear.studies.design.answer import preload_answer
 from bearingwear.studies.design.beside import beside_told
 from bearingwear.studies.design.plan import DesignPlan
 from bearingwear.studies.design.verdict import NEITHER_LONGER
+from bearingwear.studies.design.words import NO_LIMIT, NONE_BECAUSE
 
 CASES = {
     "same": {"words": "nothing", "set": {}},
@@ -101,11 +102,14 @@ def test_an_answer_at_the_end_of_the_map_says_so(files):
         found["preload"][...] = float(getattr(design["preload"], end)())
         answer = preload_answer(design, found)
         assert answer.headline.endswith(f", the {word} preload tried")
-    found.attrs["limits"] = "{}"
+    found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
     answer = preload_answer(design, found.assign(life=np.nan * found["life"]))
     assert answer.headline == "mine: no limit was given; take as little preload as you dare"
     assert "Name what the machine needs" in told(answer)["What a limit does"]
     assert answer.tables[0].slider
+    found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "no life could be solved"})
+    answer = preload_answer(design, found.assign(life=np.nan * found["life"]))
+    assert answer.headline == "mine: no limit was given; no life could be solved"
 
 
 def test_a_sudden_fall_of_the_life_is_in_the_headline(files):

@@ -187,8 +187,8 @@ def test_single_files_are_drawn(folder, tmp_path, capsys):
     scene = str(scene_file("gyro_s1"))
     assert main(["uncertainty", scene, "--samples", "16", "-o", str(spread)]) == 0
     files = {
-        folder / "design.nc": "life, stiffness and slip over preload",
-        folder / "constant_force.nc": "life, stiffness and slip over preload",
+        folder / "design.nc": "life, stiffness of one bearing and slip over preload",
+        folder / "constant_force.nc": "life, stiffness of one bearing and slip over preload",
         folder / "recommendation.nc": "life at the recommended preload",
         folder / "uncertainty.nc": "90\N{NO-BREAK SPACE}% of bearings between",
         spread: "90\N{NO-BREAK SPACE}% of bearings between",

@@ -256,6 +256,16 @@ def test_nothing_is_recommended_without_a_limit(tmp_path, capsys):
     assert "over the preload, constant force" in text and "stiffness, arrangement" in text
 
 
+def test_what_cannot_be_solved_is_not_a_question_of_limits(capsys):
+    from bearingwear.cli import main
+
+    scene = str(scene_file("gyro_s1"))
+    assert main(["recommend", scene, "--set", "operation.preload_N=1e7"]) == 3
+    said = capsys.readouterr()
+    assert "no limit was given; no life could be solved" in said.out and "dare" not in said.out
+    assert "no life could be solved at any preload" in said.err
+
+
 def test_limits_out_of_reach_have_no_table_of_dashes(capsys):
     from bearingwear.cli import main
 
