@@ -146,6 +146,7 @@ def test_a_pair_is_studied_by_its_map(study, tmp_path):
     assert set(lines) <= set(told.splitlines())
     page = text_of(folder / "index.html")
     assert re.search("<h1>gyro_s1: take a (spring|rigid) pair ", page)
+    assert "L10 (h)" in page and "L10 and L50 are those of the middle batch" in page
     text = (folder / "results/mine/preload/tables/design.md").read_text(encoding="utf-8")
     assert "| recommended | spring pair | rigid pair |" in text
     found = load(folder / "results/mine/preload/recommendation.nc")

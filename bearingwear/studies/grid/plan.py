@@ -71,8 +71,9 @@ class Plan:
                 for scene in overlay.scenes:
                     self._check_studied(f"{kind}.{name}", scene, overlay.friction)
         for scene in self.uncertain_lives.scenes:
-            if scene not in self.grids:
-                allowed = ", ".join(self.grids) or "none, since studies is empty"
+            # without any grid, as of a pair, they go with recommended preloads alone
+            if self.grids and scene not in self.grids:
+                allowed = ", ".join(self.grids)
                 raise ValueError(f"config: uncertain_lives.scenes: got {scene}, expected {allowed}")
         for scene in self.config.figures.running_averages:
             if scene not in self.dynamic:
@@ -204,7 +205,7 @@ class Plan:
         return [
             f"results/{scene}/spread/mu{mu:.3f}.nc"
             for scene in self.uncertain_lives.scenes
-            if scene in (scenes or self.uncertain_lives.scenes)
+            if scene in (scenes or self.grids)
             for mu in self.grids[scene].friction
         ]
 

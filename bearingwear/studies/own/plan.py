@@ -23,7 +23,8 @@ HALF_OF_THE_LIVES = 64
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
     """Configuration files of a study of a scene, as plain data by their paths.
 
-    Of a pair: the map that compares spring and rigid pair, and no states of wear of a bearing.
+    Of a pair: the map that compares spring and rigid pair, with the spread of the recommended lives,
+    and no states of wear of a bearing.
 
     Raises
     ------
@@ -51,7 +52,7 @@ def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[
     }
     if scene.pair is not None:
         config["studies"] = []
-    elif scene.uncertainty:
+    if scene.uncertainty:
         config["uncertain_lives"] = {"scenes": [name], "samples": HALF_OF_THE_LIVES}
     small_map = {axis: list(values) for axis, values in vars(axes).items()}
     of_scene = {"small_map": small_map, "limits": limits.given, "beside": _beside(scene)}
