@@ -161,6 +161,7 @@ def _lived(plan: Plan) -> list[Step]:
             {
                 (scene, f"{mu:.3f}"): (scene, mu)
                 for scene in plan.uncertain_lives.scenes
+                if scene in plan.grids
                 for mu in plan.grids[scene].friction
             },
             scene=SCENE,
