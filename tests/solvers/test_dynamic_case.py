@@ -20,11 +20,12 @@ from support import ROOT, scene_file
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.model import dynamic_run, time_run
 from bearingwear.results import variables
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.restart import restart_from
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.dynamic import run as dynamic_run
+from bearingwear.solvers.dynamic import windows as time_run
 from bearingwear.solvers.effects.choice import NotAvailable, choice, choice_for_life
 
 S1 = scene_file("gyro_s1")
