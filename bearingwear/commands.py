@@ -98,7 +98,7 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
 
 def check(args: argparse.Namespace) -> int:
     from bearingwear.results.warnings import warning_line
-    from bearingwear.solvers.effects.choice import accuracy_told, choice, effort
+    from bearingwear.solvers.effects.choice import accuracy_sentence, choice, effort
     from bearingwear.solvers.effects.warnings import warnings_of
 
     scene = _scene(args)
@@ -106,7 +106,7 @@ def check(args: argparse.Namespace) -> int:
     print(f"{args.scene}: valid; {scene.name} would be solved with {chosen.fidelity}")
     for reason in chosen.reasons:
         print(f"  {reason}")
-    print(f"  {accuracy_told(scene, chosen)}")
+    print(f"  {accuracy_sentence(scene, chosen)}")
     print(f"  {effort(scene, chosen)}")
     for warning in warnings_of(scene, chosen):
         print(f"  {warning_line(warning)}")

@@ -50,7 +50,7 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
     every = life.nodes if life.beyond is None else [*life.nodes, life.beyond]
     attrs = {
         "solves": len(every),
-        "steady_life_of": steady_told(scene),
+        "steady_life_of": steady_sentence(scene),
         "residual": f"of the last run: {run_at(every[-1]).residual}",
     }
     if life.nodes[0].status == code.OK:
@@ -134,7 +134,7 @@ def steady_scene(scene: Scene) -> Scene:
     return replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
 
 
-def steady_told(scene: Scene) -> str:
+def steady_sentence(scene: Scene) -> str:
     """Sentence on what the steady life leaves out of a scene."""
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     return f"the scene without {', '.join(left)}" if left else "the scene"

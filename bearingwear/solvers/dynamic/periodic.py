@@ -40,9 +40,9 @@ class PeriodicMotion:
     growth: GrowthRates | None = None  # of its disturbances, where it was asked for and found
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """Whether it lasts, in words."""
-        return self.growth.told if self.growth else "stability not known"
+        return self.growth.sentence if self.growth else "stability not known"
 
 
 class Passing:

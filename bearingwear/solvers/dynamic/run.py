@@ -192,7 +192,7 @@ def kept_periodic(
         return None, kind
     if is_marched_instead(scene, motion.growth):
         system.unpack(*begun)
-        return None, f"{kind}; a periodic motion was found and left, {motion.told}"
+        return None, f"{kind}; a periodic motion was found and left, {motion.sentence}"
     return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
 
 
@@ -227,7 +227,7 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
     drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} a turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
-        f"{motion.error:.1e} of the largest speed; {motion.told}{drift}"
+        f"{motion.error:.1e} of the largest speed; {motion.sentence}{drift}"
     )
 
 

@@ -50,7 +50,7 @@ class GrowthRates:
         return dict(zip(GROWTHS, (self.spacing, self.other), strict=True))
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """The same in words."""
         if self.other > LEAST_GROWTH:
             return f"unstable: disturbances grow e-fold in {_turns(self.other)}"
@@ -76,9 +76,7 @@ def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
     return asked == "auto" and growth is not None and growth.other > LEAST_GROWTH
 
 
-def unstable_told(
-    scene: Scene, values: Mapping[str, float]
-) -> tuple[None, Mapping[str, Any]] | None:
+def instability(scene: Scene, values: Mapping[str, float]) -> tuple[None, Mapping[str, Any]] | None:
     """What is said of a periodic motion that does not last, and the advice."""
     spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
     if other > LEAST_GROWTH:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bearingwear.measures import ENDS
-from bearingwear.solvers.dynamic.stability import unstable_told
+from bearingwear.solvers.dynamic.stability import instability
 from bearingwear.solvers.effects.choice import unwatched
 from bearingwear.solvers.effects.criterion import criteria_passed, criterion_met, value_along
 from bearingwear.solvers.effects.evidence import Evidence
@@ -98,8 +98,8 @@ def _unwatched(e: Evidence) -> Finding | None:
 
 def _assumed(e: Evidence) -> Finding | None:
     speed = e.scene.operation.shaft_speed_rpm
-    told = SPEED_ASSUMED.format(speed) in e.scene.description
-    return (None, {"value": speed}) if told else None
+    is_assumed = SPEED_ASSUMED.format(speed) in e.scene.description
+    return (None, {"value": speed}) if is_assumed else None
 
 
 def _weightless(e: Evidence) -> Finding | None:
@@ -288,7 +288,7 @@ CAUTIONS = (
     ),
     Caution(
         "motion_unstable",
-        lambda e: unstable_told(e.scene, e.state.values),
+        lambda e: instability(e.scene, e.state.values),
         "the periodic motion does not last: {said}",
         "{advice}",
     ),

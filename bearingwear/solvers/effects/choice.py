@@ -7,9 +7,9 @@ from bearingwear.kernels.build.folder import compile_time, is_compiled
 from bearingwear.scene.accuracy import CAGE_TOLERANCE, FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.effects.films import films_refused, films_told
-from bearingwear.solvers.effects.growth import growth_told
-from bearingwear.solvers.effects.motion import check_solution, is_found_periodic, solution_told
+from bearingwear.solvers.effects.films import film_sentences, films_refused
+from bearingwear.solvers.effects.growth import growth_sentences
+from bearingwear.solvers.effects.motion import check_solution, is_found_periodic, motion_sentence
 from bearingwear.solvers.errors import NotAvailable as NotAvailable
 
 ASKED_FOR = "asked for by the scene or the command"
@@ -151,7 +151,7 @@ def _refusal(scene: Scene, wanted: str, problem: str, others: str) -> NotAvailab
 
 
 def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
-    told = {"race_control": _race_control, "steady": _steady, "dynamic": _dynamic}
+    sentences = {"race_control": _race_control, "steady": _steady, "dynamic": _dynamic}
     contact = [_slip(scene), _traction(scene, fidelity)]
     # whoever asks for the dynamic model by name gets the cage too
     cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
@@ -159,15 +159,15 @@ def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
     motion: tuple[str, ...] = ()
     if fidelity == "dynamic":
         check_solution(chosen.reduced(scene))
-        motion = (solution_told(chosen.reduced(scene)),)
-    cage_told = [] if chosen.cage else _no_cage(scene)
+        motion = (motion_sentence(chosen.reduced(scene)),)
+    no_cage = [] if chosen.cage else _no_cage(scene)
     reasons = (
         f"{fidelity}: {why}",
         *_pair(scene),
-        *films_told(scene),
-        *told[fidelity](chosen.reduced(scene)),
-        *growth_told(scene),
-        *cage_told,
+        *film_sentences(scene),
+        *sentences[fidelity](chosen.reduced(scene)),
+        *growth_sentences(scene),
+        *no_cage,
         *motion,
         *contact,
     )
@@ -239,18 +239,18 @@ def spin_across_share(scene: Scene) -> float:
     return max(shares)
 
 
-def accuracy_told(scene: Scene, chosen: Choice) -> str:
+def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
     """The settings of accuracy that a solve uses, in words."""
     model = scene.model
     across = f" times {model.points_across} across" if model.slip_is_over == "ellipse" else ""
-    told = (
+    always = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
         f", slip rounded below {scene.friction.slip_regularisation_m_s:g} m/s"
     )
     if chosen.fidelity != "dynamic":
-        return told
+        return always
     return (
-        f"{told}, step tolerance {model.dynamic_tolerance:g}, at most {model.simulated_turns:g} "
+        f"{always}, step tolerance {model.dynamic_tolerance:g}, at most {model.simulated_turns:g} "
         f"turns, settled at {model.settled_drift:g}"
     )
 
@@ -305,16 +305,16 @@ def _percent(share: float) -> str:
 
 
 def _race_control(scene: Scene) -> list[str]:
-    told = [
+    sentences = [
         "ball motion: from Jones-Harris race control, not from a balance of friction; slip, QV "
         "and wear are estimates",
         f"balls: {scene.bearing.ball_count}, each in its own equilibrium",
     ]
     if scene.operation.rotating_load_N:
-        told.append("rotating load: taken at the instant when it points along +Z")
+        sentences.append("rotating load: taken at the instant when it points along +Z")
     if scene.lubricant.drag_density_kg_m3:
-        told.append("lubricant drag: left out, because race control has no skidding")
-    return told
+        sentences.append("lubricant drag: left out, because race control has no skidding")
+    return sentences
 
 
 def _steady(scene: Scene) -> list[str]:
@@ -340,11 +340,11 @@ def _pair(scene: Scene) -> list[str]:
     if a is None:
         return []
     if a.is_symmetric:
-        told = "two identical bearings, no external force: solved as one"
+        solved = "two identical bearings, no external force: solved as one"
     else:
-        told = "each bearing at its own place, the rotor in balance between them"
+        solved = "each bearing at its own place, the rotor in balance between them"
     held = "their distance is kept" if a.kind == "rigid_pair" else "a spring loads the second"
-    both = [f"{a.kind.replace('_', ' ')}: {told}; {held}"]
+    both = [f"{a.kind.replace('_', ' ')}: {solved}; {held}"]
     if max(a.tandem) > 1:
         each = " and ".join(map(str, a.tandem))
         both.append(f"tandem: {each} bearings on the two sides, alike; each bears its share")
@@ -373,7 +373,7 @@ def _dynamic(scene: Scene) -> list[str]:
         loads.append("radial load fixed in space")
     if operation.rotating_load_N:
         loads.append("radial load that turns with the shaft, along +Z at the start")
-    told = [
+    sentences = [
         f"balls: {scene.bearing.ball_count}, each with three rotations and its orbit as states in "
         "time, its centre in equilibrium of normal forces at each instant",
         "inner race: "
@@ -385,20 +385,20 @@ def _dynamic(scene: Scene) -> list[str]:
         *_forces(scene),
     ]
     if len(set(scene.wear.ball_diameter_loss_um)) > 1:
-        told.append("ball diameters: one for each ball, as worn")
+        sentences.append("ball diameters: one for each ball, as worn")
     if cage is not None:
         guide = "balls" if cage.guiding_race == "ball" else f"land of the {cage.guiding_race} race"
         g = math.hypot(*operation.gravity_m_s2)
         weight = f"gravity {g:.3g} m/s2" if g else "weightless, no operation.gravity_m_s2"
         balance = f", imbalance {cage.imbalance_um:g} um" if cage.imbalance_um else ""
-        told.append(f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}")
+        sentences.append(f"cage: six degrees of freedom, guided by the {guide}; {weight}{balance}")
         steps = scene.model.dynamic_tolerance
         if steps > CAGE_TOLERANCE:
-            told.append(f"steps: tolerance {steps:g}; for wear of the cage it needs 0.001")
+            sentences.append(f"steps: tolerance {steps:g}; for wear of the cage it needs 0.001")
         elif steps == CAGE_TOLERANCE:
-            told.append("steps: tolerance 0.001, for wear of the cage to 10 % in one motion")
-    told.append(
+            sentences.append("steps: tolerance 0.001, for wear of the cage to 10 % in one motion")
+    sentences.append(
         "Coriolis force and radial inertia of the balls: left out, as in the source of the model; "
         "the energy account books the first"
     )
-    return told
+    return sentences

@@ -12,17 +12,17 @@ from bearingwear.solvers.bearing.films import Films, friction_at, friction_law, 
 from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
 
 
-def films_told(scene: Scene) -> list[str]:
+def film_sentences(scene: Scene) -> list[str]:
     """Films and running in of a scene, in words; nothing where there are none."""
     films, given = Films.of(scene), scene.friction.film
-    told = []
+    sentences = []
     if given is not None:
-        told.append(
+        sentences.append(
             f"friction: of a film, {given.shear_strength_MPa:g} MPa over the mean pressure of each "
             f"contact{_and(given.pressure_coefficient)}; about {_at_rest(scene)} at rest"
         )
     if films.exponent:
-        told.append(
+        sentences.append(
             f"wear of films: as (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, p the mean "
             "pressure of each contact; of a dynamic case by its mean load, in its history by the "
             "load at the instant"
@@ -35,14 +35,14 @@ def films_told(scene: Scene) -> list[str]:
         thick = "never worn through"
         if math.isfinite(surface.thickness):
             thick = f"{surface.thickness / UM:g} um on each, {_then(scene)}"
-        told.append(f"film of the {part}: K_s/H {factor:.2g} m2/N; {thick}")
+        sentences.append(f"film of the {part}: K_s/H {factor:.2g} m2/N; {thick}")
     for part, surface in coated.items():
         if surface.running_in:
-            told.append(
+            sentences.append(
                 f"running in of the {part}: K_s from {surface.first:g} to "
                 f"{float(surface.below.K_s):g}, over {surface.running_in / UM:g} um"
             )
-    return told
+    return sentences
 
 
 def films_refused(scene: Scene, fidelity: str) -> str:

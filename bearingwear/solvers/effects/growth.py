@@ -29,7 +29,7 @@ MOST_LEFT_OUT = 0.1
 WARMER = 5.0
 """Inner ring above the rest [K] in the warning, assumed."""
 
-Told = tuple[float | None, Mapping[str, Any]]
+LeftOut = tuple[float | None, Mapping[str, Any]]
 """A change over the negligible one (None for a fact), and what fills a warning."""
 
 _STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
@@ -88,43 +88,43 @@ def _effect(scene: Scene, change: float) -> str:
     return f"about {size} % of the preload at rest"
 
 
-def growth_told(scene: Scene) -> list[str]:
+def growth_sentences(scene: Scene) -> list[str]:
     """Sentences on the growth that a solve includes or leaves out."""
     b, o = scene.bearing, scene.operation
-    told = []
+    sentences = []
     if o.shaft_speed_rpm or o.outer_speed_rpm:
         size = _effect(scene, change_at_speed(scene))
         if b.bore_mm is not None:
-            told.append(f"growth of the rings at speed: solved; {size}")
+            sentences.append(f"growth of the rings at speed: solved; {size}")
         else:
             bore = f"a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate"
-            told.append(
+            sentences.append(
                 "growth of the rings at speed: left out, bearing.bore_mm is not given; "
                 + (f"{size} ({bore})" if is_held(scene) else size)
             )
     if o.outer_speed_rpm and b.outside_diameter_mm is None:
-        told.append(
+        sentences.append(
             "growth of the turning outer ring: left out, bearing.outside_diameter_mm is not given"
         )
     growth = growth_of(scene)
     if scene.thermal is not None:
         rough = "; conductances are known roughly, and so is the preload" if is_held(scene) else ""
-        told.append(f"temperature: of rings and balls, found from the friction heat{rough}")
+        sentences.append(f"temperature: of rings and balls, found from the friction heat{rough}")
     elif scene.temperature is not None:
         alone = Growth(growth.heat, _STILL, _STILL)
-        told.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")
+        sentences.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")
     elif is_held(scene):
         size = _effect(scene, change_by_warm_ring(scene, 1.0))
-        told.append(f"temperature: left out; {size} for each K that the inner ring is warmer")
+        sentences.append(f"temperature: left out; {size} for each K that the inner ring is warmer")
     else:
-        told.append(f"temperature: left out; {_effect(scene, math.nan)}")
+        sentences.append(f"temperature: left out; {_effect(scene, math.nan)}")
     if scene.fits is not None:
         alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
-        told.append(f"fits: solved; {_effect(scene, preload_change(scene, alone))}")
-    return told
+        sentences.append(f"fits: solved; {_effect(scene, preload_change(scene, alone))}")
+    return sentences
 
 
-def growth_left_out(scene: Scene) -> Told | None:
+def growth_left_out(scene: Scene) -> LeftOut | None:
     """The warning of growth at speed that is left out at a fixed position."""
     if scene.bearing.bore_mm is not None or not is_held(scene):
         return None
@@ -133,7 +133,7 @@ def growth_left_out(scene: Scene) -> Told | None:
     return abs(change) / MOST_LEFT_OUT, words
 
 
-def temperature_left_out(scene: Scene) -> Told | None:
+def temperature_left_out(scene: Scene) -> LeftOut | None:
     """The warning of temperatures that are left out at a fixed position."""
     if scene.temperature is not None or scene.thermal is not None or not is_held(scene):
         return None
@@ -141,7 +141,7 @@ def temperature_left_out(scene: Scene) -> Told | None:
     return abs(change) / MOST_LEFT_OUT, {"value": 100.0 * change, "kelvin": WARMER}
 
 
-def fit_lost(scene: Scene) -> Told | None:
+def fit_lost(scene: Scene) -> LeftOut | None:
     """The warning of seats that are tight at rest and loose when the bearing runs."""
     growth = growth_of(scene)
     seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}

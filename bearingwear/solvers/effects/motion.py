@@ -44,7 +44,7 @@ def check_solution(scene: Scene) -> None:
         )
 
 
-def solution_told(scene: Scene) -> str:
+def motion_sentence(scene: Scene) -> str:
     """How the motion is found, and why, in words."""
     if is_found_periodic(scene):
         return "motion: found as a periodic one, the balls evenly spaced as a cage would keep them"
