@@ -7,11 +7,10 @@ measured by the study of accuracy (docs/accuracy.md); a single key in a scene ov
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -146,7 +145,7 @@ def accuracy_preset(accuracy: str | float) -> AccuracyPreset:
     return next((preset for preset in PRESETS if preset.error <= accuracy), PRESETS[-1])
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Model:
     """What overrides the program's own choice of model and accuracy.
 
@@ -154,163 +153,138 @@ class Model:
     it changes nothing.
     """
 
-    fidelity: Annotated[str, Key("The model to solve", choices=FIDELITIES)] = "auto"
-    contact: Annotated[
-        str,
-        Key(
-            "The model of the contacts: paper takes slip on the centre line of the ellipse and "
-            "leaves traction out of the balance of normal forces, hertz takes slip over the whole "
-            "ellipse and traction into the balance, worn also follows the grooves along a life, "
-            "auto is hertz, or worn for lives whose wear is deep enough",
-            choices=CONTACTS,
-        ),
-    ] = "auto"
-    slip_over: Annotated[
-        str | None,
-        Key("Where slip is evaluated, overrides model.contact", choices=SLIP_OVER),
-    ] = None
-    normal_balance: Annotated[
-        str | None,
-        Key(
-            "Whether traction is in the balance of normal forces, overrides model.contact",
-            choices=NORMAL_BALANCES,
-        ),
-    ] = None
-    cage_results: Annotated[
-        bool, Key("Solve motion and wear of the cage, which takes the dynamic model")
-    ] = False
-    accuracy: Annotated[
-        str | float,
-        Key(
-            'Sets all keys of accuracy together (those with the default "by model.accuracy"), '
-            "as a preset or as the error of total QV aimed at. With cage_results or a limit of a "
-            f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}",
-            within="[0.0001, 0.1]",
-            choices=tuple(NAMED_PRESETS),
-        ),
-    ] = "standard"
-    strips: Annotated[
-        int,
-        Key(
-            "Points or strips along each contact ellipse (split: the most points, a quarter of "
-            "them on each side of a pure-rolling point, and never fewer than 20)",
-            "1",
-            "[2, 2000]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.over_ellipse[0]
-    points_across: Annotated[
-        int,
-        Key(
-            "Points across each strip, where slip is evaluated over the ellipse",
-            "1",
-            "[1, 200]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.over_ellipse[1]
-    quadrature: Annotated[
-        str,
-        Key(
-            "Rule over the contact ellipse, Gauss-Legendre on each half of the major axis, Gauss-"
-            "Legendre split at the pure-rolling points and gathered there, or equal strips",
-            choices=("gauss", "split", "strips"),
-            default_by=ACCURACY,
-        ),
-    ] = "split"
-    steady_starts: Annotated[
-        int,
-        Key(
-            "Most starts of the search for other steady states, where the force along the orbit"
-            " allows one (0 searches none), steady only",
-            "1",
-            "[0, 10000]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.steady_starts
-    simulated_turns: Annotated[
-        float, Key("Shaft turns simulated, dynamic only", "1", "(0, 1e6]", default_by=ACCURACY)
-    ] = STANDARD.simulated_turns
-    evaluated_turns: Annotated[
-        float | None,
-        Key(
-            "Shaft turns at the end of the simulated ones over which averages are taken, their "
-            "second half if left out (at most model.simulated_turns)",
-            "1",
-            "(0, 1e6]",
-        ),
-    ] = None
-    history_points_per_turn: Annotated[
-        int,
-        Key(
-            "Points of the histories per shaft turn, none at 0 (at most a million in all), "
-            "dynamic only",
-            "1",
-            "[0, 10000]",
-        ),
-    ] = 20
-    integrator: Annotated[
-        str,
-        Key(
-            "Method of time integration, a linearly implicit one or the source's explicit one",
-            choices=("rosenbrock", "runge_kutta"),
-        ),
-    ] = "rosenbrock"
-    dynamic_solution: Annotated[
-        str,
-        Key(
-            "How the dynamic model finds a motion: march runs until it settles, periodic solves "
-            "for it (like balls, no cage, one load that stands still or turns), auto takes "
-            "periodic where it applies and no history is asked for",
-            choices=("auto", "periodic", "march"),
-        ),
-    ] = "auto"
-    dynamic_tolerance: Annotated[
-        float,
-        Key(
-            "Allowed error of slip velocities in one time step, over the mean slip, dynamic only",
-            "1",
-            "[1e-9, 1]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.dynamic_tolerance
-    settled_drift: Annotated[
-        float,
-        Key(
-            "Largest relative change of QV and wear still to come at which a run counts as "
-            "settled and ends, dynamic only",
-            "1",
-            "(0, 1]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.settled_drift
-    land_stiffness_factor: Annotated[
-        float,
-        Key(
-            "Factor on the assumed stiffness of the guiding land, to show what depends on it",
-            "1",
-            "(0, 1000]",
-        ),
-    ] = 1.0
-    life_steps: Annotated[
-        int,
-        Key(
-            "Approximate number of wear steps of a dynamic life, each with a short run",
-            "1",
-            "[2, 10000]",
-        ),
-    ] = 12
-    life_run_in_turns: Annotated[
-        float,
-        Key(
-            "Shaft turns before the first rates of a dynamic life, for the cage to forget its "
-            "start, none without a cage",
-            "1",
-            "[0, 1e6]",
-        ),
-    ] = 200.0
-    tolerance: Annotated[
-        float, Key("Relative error tolerance of the life", "1", "[1e-12, 0.1]", default_by=ACCURACY)
-    ] = STANDARD.tolerance
+    fidelity: str = setting("The model to solve", choices=FIDELITIES, default="auto")
+    contact: str = setting(
+        "The model of the contacts: paper takes slip on the centre line of the ellipse and "
+        "leaves traction out of the balance of normal forces, hertz takes slip over the whole "
+        "ellipse and traction into the balance, worn also follows the grooves along a life, "
+        "auto is hertz, or worn for lives whose wear is deep enough",
+        choices=CONTACTS,
+        default="auto",
+    )
+    slip_over: str | None = setting(
+        "Where slip is evaluated, overrides model.contact", choices=SLIP_OVER, default=None
+    )
+    normal_balance: str | None = setting(
+        "Whether traction is in the balance of normal forces, overrides model.contact",
+        choices=NORMAL_BALANCES,
+        default=None,
+    )
+    cage_results: bool = setting(
+        "Solve motion and wear of the cage, which takes the dynamic model", default=False
+    )
+    accuracy: str | float = setting(
+        'Sets all keys of accuracy together (those with the default "by model.accuracy"), '
+        "as a preset or as the error of total QV aimed at. With cage_results or a limit of a "
+        f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}",
+        within="[0.0001, 0.1]",
+        choices=tuple(NAMED_PRESETS),
+        default="standard",
+    )
+    strips: int = setting(
+        "Points or strips along each contact ellipse (split: the most points, a quarter of "
+        "them on each side of a pure-rolling point, and never fewer than 20)",
+        "1",
+        "[2, 2000]",
+        default_by=ACCURACY,
+        default=STANDARD.over_ellipse[0],
+    )
+    points_across: int = setting(
+        "Points across each strip, where slip is evaluated over the ellipse",
+        "1",
+        "[1, 200]",
+        default_by=ACCURACY,
+        default=STANDARD.over_ellipse[1],
+    )
+    quadrature: str = setting(
+        "Rule over the contact ellipse, Gauss-Legendre on each half of the major axis, Gauss-"
+        "Legendre split at the pure-rolling points and gathered there, or equal strips",
+        choices=("gauss", "split", "strips"),
+        default_by=ACCURACY,
+        default="split",
+    )
+    steady_starts: int = setting(
+        "Most starts of the search for other steady states, where the force along the orbit"
+        " allows one (0 searches none), steady only",
+        "1",
+        "[0, 10000]",
+        default_by=ACCURACY,
+        default=STANDARD.steady_starts,
+    )
+    simulated_turns: float = setting(
+        "Shaft turns simulated, dynamic only",
+        "1",
+        "(0, 1e6]",
+        default_by=ACCURACY,
+        default=STANDARD.simulated_turns,
+    )
+    evaluated_turns: float | None = setting(
+        "Shaft turns at the end of the simulated ones over which averages are taken, their "
+        "second half if left out (at most model.simulated_turns)",
+        "1",
+        "(0, 1e6]",
+        default=None,
+    )
+    history_points_per_turn: int = setting(
+        "Points of the histories per shaft turn, none at 0 (at most a million in all), "
+        "dynamic only",
+        "1",
+        "[0, 10000]",
+        default=20,
+    )
+    integrator: str = setting(
+        "Method of time integration, a linearly implicit one or the source's explicit one",
+        choices=("rosenbrock", "runge_kutta"),
+        default="rosenbrock",
+    )
+    dynamic_solution: str = setting(
+        "How the dynamic model finds a motion: march runs until it settles, periodic solves "
+        "for it (like balls, no cage, one load that stands still or turns), auto takes "
+        "periodic where it applies and no history is asked for",
+        choices=("auto", "periodic", "march"),
+        default="auto",
+    )
+    dynamic_tolerance: float = setting(
+        "Allowed error of slip velocities in one time step, over the mean slip, dynamic only",
+        "1",
+        "[1e-9, 1]",
+        default_by=ACCURACY,
+        default=STANDARD.dynamic_tolerance,
+    )
+    settled_drift: float = setting(
+        "Largest relative change of QV and wear still to come at which a run counts as "
+        "settled and ends, dynamic only",
+        "1",
+        "(0, 1]",
+        default_by=ACCURACY,
+        default=STANDARD.settled_drift,
+    )
+    land_stiffness_factor: float = setting(
+        "Factor on the assumed stiffness of the guiding land, to show what depends on it",
+        "1",
+        "(0, 1000]",
+        default=1.0,
+    )
+    life_steps: int = setting(
+        "Approximate number of wear steps of a dynamic life, each with a short run",
+        "1",
+        "[2, 10000]",
+        default=12,
+    )
+    life_run_in_turns: float = setting(
+        "Shaft turns before the first rates of a dynamic life, for the cage to forget its "
+        "start, none without a cage",
+        "1",
+        "[0, 1e6]",
+        default=200.0,
+    )
+    tolerance: float = setting(
+        "Relative error tolerance of the life",
+        "1",
+        "[1e-12, 0.1]",
+        default_by=ACCURACY,
+        default=STANDARD.tolerance,
+    )
 
     @property
     def slip_is_over(self) -> str:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.errors import SceneError, shown
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -41,73 +41,63 @@ OWN_BLOCKS = (
 """Blocks of a scene in which the second bearing may differ."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Arrangement:
     """How many bearings hold the rotor, and how."""
 
-    kind: Annotated[
-        str,
-        Key(
-            "One bearing, a pair held by a fixed distance (fixed_position), or a pair of which a "
-            "spring loads the second (constant_force)",
-            choices=ARRANGEMENTS,
-        ),
-    ] = "single"
-    orientation: Annotated[
-        str,
-        Key(
-            "Whether the contact lines of a pair meet the axis outside it (back to back) or inside",
-            choices=("back_to_back", "face_to_face"),
-        ),
-    ] = "back_to_back"
-    external_axial_N: Annotated[
-        float,
-        Key(
-            "Axial force on the rotor of a pair towards +X: loads the first bearing, relieves the "
-            "second",
-            "N",
-            "[-1e7, 1e7]",
-        ),
-    ] = 0.0
-    spring_stiffness_N_um: Annotated[
-        float, Key("Stiffness of the spring of a spring pair", "N/um", "[0, 1e6]")
-    ] = 0.0
-    rotor_mass_kg: Annotated[
-        float | None, Key("Mass of the rotor of a pair, for its frequencies", "kg", "(0, 1e6]")
-    ] = None
-    span_mm: Annotated[
-        float | None,
-        Key("Distance of the two bearings' centres, for the rotor's frequencies", "mm", "(0, 1e5]"),
-    ] = None
-    rotor_transverse_inertia_kg_mm2: Annotated[
-        float | None,
-        Key(
-            "Moment of inertia of the rotor about a transverse axis through its centre of mass, "
-            "half way between the bearings (if left out, assumed as of a slender rod of that mass "
-            "and span)",
-            "kg mm2",
-            "(0, 1e12]",
-        ),
-    ] = None
-    tandem: Annotated[
-        tuple[int, ...],
-        Key(
-            "Bearings in tandem on the first and on the second side of a pair: alike, and each "
-            "bears its share of the side's axial force",
-            each=f"Whole number in [1, {MOST_IN_TANDEM}]",
-            least=2,
-            most=2,
-            minimum=1,
-            maximum=MOST_IN_TANDEM,
-        ),
-    ] = (1, 1)
-    second: Annotated[
-        Mapping[str, Any],
-        Key(
-            "Keys and values of the second bearing of a pair that differ from this scene",
-            allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25",
-        ),
-    ] = field(default_factory=dict)
+    kind: str = setting(
+        "One bearing, a pair held by a fixed distance (fixed_position), or a pair of which a "
+        "spring loads the second (constant_force)",
+        choices=ARRANGEMENTS,
+        default="single",
+    )
+    orientation: str = setting(
+        "Whether the contact lines of a pair meet the axis outside it (back to back) or inside",
+        choices=("back_to_back", "face_to_face"),
+        default="back_to_back",
+    )
+    external_axial_N: float = setting(
+        "Axial force on the rotor of a pair towards +X: loads the first bearing, relieves the "
+        "second",
+        "N",
+        "[-1e7, 1e7]",
+        default=0.0,
+    )
+    spring_stiffness_N_um: float = setting(
+        "Stiffness of the spring of a spring pair", "N/um", "[0, 1e6]", default=0.0
+    )
+    rotor_mass_kg: float | None = setting(
+        "Mass of the rotor of a pair, for its frequencies", "kg", "(0, 1e6]", default=None
+    )
+    span_mm: float | None = setting(
+        "Distance of the two bearings' centres, for the rotor's frequencies",
+        "mm",
+        "(0, 1e5]",
+        default=None,
+    )
+    rotor_transverse_inertia_kg_mm2: float | None = setting(
+        "Moment of inertia of the rotor about a transverse axis through its centre of mass, "
+        "half way between the bearings (if left out, assumed as of a slender rod of that mass "
+        "and span)",
+        "kg mm2",
+        "(0, 1e12]",
+        default=None,
+    )
+    tandem: tuple[int, ...] = setting(
+        "Bearings in tandem on the first and on the second side of a pair: alike, and each "
+        "bears its share of the side's axial force",
+        each=f"Whole number in [1, {MOST_IN_TANDEM}]",
+        least=2,
+        most=2,
+        minimum=1,
+        maximum=MOST_IN_TANDEM,
+        default=(1, 1),
+    )
+    second: Mapping[str, Any] = setting(
+        "Keys and values of the second bearing of a pair that differ from this scene",
+        allowed="KEY: VALUE, wear.ball_diameter_loss_um: 0.25",
+        default_factory=dict,
+    )
 
     def __post_init__(self) -> None:
         flat = dict(_flat(self.second))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
     "life_h",
@@ -35,10 +34,10 @@ SEEN_AS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Calibrated:
     """By which tests `bearingwear calibrate` found friction and wear coefficients of a scene."""
 
-    tests: Annotated[str, Key("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")]
-    sha256: Annotated[str, Key("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)]
-    rows: Annotated[int, Key("Tests in it", "1", minimum=1)]
+    tests: str = setting("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")
+    sha256: str = setting("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)
+    rows: int = setting("Tests in it", "1", minimum=1)

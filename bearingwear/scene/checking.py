@@ -17,12 +17,10 @@ import numbers
 import os
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from bearingwear.scene.errors import SceneError, short, shown, yaml_number
-from bearingwear.scene.records import NAME, Key, Part, part_at, whole
-
-R = TypeVar("R")
+from bearingwear.scene.records import NAME, Key, Part, R, part_at, whole
 
 DEEPEST = 20
 """Limit of blocks within blocks; a scene has three."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from bearingwear.scene.accuracy import ACCURACY, STANDARD
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -15,121 +14,109 @@ if TYPE_CHECKING:
 _THICKNESS, _SHARE = "(0, 1000]", "(0, 1]"
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Film:
     """A solid film on balls or races."""
 
-    thickness_um: Annotated[float, Key("Thickness of the film when new", "um", _THICKNESS)]
-    wear_coefficient: Annotated[
-        float | None,
-        Key("Wear coefficient of the film, that of friction.film if left out", "1", _SHARE),
-    ] = None
-    brinell_hardness_GPa: Annotated[
-        float | None,
-        Key(
-            "Hardness of the film, that of friction.film, or of what lies below, if left out",
-            "GPa",
-            "[0.001, 100]",
-        ),
-    ] = None
+    thickness_um: float = setting("Thickness of the film when new", "um", _THICKNESS)
+    wear_coefficient: float | None = setting(
+        "Wear coefficient of the film, that of friction.film if left out", "1", _SHARE, default=None
+    )
+    brinell_hardness_GPa: float | None = setting(
+        "Hardness of the film, that of friction.film, or of what lies below, if left out",
+        "GPa",
+        "[0.001, 100]",
+        default=None,
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class RunningIn:
     """A wear coefficient that falls, or rises, as the surface wears."""
 
-    wear_coefficient: Annotated[
-        float,
-        Key(
-            "Wear coefficient of the new surface, from which it goes to that of the material",
-            "1",
-            _SHARE,
-        ),
-    ]
-    depth_um: Annotated[
-        float,
-        Key("Depth worn off at which 1/e of the difference is left", "um", _THICKNESS),
-    ]
+    wear_coefficient: float = setting(
+        "Wear coefficient of the new surface, from which it goes to that of the material",
+        "1",
+        _SHARE,
+    )
+    depth_um: float = setting(
+        "Depth worn off at which 1/e of the difference is left", "um", _THICKNESS
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class FilmFriction:
     """Friction of a solid film, S_0/p_m + alpha_S under the mean pressure p_m of a contact."""
 
-    shear_strength_MPa: Annotated[
-        float, Key("Shear strength S_0 of the film without pressure", "MPa", "[0, 10000]")
-    ]
-    pressure_coefficient: Annotated[
-        float, Key("Rise alpha_S of its shear strength with pressure", "1", "[0, 2]")
-    ] = 0.0
-    thickness_um: Annotated[
-        float | None,
-        Key(
-            "Thickness of the film on each race when new (materials.NAME.film for balls), never "
-            "worn through if left out",
-            "um",
-            _THICKNESS,
-        ),
-    ] = None
-    wear_coefficient: Annotated[
-        float | None,
-        Key(
-            "Wear coefficient of all that rubs while there is a film, of the materials if left out",
-            "1",
-            _SHARE,
-        ),
-    ] = None
-    brinell_hardness_GPa: Annotated[
-        float | None,
-        Key("Hardness of the film, that of what lies below if left out", "GPa", "[0.001, 100]"),
-    ] = None
-    bare_ball_race: Annotated[
-        float | None,
-        Key(
-            "Coulomb coefficient where the film is worn through, as with the film if left out",
-            "1",
-            "[0, 2]",
-        ),
-    ] = None
-    pressure_exponent: Annotated[
-        float | None,
-        Key(
-            "Power of the mean contact pressure, over reference_pressure_GPa, with which the film "
-            "wears, not in dynamic lives (none if left out)",
-            "1",
-            "[0, 10]",
-        ),
-    ] = None
-    reference_pressure_GPa: Annotated[
-        float | None,
-        Key("Mean pressure at which the film wears with its wear_coefficient", "GPa", "(0, 20]"),
-    ] = None
+    shear_strength_MPa: float = setting(
+        "Shear strength S_0 of the film without pressure", "MPa", "[0, 10000]"
+    )
+    pressure_coefficient: float = setting(
+        "Rise alpha_S of its shear strength with pressure", "1", "[0, 2]", default=0.0
+    )
+    thickness_um: float | None = setting(
+        "Thickness of the film on each race when new (materials.NAME.film for balls), never "
+        "worn through if left out",
+        "um",
+        _THICKNESS,
+        default=None,
+    )
+    wear_coefficient: float | None = setting(
+        "Wear coefficient of all that rubs while there is a film, of the materials if left out",
+        "1",
+        _SHARE,
+        default=None,
+    )
+    brinell_hardness_GPa: float | None = setting(
+        "Hardness of the film, that of what lies below if left out",
+        "GPa",
+        "[0.001, 100]",
+        default=None,
+    )
+    bare_ball_race: float | None = setting(
+        "Coulomb coefficient where the film is worn through, as with the film if left out",
+        "1",
+        "[0, 2]",
+        default=None,
+    )
+    pressure_exponent: float | None = setting(
+        "Power of the mean contact pressure, over reference_pressure_GPa, with which the film "
+        "wears, not in dynamic lives (none if left out)",
+        "1",
+        "[0, 10]",
+        default=None,
+    )
+    reference_pressure_GPa: float | None = setting(
+        "Mean pressure at which the film wears with its wear_coefficient",
+        "GPa",
+        "(0, 20]",
+        default=None,
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Friction:
     """Coulomb friction, regularised at small slip, or that of a film."""
 
-    ball_race: Annotated[
-        float | None,
-        Key("Coulomb coefficient of ball and race, needed without friction.film", "1", "[0, 2]"),
-    ] = None
-    film: Annotated[
-        FilmFriction | None,
-        Key("A solid film between balls and races, in place of one coefficient"),
-    ] = None
-    cage: Annotated[
-        float, Key("Coulomb coefficient of ball and cage, and of cage and land", "1", "[0, 2]")
-    ] = 0.05
-    slip_regularisation_m_s: Annotated[
-        float,
-        Key(
-            "Slip speed below which friction is smoothed, an accuracy setting",
-            "m/s",
-            "[1e-9, 1]",
-            default_by=ACCURACY,
-        ),
-    ] = STANDARD.slip_regularisation_m_s
+    ball_race: float | None = setting(
+        "Coulomb coefficient of ball and race, needed without friction.film",
+        "1",
+        "[0, 2]",
+        default=None,
+    )
+    film: FilmFriction | None = setting(
+        "A solid film between balls and races, in place of one coefficient", default=None
+    )
+    cage: float = setting(
+        "Coulomb coefficient of ball and cage, and of cage and land", "1", "[0, 2]", default=0.05
+    )
+    slip_regularisation_m_s: float = setting(
+        "Slip speed below which friction is smoothed, an accuracy setting",
+        "m/s",
+        "[1e-9, 1]",
+        default_by=ACCURACY,
+        default=STANDARD.slip_regularisation_m_s,
+    )
 
     @property
     def coefficient(self) -> float:

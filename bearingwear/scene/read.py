@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from bearingwear.scene.accuracy import Model, accuracy_preset, slip_is_over
 from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
 from bearingwear.scene.checking import DEEPEST, built, checked_data, fits, record
 from bearingwear.scene.errors import SceneError, shown
-from bearingwear.scene.records import NAME, Key, whole
+from bearingwear.scene.records import NAME, keyed, setting, whole
 from bearingwear.scene.scene import EndOfLife, Scene, key_of_scene
 from bearingwear.scene.strict_yaml import data_of, text_of
 from bearingwear.scene.uncertain import uncertain_key
@@ -116,20 +115,21 @@ def for_life(scene: Scene, source: str = "scene") -> Scene:
 # files
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class BasedOn:
     """A scene file that is another one with some keys changed."""
 
-    name: Annotated[str, Key("Name of the scene", pattern=NAME)]
-    description: Annotated[str, Key("Replaces that of the other scene")] = ""
-    based_on: Annotated[
-        str,
-        Key("The other scene, a file beside this one, without its .yaml", pattern=NAME),
-    ]
-    changes: Annotated[
-        Mapping[str, Any],
-        Key("Keys of the other scene and their values here", name="set", allowed="KEY: VALUE"),
-    ] = field(default_factory=dict)
+    name: str = setting("Name of the scene", pattern=NAME)
+    description: str = setting("Replaces that of the other scene", default="")
+    based_on: str = setting(
+        "The other scene, a file beside this one, without its .yaml", pattern=NAME
+    )
+    changes: Mapping[str, Any] = setting(
+        "Keys of the other scene and their values here",
+        name="set",
+        allowed="KEY: VALUE",
+        default_factory=dict,
+    )
 
     def __post_init__(self) -> None:
         for key in self.changes:

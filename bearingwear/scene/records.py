@@ -1,10 +1,10 @@
 """Typed records: what a key of a file means and takes stands at the field of a dataclass.
 
-A field is annotated with its `Key`:
+A field says its `Key`:
 
-    @dataclass(frozen=True, kw_only=True)
+    @keyed
     class Sampling:
-        samples: Annotated[int, Key("Base samples, a power of two", minimum=1)] = 256
+        samples: int = setting("Base samples, a power of two", minimum=1, default=256)
 
 `bearingwear.scene.checking` checks plain data by it. The JSON schema (`scene.schema`) and the table
 of keys (`scene.keys`) are made from the same fields.
@@ -24,8 +24,8 @@ import math
 import re
 import types
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass, make_dataclass, replace
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass, replace
+from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
 from bearingwear.scene.errors import yaml_number
 
@@ -34,6 +34,8 @@ SCENE_SUFFIXES = (".yaml", ".yml")
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$(?!\n)"
 """Names of scenes, materials and blocks."""
+
+R = TypeVar("R")
 
 NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64, the first a letter or digit)"
 
@@ -109,6 +111,18 @@ class Key:
         return -math.inf if low is None else low, math.inf if high is None else high
 
 
+def setting(meaning: str, unit: str = "", within: str = "", **more: Any) -> Any:
+    """A field with its `Key`; `default` or `default_factory` make it optional."""
+    given = {name: more.pop(name) for name in ("default", "default_factory") if name in more}
+    return field(**given, metadata={"key": Key(meaning, unit, within, **more)})
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(setting, field))
+def keyed(record_type: type[R]) -> type[R]:
+    """A frozen record, built by keyword."""
+    return dataclass(frozen=True, kw_only=True)(record_type)
+
+
 @dataclass(frozen=True)
 class Part:
     """A field of a record, resolved.
@@ -155,7 +169,10 @@ class Part:
 
 def optional_numbers(keys: Mapping[str, Key]) -> Any:
     """A base of records whose fields are numbers, or None where one is not given."""
-    named: list[Any] = [(name, Annotated[float | None, key], None) for name, key in keys.items()]
+    named: list[Any] = [
+        (name, float | None, field(default=None, metadata={"key": key}))
+        for name, key in keys.items()
+    ]
     return make_dataclass("OptionalNumbers", named, frozen=True, kw_only=True)
 
 
@@ -166,11 +183,9 @@ _KINDS = {int: "integer", float: "number", bool: "boolean", str: "text", Any: "a
 def parts(record_type: Any) -> Mapping[str, Part]:
     """The parts of a record, by the names of their keys."""
     found = {}
-    hints = get_type_hints(record_type, include_extras=True)
+    hints = get_type_hints(record_type)
     for f in fields(record_type):
-        hint, key = hints[f.name], Key()
-        if get_origin(hint) is Annotated:
-            hint, key = get_args(hint)
+        hint, key = hints[f.name], f.metadata.get("key") or Key()
         optional = f.default is not MISSING or f.default_factory is not MISSING
         default = f.default if f.default is not MISSING else {} if optional else None
         part = _part(hint, key, field=f.name, required=not optional, default=default)

@@ -10,9 +10,9 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import Any
 
 from bearingwear.scene.accuracy import FIDELITIES, Model, check_model
 from bearingwear.scene.arrangement import Arrangement, check_arrangement, sides_of
@@ -30,7 +30,7 @@ from bearingwear.scene.blocks import (
 from bearingwear.scene.calibrated import Calibrated
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.friction import Friction, check_films
-from bearingwear.scene.records import NAME, Key, Part, part_at, whole
+from bearingwear.scene.records import NAME, Part, keyed, part_at, setting, whole
 from bearingwear.scene.uncertain import (
     PARAMETERS,
     UNCERTAIN,
@@ -72,7 +72,7 @@ LARGEST_LOSS = 0.1
 NO_CONTROL = r"^[^\u0000-\u0008\u000b-\u001f\u007f-\u009f\u2028\u2029]*$"
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Scene:
     """One bearing, how it runs, and how worn it is.
 
@@ -83,65 +83,55 @@ class Scene:
         that is not there, ...
     """
 
-    name: Annotated[str, Key("Name of the scene", pattern=NAME)]
-    description: Annotated[
-        str,
-        Key(
-            "What the scene is and where its numbers come from",
-            pattern=NO_CONTROL,
-            longest=4000,
-            allowed="text of at most 4000 characters, none of them a control character",
-        ),
-    ] = ""
-    bearing: Annotated[Bearing, Key("Nominal, unworn geometry and materials of the bearing")]
-    materials: Annotated[
-        Mapping[str, Material],
-        Key(
-            "The materials, each a block under its name",
-            least=1,
-            each="One material, under a name of your choice (letters, digits, _ and -)",
-        ),
-    ]
-    cage: Annotated[
-        Cage | None,
-        Key("The cage, none if left out (a cage alone does not require the dynamic model)"),
-    ] = None
-    operation: Annotated[Operation, Key("Speeds, preload and loads")]
-    arrangement: Annotated[
-        Arrangement | None, Key("How many bearings hold the rotor, a single one if left out")
-    ] = None
-    temperature: Annotated[
-        Temperature | None, Key("How warm the parts are, as mounted if left out")
-    ] = None
-    thermal: Annotated[
-        Thermal | None,
-        Key("Temperatures of rings and balls found from the friction heat, in place of given ones"),
-    ] = None
-    fits: Annotated[
-        Fits | None, Key("Fits of the rings on their seats, rings grow freely if left out")
-    ] = None
-    friction: Annotated[Friction, Key("Friction")]
-    lubricant: Annotated[Lubricant, Key("Lubricant, no drag if left out")] = field(
-        default_factory=Lubricant
+    name: str = setting("Name of the scene", pattern=NAME)
+    description: str = setting(
+        "What the scene is and where its numbers come from",
+        pattern=NO_CONTROL,
+        longest=4000,
+        allowed="text of at most 4000 characters, none of them a control character",
+        default="",
     )
-    wear: Annotated[Wear, Key("State of wear and end of life")] = field(default_factory=Wear)
-    uncertainty: Annotated[
-        Mapping[str, Distribution] | None,
-        Key(
-            "Distributions of values of the scene for the study of uncertainty, each a block "
-            "under the name of its key",
-            least=1,
-            names=tuple(UNCERTAIN),
-            each="Distribution of one value of the scene",
-        ),
-    ] = None
-    calibrated: Annotated[
-        Calibrated | None,
-        Key("By which tests `bearingwear calibrate` found friction and wear coefficients"),
-    ] = None
-    model: Annotated[
-        Model, Key("Choice of model and accuracy, overrides what the program would choose")
-    ] = field(default_factory=Model)
+    bearing: Bearing = setting("Nominal, unworn geometry and materials of the bearing")
+    materials: Mapping[str, Material] = setting(
+        "The materials, each a block under its name",
+        least=1,
+        each="One material, under a name of your choice (letters, digits, _ and -)",
+    )
+    cage: Cage | None = setting(
+        "The cage, none if left out (a cage alone does not require the dynamic model)", default=None
+    )
+    operation: Operation = setting("Speeds, preload and loads")
+    arrangement: Arrangement | None = setting(
+        "How many bearings hold the rotor, a single one if left out", default=None
+    )
+    temperature: Temperature | None = setting(
+        "How warm the parts are, as mounted if left out", default=None
+    )
+    thermal: Thermal | None = setting(
+        "Temperatures of rings and balls found from the friction heat, in place of given ones",
+        default=None,
+    )
+    fits: Fits | None = setting(
+        "Fits of the rings on their seats, rings grow freely if left out", default=None
+    )
+    friction: Friction = setting("Friction")
+    lubricant: Lubricant = setting("Lubricant, no drag if left out", default_factory=Lubricant)
+    wear: Wear = setting("State of wear and end of life", default_factory=Wear)
+    uncertainty: Mapping[str, Distribution] | None = setting(
+        "Distributions of values of the scene for the study of uncertainty, each a block "
+        "under the name of its key",
+        least=1,
+        names=tuple(UNCERTAIN),
+        each="Distribution of one value of the scene",
+        default=None,
+    )
+    calibrated: Calibrated | None = setting(
+        "By which tests `bearingwear calibrate` found friction and wear coefficients", default=None
+    )
+    model: Model = setting(
+        "Choice of model and accuracy, overrides what the program would choose",
+        default_factory=Model,
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -58,7 +57,7 @@ PARAMETERS = {
 _PARAMETER_NAMES = tuple(dict.fromkeys(n for parts in PARAMETERS.values() for n in sum(parts, ())))
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Distribution:
     """How a value of the scene is distributed, in that value's unit.
 
@@ -66,59 +65,49 @@ class Distribution:
     standard deviation: two thirds of the values lie between median/factor and median*factor.
     """
 
-    distribution: Annotated[
-        str,
-        Key(
-            "Kind of distribution, cut off where the value would be impossible",
-            choices=tuple(PARAMETERS),
-        ),
-    ]
-    mean: Annotated[
-        float | None,
-        Key("Mean of a normal distribution, the scene's own value if left out", "as the value"),
-    ] = None
-    standard_deviation: Annotated[
-        float | None, Key("Standard deviation of a normal distribution", "as the value", above=0)
-    ] = None
-    median: Annotated[
-        float | None,
-        Key(
-            "Median of a lognormal distribution, the scene's own value if left out",
-            "as the value",
-            above=0,
-        ),
-    ] = None
-    factor: Annotated[
-        float | None,
-        Key(
-            "Geometric standard deviation of a lognormal distribution, two thirds of the values "
-            "lie between median/factor and median*factor",
-            "1",
-            "(1, 100]",
-        ),
-    ] = None
-    low: Annotated[float | None, Key("Least value of a uniform distribution", "as the value")] = (
-        None
+    distribution: str = setting(
+        "Kind of distribution, cut off where the value would be impossible",
+        choices=tuple(PARAMETERS),
     )
-    high: Annotated[
-        float | None, Key("Largest value of a uniform distribution", "as the value")
-    ] = None
-    same_for_batch: Annotated[
-        bool | None,
-        Key(
-            "Whether it is one unknown number for all bearings of a batch (true if left out for "
-            "hardness, wear coefficient, friction and drag), or scatters from bearing to bearing"
-        ),
-    ] = None
-    friction_correlation: Annotated[
-        float | None,
-        Key(
-            "Correlation of the wear coefficient with the uncertain friction, of their logarithms "
-            "where both are lognormal (none if left out)",
-            "1",
-            "(-1, 1)",
-        ),
-    ] = None
+    mean: float | None = setting(
+        "Mean of a normal distribution, the scene's own value if left out",
+        "as the value",
+        default=None,
+    )
+    standard_deviation: float | None = setting(
+        "Standard deviation of a normal distribution", "as the value", above=0, default=None
+    )
+    median: float | None = setting(
+        "Median of a lognormal distribution, the scene's own value if left out",
+        "as the value",
+        above=0,
+        default=None,
+    )
+    factor: float | None = setting(
+        "Geometric standard deviation of a lognormal distribution, two thirds of the values "
+        "lie between median/factor and median*factor",
+        "1",
+        "(1, 100]",
+        default=None,
+    )
+    low: float | None = setting(
+        "Least value of a uniform distribution", "as the value", default=None
+    )
+    high: float | None = setting(
+        "Largest value of a uniform distribution", "as the value", default=None
+    )
+    same_for_batch: bool | None = setting(
+        "Whether it is one unknown number for all bearings of a batch (true if left out for "
+        "hardness, wear coefficient, friction and drag), or scatters from bearing to bearing",
+        default=None,
+    )
+    friction_correlation: float | None = setting(
+        "Correlation of the wear coefficient with the uncertain friction, of their logarithms "
+        "where both are lognormal (none if left out)",
+        "1",
+        "(-1, 1)",
+        default=None,
+    )
 
 
 def is_same_for_batch(name: str, given: Distribution) -> bool:

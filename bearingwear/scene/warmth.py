@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import fields
+from typing import TYPE_CHECKING
 
 from bearingwear.scene.blocks import STEEL_EXPANSION
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.records import NAME, keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
@@ -21,86 +21,84 @@ LARGEST_STRAIN = 0.01
 """Thermal expansion of a part, relative, beyond which a scene is refused."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Temperature:
     """Given temperatures of the parts; None where a part is as warm as what it is compared with."""
 
-    inner_ring_C: Annotated[
-        float | None, Key(f"Temperature of the inner ring, {_AS_REFERENCE}", "degC", _DEGREES)
-    ] = None
-    outer_ring_C: Annotated[
-        float | None, Key(f"Temperature of the outer ring, {_AS_REFERENCE}", "degC", _DEGREES)
-    ] = None
-    balls_C: Annotated[
-        float | None, Key(f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES)
-    ] = None
-    shaft_C: Annotated[
-        float | None,
-        Key(
-            "Temperature of the shaft (if left out, axial positions are as mounted and the "
-            "shaft is as warm as the inner ring for the fit)",
-            "degC",
-            _DEGREES,
-        ),
-    ] = None
-    housing_C: Annotated[
-        float | None,
-        Key("Temperature of the housing (if left out, as for the shaft)", "degC", _DEGREES),
-    ] = None
-    reference_C: Annotated[float, Key("Temperature of mounting", "degC", _DEGREES)] = 20.0
+    inner_ring_C: float | None = setting(
+        f"Temperature of the inner ring, {_AS_REFERENCE}", "degC", _DEGREES, default=None
+    )
+    outer_ring_C: float | None = setting(
+        f"Temperature of the outer ring, {_AS_REFERENCE}", "degC", _DEGREES, default=None
+    )
+    balls_C: float | None = setting(
+        f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES, default=None
+    )
+    shaft_C: float | None = setting(
+        "Temperature of the shaft (if left out, axial positions are as mounted and the "
+        "shaft is as warm as the inner ring for the fit)",
+        "degC",
+        _DEGREES,
+        default=None,
+    )
+    housing_C: float | None = setting(
+        "Temperature of the housing (if left out, as for the shaft)", "degC", _DEGREES, default=None
+    )
+    reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Conductance:
     """Conductances that carry the heat away."""
 
-    inner_ring_shaft: Annotated[
-        float, Key("Conductance from the inner ring to the shaft", "W/K", _CONDUCTANCE)
-    ]
-    outer_ring_housing: Annotated[
-        float, Key("Conductance from the outer ring to the housing", "W/K", _CONDUCTANCE)
-    ]
-    ball_race: Annotated[
-        float, Key("Conductance from all balls together to each of the rings", "W/K", _CONDUCTANCE)
-    ]
+    inner_ring_shaft: float = setting(
+        "Conductance from the inner ring to the shaft", "W/K", _CONDUCTANCE
+    )
+    outer_ring_housing: float = setting(
+        "Conductance from the outer ring to the housing", "W/K", _CONDUCTANCE
+    )
+    ball_race: float = setting(
+        "Conductance from all balls together to each of the rings", "W/K", _CONDUCTANCE
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Thermal:
     """A network that finds the temperatures of rings and balls from the friction heat."""
 
-    conductance_W_K: Annotated[Conductance, Key("Conductances that carry the friction heat away")]
-    shaft_C: Annotated[float, Key("Temperature of the shaft, held", "degC", _DEGREES)] = 20.0
-    housing_C: Annotated[float, Key("Temperature of the housing, held", "degC", _DEGREES)] = 20.0
-    reference_C: Annotated[float, Key("Temperature of mounting", "degC", _DEGREES)] = 20.0
+    conductance_W_K: Conductance = setting("Conductances that carry the friction heat away")
+    shaft_C: float = setting("Temperature of the shaft, held", "degC", _DEGREES, default=20.0)
+    housing_C: float = setting("Temperature of the housing, held", "degC", _DEGREES, default=20.0)
+    reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Fits:
     """Seats of the rings; a ring without a seat is free to grow."""
 
-    shaft_interference_um: Annotated[
-        float,
-        Key("Shaft diameter less bore, at rest and at mounting temperature", "um", "[-5000, 5000]"),
-    ] = 0.0
-    housing_interference_um: Annotated[
-        float,
-        Key(
-            "Outside diameter less that of the housing, at rest and at mounting temperature",
-            "um",
-            "[-5000, 5000]",
-        ),
-    ] = 0.0
-    shaft_bore_mm: Annotated[
-        float, Key("Diameter of the hole in the shaft, 0 for a full one", "mm", "[0, 20000]")
-    ] = 0.0
-    shaft_material: Annotated[
-        str | None, Key("Material of the shaft, that of the races if left out", pattern=NAME)
-    ] = None
-    housing_material: Annotated[
-        str | None,
-        Key("Material of the housing, taken as thick, that of the races if left out", pattern=NAME),
-    ] = None
+    shaft_interference_um: float = setting(
+        "Shaft diameter less bore, at rest and at mounting temperature",
+        "um",
+        "[-5000, 5000]",
+        default=0.0,
+    )
+    housing_interference_um: float = setting(
+        "Outside diameter less that of the housing, at rest and at mounting temperature",
+        "um",
+        "[-5000, 5000]",
+        default=0.0,
+    )
+    shaft_bore_mm: float = setting(
+        "Diameter of the hole in the shaft, 0 for a full one", "mm", "[0, 20000]", default=0.0
+    )
+    shaft_material: str | None = setting(
+        "Material of the shaft, that of the races if left out", pattern=NAME, default=None
+    )
+    housing_material: str | None = setting(
+        "Material of the housing, taken as thick, that of the races if left out",
+        pattern=NAME,
+        default=None,
+    )
 
 
 def expansion(scene: Scene, material: str) -> float:

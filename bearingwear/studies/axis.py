@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from bearingwear.scene.checking import built, checked_data
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 MOST_POINTS = 1000
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Steps:
     """Evenly spaced values."""
 
-    first: Annotated[float, Key("First value", above=0)]
-    last: Annotated[float, Key("Last value", above=0)]
-    step: Annotated[float, Key("Distance between two values", above=0)]
+    first: float = setting("First value", above=0)
+    last: float = setting("Last value", above=0)
+    step: float = setting("Distance between two values", above=0)
 
     def __post_init__(self) -> None:
         beyond = abs(self.first + (self.count - 1) * self.step - self.last)
@@ -38,11 +37,11 @@ class Steps:
         return [round(self.first + k * self.step, 9) for k in range(self.count)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Values:
     """A list of values."""
 
-    values: Annotated[tuple[float, ...], Key("Values", least=1, above=0)]
+    values: tuple[float, ...] = setting("Values", least=1, above=0)
 
     def __post_init__(self) -> None:
         check_rising(self.values)

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
-from typing import Annotated
 
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 
 
 def usable_cores() -> int:
@@ -21,13 +19,13 @@ SAMPLES = 256
 """Base samples of a single life, where none are given."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Sampling:
     """Size and seed of a sample."""
 
-    samples: Annotated[int, Key("Base samples, a power of two", minimum=1)] = SAMPLES
-    chunks: Annotated[int, Key("Jobs that share them", minimum=1)] = 1
-    seed: Annotated[int, Key("Seed of the sequence", minimum=0)] = 1
+    samples: int = setting("Base samples, a power of two", minimum=1, default=SAMPLES)
+    chunks: int = setting("Jobs that share them", minimum=1, default=1)
+    seed: int = setting("Seed of the sequence", minimum=0, default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):

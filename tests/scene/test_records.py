@@ -1,20 +1,20 @@
 """Plain data checked by the fields of typed records."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
 from bearingwear.scene.checking import read_record, record
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key, part_at, whole
+from bearingwear.scene.records import keyed, part_at, setting, whole
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Sampling:
-    samples: Annotated[int, Key("Base samples, a power of two", minimum=1)] = 256
-    seed: Annotated[int, Key("Seed of the sequence", minimum=0)] = 1
+    samples: int = setting("Base samples, a power of two", minimum=1, default=256)
+    seed: int = setting("Seed of the sequence", minimum=0, default=1)
 
     def __post_init__(self) -> None:
         if self.samples & (self.samples - 1):
@@ -32,21 +32,21 @@ class Axis:
         return cls(tuple(map(float, given)))
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Sweep:
-    title: Annotated[str, Key("Heading")]
-    base: Annotated[str, Key("Where it starts", choices=("steady", "long"), name="from")] = "long"
-    settings: Annotated[Mapping[str, Any], Key("Changes", name="set")] = field(default_factory=dict)
+    title: str = setting("Heading")
+    base: str = setting("Where it starts", choices=("steady", "long"), name="from", default="long")
+    settings: Mapping[str, Any] = setting("Changes", name="set", default_factory=dict)
     along: Axis | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Plan:
-    sampling: Annotated[Sampling, Key("How to sample")] = field(default_factory=Sampling)
-    sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps by name", least=1)]
-    scenes: Annotated[tuple[str, ...], Key("Scenes", least=1, choices=("a", "b"))]
-    factor: Annotated[float | None, Key("Factor", above=1, maximum=9)] = None
-    aim: Annotated[str | float, Key("Aim", choices=("low", "high"), minimum=0)] = "low"
+    sampling: Sampling = setting("How to sample", default_factory=Sampling)
+    sweeps: Mapping[str, Sweep] = setting("Sweeps by name", least=1)
+    scenes: tuple[str, ...] = setting("Scenes", least=1, choices=("a", "b"))
+    factor: float | None = setting("Factor", above=1, maximum=9, default=None)
+    aim: str | float = setting("Aim", choices=("low", "high"), minimum=0, default="low")
 
 
 def plan(**changes: Any) -> dict[str, Any]:

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.records import NAME, keyed, setting
 from bearingwear.scene.variant import variant
 from bearingwear.studies.axis import RisingAxis, check_rising
 
@@ -49,30 +48,30 @@ class CagePoint(NamedTuple):
         }
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class CagePlan:
     """Everything in config/cage.yaml."""
 
-    scene: Annotated[str, Key("Scene that has all that is not varied", pattern=NAME)]
-    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")] = field(
-        default_factory=dict
+    scene: str = setting("Scene that has all that is not varied", pattern=NAME)
+    changes: Mapping[str, Any] = setting(
+        "Keys of the scene to set", name="set", default_factory=dict
     )
-    cage_friction: Annotated[RisingAxis, Key("Coulomb coefficients of pockets and land", "1")]
-    pocket_clearance_mm: Annotated[RisingAxis, Key("Diametral clearances of the pockets", "mm")]
-    guide_clearance_mm: Annotated[RisingAxis, Key("Diametral clearances of the land", "mm")]
-    gravity_m_s2: Annotated[
-        tuple[float, ...], Key("Weights, gravity along -Z", "m/s2", minimum=0, least=1)
-    ]
-    starts: Annotated[
-        tuple[str, ...], Key("Where the cage starts", choices=CAGE_STARTS, least=1)
-    ] = CAGE_STARTS
-    turns: Annotated[int, Key("Shaft turns of a run", "1", minimum=6)] = 150
-    stretch_turns: Annotated[
-        int, Key("Shaft turns over which a motion is told, a divisor of turns", "1", minimum=3)
-    ] = 10
-    evaluated_stretches: Annotated[
-        int, Key("Stretches at the end over which wear and whirl are averaged", "1", minimum=1)
-    ] = 5
+    cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
+    pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
+    guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")
+    gravity_m_s2: tuple[float, ...] = setting(
+        "Weights, gravity along -Z", "m/s2", minimum=0, least=1
+    )
+    starts: tuple[str, ...] = setting(
+        "Where the cage starts", choices=CAGE_STARTS, least=1, default=CAGE_STARTS
+    )
+    turns: int = setting("Shaft turns of a run", "1", minimum=6, default=150)
+    stretch_turns: int = setting(
+        "Shaft turns over which a motion is told, a divisor of turns", "1", minimum=3, default=10
+    )
+    evaluated_stretches: int = setting(
+        "Stretches at the end over which wear and whirl are averaged", "1", minimum=1, default=5
+    )
 
     def __post_init__(self) -> None:
         try:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import for_life
-from bearingwear.scene.records import Key, optional_numbers
+from bearingwear.scene.records import Key, keyed, optional_numbers, setting
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.variant import variant
 from bearingwear.studies.axis import RisingAxis
@@ -67,16 +67,16 @@ class DesignLimits(_LIMITS):
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class MapAxes:
     """Axes of a map of lives."""
 
-    preload_method: Annotated[
-        tuple[str, ...], Key("How the preload is applied", choices=PRELOAD_METHODS, least=1)
-    ]
-    friction: Annotated[RisingAxis, Key("Friction coefficients of ball and race", "1")]
-    shaft_speed_rpm: Annotated[RisingAxis, Key("Shaft speeds", "rpm")]
-    preload_N: Annotated[RisingAxis, Key("Initial axial preloads", "N")]
+    preload_method: tuple[str, ...] = setting(
+        "How the preload is applied", choices=PRELOAD_METHODS, least=1
+    )
+    friction: RisingAxis = setting("Friction coefficients of ball and race", "1")
+    shaft_speed_rpm: RisingAxis = setting("Shaft speeds", "rpm")
+    preload_N: RisingAxis = setting("Initial axial preloads", "N")
 
     def __post_init__(self) -> None:
         if len(set(self.preload_method)) < len(self.preload_method):
@@ -118,33 +118,29 @@ def axes_around(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Beside:
     """The same bearing under another assumption."""
 
-    words: Annotated[str, Key("What is assumed, in words")]
-    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")]
+    words: str = setting("What is assumed, in words")
+    changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set")
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Design:
     """The maps of a scene, and the limits to choose by."""
 
-    map: Annotated[MapAxes | None, Key("Axes of the map of lives")] = None
-    small_map: Annotated[
-        MapAxes | None,
-        Key(
-            "Axes of a map of at most a few hundred lives, a part of the main study if that has "
-            "the scene"
-        ),
-    ] = None
-    limits: Annotated[DesignLimits, Key("Hold from new to the end of life")] = field(
-        default_factory=DesignLimits
+    map: MapAxes | None = setting("Axes of the map of lives", default=None)
+    small_map: MapAxes | None = setting(
+        "Axes of a map of at most a few hundred lives, a part of the main study if that has "
+        "the scene",
+        default=None,
     )
-    beside: Annotated[
-        Mapping[str, Beside],
-        Key("Assumptions under which lives at the preload of the small map are found again"),
-    ] = field(default_factory=dict)
+    limits: DesignLimits = setting("Hold from new to the end of life", default_factory=DesignLimits)
+    beside: Mapping[str, Beside] = setting(
+        "Assumptions under which lives at the preload of the small map are found again",
+        default_factory=dict,
+    )
 
     def __post_init__(self) -> None:
         if self.map and any(mu != round(mu, 3) for mu in self.map.friction):
@@ -154,11 +150,11 @@ class Design:
             raise SceneError("beside", "got it without a small_map, expected both")
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class DesignPlan:
     """Everything in config/design.yaml."""
 
-    scenes: Annotated[Mapping[str, Design], Key("Scenes to choose a preload for", least=1)]
+    scenes: Mapping[str, Design] = setting("Scenes to choose a preload for", least=1)
 
     @property
     def maps(self) -> dict[str, MapAxes]:

@@ -6,23 +6,22 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Any
 
 from bearingwear.scene.read import for_life
-from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.records import NAME, keyed, setting
 from bearingwear.scene.variant import variant
 
 LIVES_FILE = "config/lives.yaml"
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class DynamicLife:
     """A scene, and what is changed in it."""
 
-    scene: Annotated[str, Key("Name of a file in config/scenes", pattern=NAME)]
-    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")] = field(
-        default_factory=dict
+    scene: str = setting("Name of a file in config/scenes", pattern=NAME)
+    changes: Mapping[str, Any] = setting(
+        "Keys of the scene to set", name="set", default_factory=dict
     )
 
     def scene_file(self) -> str:
@@ -33,12 +32,12 @@ class DynamicLife:
         return {"changes": dict(self.changes), "fidelity": "dynamic"}
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class LivesPlan:
     """Everything in config/lives.yaml."""
 
-    lives: Annotated[Mapping[str, DynamicLife], Key("Lives, by the names of their files")] = field(
-        default_factory=dict
+    lives: Mapping[str, DynamicLife] = setting(
+        "Lives, by the names of their files", default_factory=dict
     )
 
     def check_scenes(self) -> None:

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from bearingwear.scene.coefficients import usual_spread
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell
@@ -22,14 +21,13 @@ OWN, AS_RECOMMENDED = PRELOAD_CHOICES = ("own", "recommended")
 """The preloads at which lives are sampled: the scene's own, and the design study's."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class SampledScene:
     """A scene whose lives are sampled."""
 
-    preload_method: Annotated[
-        tuple[str, ...],
-        Key("Methods, of those in its design map", choices=PRELOAD_METHODS, least=1),
-    ]
+    preload_method: tuple[str, ...] = setting(
+        "Methods, of those in its design map", choices=PRELOAD_METHODS, least=1
+    )
 
 
 class SamplePart(NamedTuple):
@@ -51,12 +49,12 @@ class SamplePart(NamedTuple):
         return {name: value for name, value in self._asdict().items() if name != "scene"}
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class UncertaintyPlan:
     """Everything in config/uncertainty.yaml."""
 
-    scenes: Annotated[Mapping[str, SampledScene], Key("Scenes whose lives are sampled", least=1)]
-    sampling: Annotated[Sampling, Key("How their uncertain values are sampled")]
+    scenes: Mapping[str, SampledScene] = setting("Scenes whose lives are sampled", least=1)
+    sampling: Sampling = setting("How their uncertain values are sampled")
 
     @property
     def parts(self) -> list[SamplePart]:

@@ -9,13 +9,13 @@ import itertools
 import json
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Annotated, Any
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from bearingwear.scene.accuracy import NAMED_PRESETS
 from bearingwear.scene.errors import SceneError, yaml_number
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.records import NAME, keyed, setting
 from bearingwear.scene.scene import Scene
 
 ACCURACY_FILE = "config/accuracy.yaml"
@@ -66,8 +66,6 @@ _BY_NAME = {"preset": PRESET_KEYS, "groove": GROOVE_KEYS}
 
 FIGURE_NAMES = ("overview", "steady", "life", "dynamic_model", "integration", "models", "grooves")
 
-Changes = Annotated[Mapping[str, Any], Key("Settings", name="set")]
-
 
 @dataclass(frozen=True, kw_only=True)
 class SweepPoint:
@@ -112,39 +110,39 @@ class SweepPoint:
         return [f"{key}={value}" for key, value in {**scene_settings, **own}.items()]
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Reference:
     """The reference of a scene, and its check."""
 
-    fidelity: Annotated[str, Key("Model to solve", choices=TRADE_FIDELITIES)]
-    changes: Changes = field(default_factory=dict)
-    check: Annotated[Mapping[str, Any], Key("Settings that check it")]
+    fidelity: str = setting("Model to solve", choices=TRADE_FIDELITIES)
+    changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
+    check: Mapping[str, Any] = setting("Settings that check it")
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class TradeScene:
     """A scene of the study."""
 
-    file: Annotated[str, Key("Name of a file in config/scenes", pattern=NAME)]
-    changes: Changes = field(default_factory=dict)
-    references: Annotated[
-        tuple[str, ...], Key("References that it has; without any, only sweeps that name it run")
-    ] = ()
+    file: str = setting("Name of a file in config/scenes", pattern=NAME)
+    changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
+    references: tuple[str, ...] = setting(
+        "References that it has; without any, only sweeps that name it run", default=()
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Sweep:
     """Points that differ in the keys of `grid`."""
 
-    title: Annotated[str, Key("In the legend")]
-    kind: Annotated[str, Key("What the points differ in", choices=SWEEP_KINDS)] = "numerical"
-    base: Annotated[str, Key("Reference that it starts from, or `scene`", name="from")]
-    errors_against: Annotated[
-        str, Key("Reference of its errors, or `first`; default: `from`", name="against")
-    ] = ""
-    changes: Changes = field(default_factory=dict)
-    grid: Annotated[Mapping[str, Any], Key("Lists of values; every combination is a point")]
-    only: Annotated[tuple[str, ...], Key("Scenes that it is run on; default: all")] = ()
+    title: str = setting("In the legend")
+    kind: str = setting("What the points differ in", choices=SWEEP_KINDS, default="numerical")
+    base: str = setting("Reference that it starts from, or `scene`", name="from")
+    errors_against: str = setting(
+        "Reference of its errors, or `first`; default: `from`", name="against", default=""
+    )
+    changes: Mapping[str, Any] = setting("Settings", name="set", default_factory=dict)
+    grid: Mapping[str, Any] = setting("Lists of values; every combination is a point")
+    only: tuple[str, ...] = setting("Scenes that it is run on; default: all", default=())
 
     def __post_init__(self) -> None:
         for key, values in self.grid.items():
@@ -156,40 +154,40 @@ class Sweep:
         return self.errors_against or self.base
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class TableRow:
     """A row of the table of what simplifications cost and save."""
 
-    sweep: Annotated[str, Key("Name of the sweep")]
-    label: Annotated[str, Key("Of the point")]
-    text: Annotated[str, Key("First cell")]
+    sweep: str = setting("Name of the sweep")
+    label: str = setting("Of the point")
+    text: str = setting("First cell")
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Tolerance:
     """How far a number in docs/accuracy.md may differ from a run."""
 
-    error: Annotated[float, Key("Factor of an error", minimum=1)]
-    floor: Annotated[float, Key("Error of a steady state below which all is noise", minimum=0)]
-    floor_dynamic: Annotated[float, Key("The same of the dynamic model", minimum=0)]
-    time: Annotated[float, Key("Factor of a time", minimum=1)]
+    error: float = setting("Factor of an error", minimum=1)
+    floor: float = setting("Error of a steady state below which all is noise", minimum=0)
+    floor_dynamic: float = setting("The same of the dynamic model", minimum=0)
+    time: float = setting("Factor of a time", minimum=1)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class AccuracyPlan:
     """Everything in config/accuracy.yaml."""
 
-    repeats: Annotated[int, Key("How often a solve is timed; the median counts", minimum=1)]
-    seconds: Annotated[float, Key("Time after which it is not repeated", unit="s", above=0)]
-    tolerance: Annotated[Tolerance, Key("How far the docs may differ from a run")]
-    references: Annotated[Mapping[str, Reference], Key("Solutions that count as exact")]
-    scenes: Annotated[Mapping[str, TradeScene], Key("Scenes, by a name of their own")]
-    sweeps: Annotated[Mapping[str, Sweep], Key("Sweeps")]
-    table: Annotated[tuple[TableRow, ...], Key("Rows of the table in docs/accuracy.md")]
-    effects: Annotated[
-        tuple[TableRow, ...],
-        Key("Rows of its tables of single effects on each scene, over the sweep's first point"),
-    ] = ()
+    repeats: int = setting("How often a solve is timed; the median counts", minimum=1)
+    seconds: float = setting("Time after which it is not repeated", unit="s", above=0)
+    tolerance: Tolerance = setting("How far the docs may differ from a run")
+    references: Mapping[str, Reference] = setting("Solutions that count as exact")
+    scenes: Mapping[str, TradeScene] = setting("Scenes, by a name of their own")
+    sweeps: Mapping[str, Sweep] = setting("Sweeps")
+    table: tuple[TableRow, ...] = setting("Rows of the table in docs/accuracy.md")
+    effects: tuple[TableRow, ...] = setting(
+        "Rows of its tables of single effects on each scene, over the sweep's first point",
+        default=(),
+    )
 
     def __post_init__(self) -> None:
         for name, scene in self.scenes.items():

@@ -5,29 +5,26 @@ This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import Key
+from bearingwear.scene.records import keyed, setting
 from bearingwear.studies.axis import RisingAxis, check_rising
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Statements:
     """What a text states about a bearing; all at fixed position."""
 
-    preload_loss: Annotated[float, Key("Share of the initial preload that wear takes", above=0)]
-    preload_loss_at_um: Annotated[float, Key("At this loss of ball diameter", "um", above=0)]
-    high_friction: Annotated[float, Key("High friction coefficient", above=0)]
-    low_friction: Annotated[float, Key("Low friction coefficient", above=0)]
-    qv_least_um: Annotated[
-        tuple[float, float],
-        Key("QV is least between these losses, at the low friction", "um", above=0),
-    ]
-    qv_rise: Annotated[float, Key("Share by which QV then rises at least", above=0)]
-    qv_rise_at_um: Annotated[float, Key("At this loss of ball diameter", "um", above=0)]
+    preload_loss: float = setting("Share of the initial preload that wear takes", above=0)
+    preload_loss_at_um: float = setting("At this loss of ball diameter", "um", above=0)
+    high_friction: float = setting("High friction coefficient", above=0)
+    low_friction: float = setting("Low friction coefficient", above=0)
+    qv_least_um: tuple[float, float] = setting(
+        "QV is least between these losses, at the low friction", "um", above=0
+    )
+    qv_rise: float = setting("Share by which QV then rises at least", above=0)
+    qv_rise_at_um: float = setting("At this loss of ball diameter", "um", above=0)
 
     def __post_init__(self) -> None:
         try:
@@ -36,18 +33,18 @@ class Statements:
             raise SceneError("qv_least_um", str(error)) from None
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class IdentifyPlan:
     """Everything in config/identify.yaml."""
 
-    scene: Annotated[str, Key("Scene that has all that is not varied")]
-    marks: Annotated[tuple[str, ...], Key("Scenes that are drawn as well")]
-    pitch_diameter_mm: Annotated[RisingAxis, Key("Pitch diameters", "mm")]
-    ball_count: Annotated[tuple[int, ...], Key("Numbers of balls", minimum=1, least=1)]
-    inner_groove_factor: Annotated[RisingAxis, Key("Inner groove radii over ball diameter", "1")]
-    contact_angle_deg: Annotated[RisingAxis, Key("Steps of the search for the angle", "degree")]
-    drag_density_kg_m3: Annotated[RisingAxis, Key("Drag densities that are tried", "kg/m3")]
-    statements: Annotated[Statements, Key("What the text states")]
+    scene: str = setting("Scene that has all that is not varied")
+    marks: tuple[str, ...] = setting("Scenes that are drawn as well")
+    pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
+    ball_count: tuple[int, ...] = setting("Numbers of balls", minimum=1, least=1)
+    inner_groove_factor: RisingAxis = setting("Inner groove radii over ball diameter", "1")
+    contact_angle_deg: RisingAxis = setting("Steps of the search for the angle", "degree")
+    drag_density_kg_m3: RisingAxis = setting("Drag densities that are tried", "kg/m3")
+    statements: Statements = setting("What the text states")
 
     def __post_init__(self) -> None:
         try:

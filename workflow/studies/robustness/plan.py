@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Annotated, Any
+from dataclasses import asdict
+from typing import Any
 
 from bearingwear.scene.checking import record
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.records import NAME, Key
+from bearingwear.scene.records import NAME, keyed, setting
 
 ROBUSTNESS_FILE = "config/robustness.yaml"
 
@@ -47,8 +47,6 @@ STAND_INS = (
 )
 """Values drawn that are no keys of a scene; `draw.scene_of` says what they stand for."""
 
-Ends = Annotated[tuple[float, float] | None, Key("Two rising ends")]
-
 
 def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None) -> None:
     """Refuse ends that do not rise, or have no logarithm.
@@ -63,16 +61,16 @@ def check_ends(log: tuple[float, float] | None, even: tuple[float, float] | None
             raise SceneError(name, f"got {list(ends)}, expected two rising ends{positive}")
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Draw:
     """Where a value is drawn from: between two ends, or from a list."""
 
-    log: Ends = None
-    even: Ends = None
-    of: Annotated[tuple[Any, ...], Key("Values, one of which is drawn")] = ()
-    share: Annotated[
-        float | None, Key("How often one of `of` is drawn, if not always", minimum=0, maximum=1)
-    ] = None
+    log: tuple[float, float] | None = setting("Two rising ends", default=None)
+    even: tuple[float, float] | None = setting("Two rising ends", default=None)
+    of: tuple[Any, ...] = setting("Values, one of which is drawn", default=())
+    share: float | None = setting(
+        "How often one of `of` is drawn, if not always", minimum=0, maximum=1, default=None
+    )
 
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)
@@ -91,16 +89,16 @@ class Draw:
         return chance.uniform(*self.even)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class SceneClass:
     """Random scenes of one kind."""
 
-    fidelity: Annotated[str, Key("Model that solves them", choices=RANDOM_FIDELITIES)]
-    scenes: Annotated[int, Key("How many", minimum=1)]
-    draw: Annotated[
-        Mapping[str, Any], Key("What is drawn: keys of a scene, and values that stand for some")
-    ]
-    like: Annotated[str, Key("Class before it, whose draws it takes over")] = ""
+    fidelity: str = setting("Model that solves them", choices=RANDOM_FIDELITIES)
+    scenes: int = setting("How many", minimum=1)
+    draw: Mapping[str, Any] = setting(
+        "What is drawn: keys of a scene, and values that stand for some"
+    )
+    like: str = setting("Class before it, whose draws it takes over", default="")
 
     def __post_init__(self) -> None:
         draws(self.draw)
@@ -133,14 +131,14 @@ def drawn(draw: Mapping[str, Draw], seed: int, count: int) -> Iterator[dict[str,
         yield {key: one.value(chance) for key, one in draw.items()}
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class KeyAxis:
     """Points along a key of a scene."""
 
-    key: Annotated[str, Key("A key of the scene")]
-    log: Ends = None
-    even: Ends = None
-    points: Annotated[int, Key("How many", minimum=2)]
+    key: str = setting("A key of the scene")
+    log: tuple[float, float] | None = setting("Two rising ends", default=None)
+    even: tuple[float, float] | None = setting("Two rising ends", default=None)
+    points: int = setting("How many", minimum=2)
 
     def __post_init__(self) -> None:
         check_ends(self.log, self.even)
@@ -162,47 +160,47 @@ class KeyAxis:
         return tuple(low + (high - low) * share for share in shares)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class StateMap:
     """Steady states over two axes."""
 
-    title: Annotated[str, Key("Title of the figure")]
-    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")] = field(
-        default_factory=dict
+    title: str = setting("Title of the figure")
+    changes: Mapping[str, Any] = setting(
+        "Keys of the scene to set", name="set", default_factory=dict
     )
     x: KeyAxis
     y: KeyAxis
-    limits: Annotated[tuple[str, ...], Key("Limits sought along y", choices=LIMIT_NAMES)]
+    limits: tuple[str, ...] = setting("Limits sought along y", choices=LIMIT_NAMES)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class Branch:
     """Steady states followed along an axis, both ways."""
 
-    title: Annotated[str, Key("Title of the figure")]
-    changes: Annotated[Mapping[str, Any], Key("Keys of the scene to set", name="set")] = field(
-        default_factory=dict
+    title: str = setting("Title of the figure")
+    changes: Mapping[str, Any] = setting(
+        "Keys of the scene to set", name="set", default_factory=dict
     )
     along: KeyAxis
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class LimitValues:
     """What counts as the limit."""
 
-    gyroscopic_slip: Annotated[float, Key("Gyroscopic share of the slip", above=0)]
-    skid: Annotated[float, Key("Lag behind pure rolling", above=0)]
+    gyroscopic_slip: float = setting("Gyroscopic share of the slip", above=0)
+    skid: float = setting("Lag behind pure rolling", above=0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@keyed
 class RobustnessPlan:
     """Everything in config/robustness.yaml."""
 
-    scene: Annotated[str, Key("Scene that all start from", pattern=NAME)]
-    scene_classes: Annotated[Mapping[str, SceneClass], Key("Random scenes, by class")]
-    maps: Annotated[Mapping[str, StateMap], Key("Maps of steady states")]
-    limits: Annotated[LimitValues, Key("What counts as a limit of a map")]
-    branches: Annotated[Mapping[str, Branch], Key("Branches of steady states")]
+    scene: str = setting("Scene that all start from", pattern=NAME)
+    scene_classes: Mapping[str, SceneClass] = setting("Random scenes, by class")
+    maps: Mapping[str, StateMap] = setting("Maps of steady states")
+    limits: LimitValues = setting("What counts as a limit of a map")
+    branches: Mapping[str, Branch] = setting("Branches of steady states")
 
     def __post_init__(self) -> None:
         before: list[str] = []
