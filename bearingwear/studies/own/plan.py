@@ -23,8 +23,8 @@ HALF_OF_THE_LIVES = 64
 def plan_of(scene: Scene, name: str, limits: DesignLimits, source: str) -> dict[str, Any]:
     """Configuration files of a study of a scene, as plain data by their paths.
 
-    Of a pair: the map that compares spring and rigid pair, with the spread of the recommended lives,
-    and no states of wear of a bearing.
+    Of a pair: the map that compares spring and rigid pair, with the spread of the recommended
+    lives, and no states of wear of a bearing.
 
     Raises
     ------
