@@ -112,6 +112,24 @@ def test_an_answer_at_the_end_of_the_map_says_so(files):
     assert answer.headline == "mine: no limit was given; no life could be solved"
 
 
+def test_hours_of_a_calibrated_scene_are_stated(files):
+    """With the interval that the tests leave; of another scene they are no promise."""
+    design, found = load(files["design"]), load(files["recommendation"])
+    scene = json.loads(found.attrs["scene"])
+    scene["uncertainty"] = {"wear_coefficient": {"distribution": "lognormal", "factor": 1.5}}
+    said = []
+    for by in ({}, {"calibrated": {"tests": "mine.csv", "sha256": 64 * "0", "rows": 2}}):
+        found.attrs["scene"] = json.dumps(scene | by)
+        said.append(told(preload_answer(design, found))["How sure"])
+    life = float(found["life"].isel(loss_basis=1).max())
+    ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]
+    assert all(
+        f"90 % of bearings last {ends[0]} to {ends[1]} h by wear alone" in one for one in said
+    )
+    assert ["promise no hours" in one for one in said] == [True, False]
+    assert "Wear and friction come from 2 tests (mine.csv)" in said[1]
+
+
 def test_a_sudden_fall_of_the_life_is_in_the_headline(files):
     found = load(files["recommendation"])
     preload = float(found["preload"][0])
