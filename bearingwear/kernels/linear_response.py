@@ -22,7 +22,18 @@ from bearingwear.kernels.ellipse import contact_points
 from bearingwear.kernels.film_friction import area_shares
 from bearingwear.kernels.hertz import axes_by_angle
 from bearingwear.kernels.linear import copy, solve_in_place
-from bearingwear.kernels.steady_balance import add_friction_change, motion_load
+from bearingwear.kernels.profile import contact_approach
+from bearingwear.kernels.status import OK
+from bearingwear.kernels.steady_balance import (
+    Preload,
+    ThrustBearing,
+    add_friction_change,
+    friction_balance,
+    motion_equilibrium,
+    motion_load,
+)
+
+ALONG = 1e-5  # of the inner approach: the step of a difference
 
 
 @jit
@@ -93,22 +104,42 @@ def linear_response(p, seat, u, out):
 
 
 @jit
-def quasistatic_stiffness(p, response):
+def quasistatic_stiffness(p, v_r, seat, u, response):
     """Axial stiffness of one ball's inner force, its motion following the place [N/m].
+
+    The response holds the points of a split rule, which gather where slip reverses. What their
+    moves change is one difference along the way of place and motion that the response leads to.
 
     Parameters
     ----------
     p : BalanceProblem
-        Of which this takes buffers.
+        With the residual of this state; its buffers are overwritten.
     response : ndarray (k + 2, k + 2)
         See `linear_response`.
     """
-    k = p.step.size
-    copy(response[:k, :k], p.matrix)
+    k, b, state = p.step.size, p.bearing, seat.state
     copy(response[:k, k], p.step)
+    copy(response[:k, :k], p.matrix)
     if not solve_in_place(p.matrix, p.step, k):
         return math.nan
-    S = response[k, k]
+    way = ALONG * contact_approach(state.hertz_i.K, state.Q_i)
+    for v in range(k):
+        p.trial[v] = u[v] - way * p.step[v]
+    held = Preload(constant_force=False, F_x=0.0, delta_a=seat.delta_a + way)
+    near = motion_equilibrium(held_bearing(b, held), p.trial, seat)
+    if near.state.status != OK or friction_balance(p, v_r, near.state, p.trial, p.shifted, False):
+        return math.nan
+    for v in range(k):
+        p.step[v] = (p.shifted[v] - p.residual[v]) / way
+    copy(response[:k, :k], p.matrix)
+    solve_in_place(p.matrix, p.step, k)
+    S = (near.state.F_ix - state.F_ix) / way
     for v in range(k):
         S -= response[k, v] * p.step[v]
     return S
+
+
+@jit
+def held_bearing(b, preload):
+    """A bearing with another preload."""
+    return ThrustBearing(g=b.g, D=b.D, op=b.op, preload=preload, traction=b.traction)

@@ -263,6 +263,8 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     contact_summary(g, D, op, state, u, r, rule, p, contacts, False)
     skid = skid_ratio(op, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
     residuals, load = checked(p, s.seat, u, fine_rule), motion_load(u)
+    jacobian = motion_jacobian(p)
+    quasistatic = quasistatic_stiffness(p, op.v_r, s.seat, u, response)
     return ThrustCase(
         status=case_status(residuals),
         delta_a=s.seat.delta_a,
@@ -272,13 +274,13 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
         r=r,
         P_r=ball_mass(g.rho, D) * r * u[3] * u[3],
         S_xx=state.S_xx,
-        S_quasistatic=quasistatic_stiffness(p, response),
+        S_quasistatic=quasistatic,
         response=response,
         skid=skid,
         branch=branch_of(contacts, skid),
         iterations=s.iterations,
         contacts=contacts,
-        jacobian=motion_jacobian(p),
+        jacobian=jacobian,
         residuals=residuals,
         held=False,
     )

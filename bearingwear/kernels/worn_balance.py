@@ -18,8 +18,6 @@ from bearingwear.kernels.status import CONTACT_LOST, OK
 from bearingwear.kernels.worn_cells import Cells, ContactBuffers
 from bearingwear.kernels.worn_contact import worn_pressure
 
-STIFFNESS_QUOTIENT = 1e-3  # of the approach: the step that a stiffness is found with
-
 
 class Arc(NamedTuple):
     """A depth as a cubic spline over equal steps of an arc or a latitude."""
@@ -218,27 +216,3 @@ def race_parts(sigma, force, F_1):
     s, c = math.sin(force.alpha), math.cos(force.alpha)
     across = force.T + F_1
     return -sigma * force.Q * s + across * c, -sigma * force.Q * c - across * s
-
-
-@jit
-def find_stiffness(g, D, race, sigma, reference, y1, y2, beta, stiffness):
-    """Fill a stiffness (2, 2) by differences: how the force falls as y moves towards the ball.
-
-    For both races -d(force on the ball)/d(ball centre) [N/m].
-
-    Returns
-    -------
-    int
-        Status where it was asked for.
-    """
-    middle = worn_force(g, D, race, sigma, reference, y1, y2, beta)
-    h = STIFFNESS_QUOTIENT * max(middle.approach, STIFFNESS_QUOTIENT**2 * D)
-    for j in range(2):
-        u1, u2 = (h, 0.0) if j == 0 else (0.0, h)
-        up = worn_force(g, D, race, sigma, reference, y1 + u1, y2 + u2, beta)
-        up_x, up_r = race_parts(sigma, up, 0.0)
-        down = worn_force(g, D, race, sigma, reference, y1 - u1, y2 - u2, beta)
-        down_x, down_r = race_parts(sigma, down, 0.0)
-        stiffness[0, j] = -sigma * (up_x - down_x) / (2.0 * h)
-        stiffness[1, j] = -sigma * (up_r - down_r) / (2.0 * h)
-    return middle.status

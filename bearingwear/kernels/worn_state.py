@@ -335,7 +335,54 @@ def relaxed_seat(bearing, races, reference, rule, work, state, seat, u):
 
 
 @jit
-def worn_state(bearing, races, reference, rule, work, state, seat, u):
+def add_ball_forces(g, D, seat, u, F_i, F_o, share, out):
+    """Add a share of the forces (3,) on a ball: axial and radial, and axial of the inner race.
+
+    Parameters
+    ----------
+    u : ndarray (4,)
+        Motion, of whose orbit rate the centrifugal force is.
+    F_i, F_o : float
+        Friction along the first axes [N].
+    """
+    i_x, i_r = race_parts(INNER, seat.inner, F_i)
+    o_x, o_r = race_parts(OUTER, seat.outer, F_o)
+    out[0] += share * (i_x + o_x)
+    out[1] += share * (i_r + o_r + ball_mass(g.rho, D) * (g.R_o + seat.X2) * u[3] * u[3])
+    out[2] += share * i_x
+
+
+@jit
+def find_force_changes(bearing, races, reference, rule, work, state, seat, u, moves, changes):
+    """Changes of the forces of a state as its places move; returns a status.
+
+    Parameters
+    ----------
+    moves : ndarray (n, 4)
+        Of X1, X2, delta_a and pitch.
+    changes : ndarray (n, 2, 4)
+        Filled: with the motion held and without friction, and with both following. Columns: those
+        of `add_ball_forces`, and the pitch of the motion less that of the seat.
+    """
+    g, D = bearing.g, bearing.D
+    changes[:, :, :] = 0.0
+    for j in range(moves.shape[0]):
+        copy(u, state.u)
+        near = moved_seat(seat, moves[j], 1.0)
+        near = worn_seat(bearing, races, reference, rule, work, state, near, state.u, state.shifted)
+        if near.status != OK:
+            return near.status
+        add_ball_forces(g, D, near, u, 0.0, 0.0, 1.0, changes[j, 0])
+        add_ball_forces(g, D, seat, u, 0.0, 0.0, -1.0, changes[j, 0])
+        add_ball_forces(g, D, near, state.u, near.F_i, near.F_o, 1.0, changes[j, 1])
+        add_ball_forces(g, D, seat, u, seat.F_i, seat.F_o, -1.0, changes[j, 1])
+        changes[j, 0, 3] = -moves[j, 3]
+        changes[j, 1, 3] = pitch(state.u) - pitch(u) - moves[j, 3]
+    return OK
+
+
+@jit
+def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, changes):
     """Steady state of a ball between two worn grooves.
 
     Parameters
@@ -346,11 +393,18 @@ def worn_state(bearing, races, reference, rule, work, state, seat, u):
         Of which the places are the start.
     u : ndarray (4,)
         The start of the motion; improved in place [rad/s].
+    moves, changes : ndarray (n, 4), (n, 2, 4)
+        As in `find_force_changes`, of a state that is solved; none: it is solved.
 
     Returns
     -------
     WornSeat
     """
+    if moves.shape[0] > 0:
+        status = find_force_changes(
+            bearing, races, reference, rule, work, state, seat, u, moves, changes
+        )
+        return seat_with(seat, status, seat.inner, seat.outer, seat.F_i, seat.F_o)
     banded = races[0].band.c.shape[1] > 0
     state.active[2], state.active[3] = bearing.preload.constant_force, banded
     first = u.copy()

@@ -12,7 +12,6 @@ from bearingwear.kernels.params import Geometry
 from bearingwear.kernels.worn_balance import (
     Arc,
     WornRace,
-    find_stiffness,
     spline_pieces,
     worn_force,
 )
@@ -123,19 +122,25 @@ def test_the_tangent_is_symmetric_with_a_skew_profile(side, banded):
     race, _ = race_of(side, skew, (96, 16), band)
     # off the angle at which the groove was worn
     y = place(side, 1.1 * APPROACH, ALPHA + 0.01)
-    k = np.empty((2, 2))
-    assert find_stiffness(G, D, race, side, 0.0, *y, ALPHA + 0.02, k) == code.OK
+    h = 1e-3 * APPROACH
+
+    def tangent(across):
+        """Of the force along the line of the centres, and of a part of T, by the place."""
+        columns = []
+        for move in np.array([(h, 0.0), (0.0, h)]):
+            forces = []
+            for sign in (1.0, -1.0):
+                force = worn_force(G, D, race, side, 0.0, *(y + sign * move), ALPHA + 0.02)
+                assert force.status == code.OK
+                sine, cosine, T = math.sin(force.alpha), math.cos(force.alpha), across * force.T
+                forces.append(
+                    (force.Q * sine - side * T * cosine, force.Q * cosine + side * T * sine)
+                )
+            columns.append(np.subtract(*forces) / (2.0 * h))
+        return np.array(columns).T
+
+    k, without = tangent(1.0), tangent(0.0)
     assert abs(k[0, 1] - k[1, 0]) < 1e-3 * np.abs(k).max()
-    h, parts = 1e-3 * APPROACH, []
-    for sign in (1.0, -1.0):
-        column = []
-        for move in ((h, 0.0), (0.0, h)):
-            force = worn_force(
-                G, D, race, side, 0.0, y[0] + sign * move[0], y[1] + sign * move[1], ALPHA + 0.02
-            )
-            column.append(force.Q * np.array([math.sin(force.alpha), math.cos(force.alpha)]))
-        parts.append(np.array(column).T)
-    without = (parts[0] - parts[1]) / (2.0 * h)
     assert abs(without[0, 1] - without[1, 0]) > 5.0 * abs(k[0, 1] - k[1, 0])
 
 

@@ -3,8 +3,6 @@
 Depths stand on fixed grids: each groove's along its own arc, the balls' along their latitude.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -21,7 +19,6 @@ from bearingwear.kernels.worn_balance import (
     WornForce,
     WornRace,
     arc_shift,
-    find_stiffness,
     latitude,
 )
 from bearingwear.kernels.worn_cells import contact_buffers
@@ -39,7 +36,6 @@ from bearingwear.solvers.worn.depths import (
     WornDepths,
     WornPoint,
     depth_spline,
-    seat_force,
     seat_of_case,
     wandering,
 )
@@ -53,8 +49,10 @@ CELLS_END = 1.9  # semi-major axes, cells along them as asked for; more where th
 SPARE = 3.0  # cells beyond the contact, at least
 WIDER = 1.2  # of the cells, where the contact has grown to their ends
 LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one before
-NEARBY = 3e-4  # of the force or the approach: the step that a quasi-static stiffness is found with
 _MOST_WIDENINGS = 6
+_RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
+_NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
+SMALL, NEARBY = 3e-5, 3e-4  # of the approach: moves that lead to a way, and the way itself
 
 
 class WornBearing:
@@ -248,7 +246,7 @@ class WornBearing:
                 there = p.preload._replace(delta_a=delta_a)
                 seat = worn_state(
                     p.bearing(D)._replace(preload=there), races, self.reference, p.rule, work,
-                    self.state, seat._replace(delta_a=delta_a, X1=X1), u,
+                    self.state, seat._replace(delta_a=delta_a, X1=X1), u, *_NO_MOVES,
                 )  # fmt: skip
                 if seat.status != code.OK:
                     break
@@ -375,39 +373,39 @@ class WornBearing:
             gaps.append(s * force.approach)
         return np.array(gaps)
 
-    def axial_stiffness(self, point: WornPoint) -> float:
-        """Of all balls, their centres free, in the state last solved [N/m]."""
-        g, seat, races, D = point.problem.g, point.seat, self.worn_races, point.D
-        A1, A2 = groove_distance(g, 0.0, seat.delta_a, 0.0, 0.0, 0.0)
-        places = ((A1 - seat.X1, A2 - seat.X2), (seat.X1, seat.X2))
-        k_i, k_o = found = np.empty((2, 2, 2))
-        for race, sigma, reference, y, k in zip(
-            races, SIDES, self.reference, places, found, strict=True
-        ):
-            find_stiffness(g, D, race, sigma, reference, *y, seat.beta, k)
-        series = k_i - k_i @ np.linalg.solve(k_i + k_o, k_i)
-        return float(g.n_balls * series[0, 0])
+    def axial_stiffnesses(self, point: WornPoint) -> tuple[float, float]:
+        """Of all balls in the state last solved, dynamic and quasi-static [N/m].
 
-    def quasistatic_stiffness(self, point: WornPoint) -> float:
-        """Of all balls, motion and friction following, in the state last solved [N/m].
-
-        By one more state nearby; NaN where there is none.
+        The latter is a difference along the way of place and motion that small moves lead to. NaN
+        where a place nearby has no state.
         """
-        p, seat, now = point.problem, point.seat, self.reference
-        held, load = p.preload, seat_force(p.g, seat)
-        if held.constant_force:
-            held = held._replace(F_x=(1.0 + NEARBY) * held.F_x)
-        else:
-            way = NEARBY * max(seat.inner.approach, seat.outer.approach)
-            held = held._replace(delta_a=held.delta_a + way)
-        self.reference = self.worn_reference  # as the state was solved
+        seat, n = point.seat, 4 if self.bands else 3
+        size = max(seat.inner.approach, seat.outer.approach)
+        small = SMALL * size * np.array([1.0, 1.0, 1.0, 1.0 / seat.inner.a])
+        found = self._force_changes(point, np.diag(small)[:n])
+        held, following = np.zeros((2, 4, 4))
+        held[3, 3] = following[3, 3] = 1.0
+        held[:, :n], following[:, :n] = (found[:, k].T / small[:n] for k in range(2))
+        free = np.ix_(_NOT_RACE, _NOT_RACE)
+        way = np.linalg.solve(held[free], held[_NOT_RACE, _RACE])
+        dynamic = held[_RACE, _RACE] - held[_RACE, _NOT_RACE] @ way
+        move = np.ones(4)
+        move[_NOT_RACE] = -np.linalg.solve(following[free], following[_NOT_RACE, _RACE])
+        along = self._force_changes(point, NEARBY * size * move[None])[0, 1] / (NEARBY * size)
+        way = np.linalg.solve(following[free], along[_NOT_RACE])
+        quasistatic = along[_RACE] - following[_RACE, _NOT_RACE] @ way
+        balls = point.problem.g.n_balls
+        return float(balls * dynamic), float(balls * quasistatic)
+
+    def _force_changes(self, point: WornPoint, moves: np.ndarray) -> np.ndarray:
+        """What moves (n, 4) of the places of a state do to its forces, (n, 2, 4)."""
+        p, changes = point.problem, np.empty((len(moves), 2, 4))
         work = self._friction_work(p, self.worn_races)
-        near, _ = self._moved(replace(p, preload=held), point.D, self.worn_races, work)
-        self.reference = now
-        if near.status != code.OK:
-            self.state.slope.fill(0.0)
-            return float("nan")
-        return (seat_force(p.g, near) - load) / (near.delta_a - seat.delta_a)
+        seat = worn_state(
+            p.bearing(point.D), self.worn_races, self.worn_reference, p.rule, work, self.state,
+            point.seat, point.u, moves, changes,
+        )  # fmt: skip
+        return changes if seat.status == code.OK else np.full_like(changes, np.nan)
 
     def _widened(self, races: tuple[WornRace, ...]) -> bool:
         """Add cells to contacts that have grown to the ends of theirs."""

@@ -111,8 +111,7 @@ class Worn(Steady):
 
     def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
         """The solution found last, with both stiffnesses."""
-        dynamic = self.bearing.axial_stiffness(solution.answer)
-        quasistatic = self.bearing.quasistatic_stiffness(solution.answer)
+        dynamic, quasistatic = self.bearing.axial_stiffnesses(solution.answer)
         found = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
         self.memory.slope = found.steepness
         return found
