@@ -118,25 +118,36 @@ def quasistatic_stiffness(p, v_r, seat, u, response):
         See `linear_response`.
     """
     k, b, state = p.step.size, p.bearing, seat.state
+    S = response[k, k]
     copy(response[:k, k], p.step)
-    copy(response[:k, :k], p.matrix)
-    if not solve_in_place(p.matrix, p.step, k):
+    if not solve_motion(p, response):
         return math.nan
-    way = ALONG * contact_approach(state.hertz_i.K, state.Q_i)
-    for v in range(k):
-        p.trial[v] = u[v] - way * p.step[v]
-    held = Preload(constant_force=False, F_x=0.0, delta_a=seat.delta_a + way)
-    near = motion_equilibrium(held_bearing(b, held), p.trial, seat)
-    if near.state.status != OK or friction_balance(p, v_r, near.state, p.trial, p.shifted, False):
-        return math.nan
-    for v in range(k):
-        p.step[v] = (p.shifted[v] - p.residual[v]) / way
-    copy(response[:k, :k], p.matrix)
-    solve_in_place(p.matrix, p.step, k)
-    S = (near.state.F_ix - state.F_ix) / way
+    if p.rule.split and p.across.size > 1:  # those along move too little to show
+        way = ALONG * contact_approach(state.hertz_i.K, state.Q_i)
+        for v in range(k):
+            p.trial[v] = u[v] - way * p.step[v]
+        held = Preload(constant_force=False, F_x=0.0, delta_a=seat.delta_a + way)
+        near = motion_equilibrium(held_bearing(b, held), p.trial, seat).state
+        status = near.status
+        if status == OK:
+            status = friction_balance(p, v_r, near, p.trial, p.shifted, False)
+        if status != OK:
+            return math.nan
+        S = (near.F_ix - state.F_ix) / way
+        for v in range(k):
+            p.step[v] = (p.shifted[v] - p.residual[v]) / way
+        solve_motion(p, response)
     for v in range(k):
         S -= response[k, v] * p.step[v]
     return S
+
+
+@jit
+def solve_motion(p, response):
+    """Divide `p.step` by the Jacobian of a response; False where it is singular."""
+    k = p.step.size
+    copy(response[:k, :k], p.matrix)
+    return solve_in_place(p.matrix, p.step, k)
 
 
 @jit

@@ -20,8 +20,7 @@ N_UM = 1e-6
 AXIAL = ("axial_stiffness", "quasistatic_axial_stiffness")
 SYSTEM = ("system_axial_stiffness", "system_quasistatic_axial_stiffness")
 FIXED = {"operation.preload_method": "fixed_position"}
-# The derivative holds the points of a split rule; those across are what that shows in.
-FINE = {"model.points_across": 16}
+ALONG = 1e-5  # step of a difference along the way, where points of a split rule move
 
 
 def both(values, names=AXIAL):
@@ -70,12 +69,13 @@ def slope(problem, D, case, share):
 @pytest.mark.parametrize(
     ("name", "changes", "rtol"),
     [
-        ("gyro_s1_hertz", {"operation.preload_N": 3.0} | FINE, 1e-4),
+        ("gyro_s1_hertz", {"operation.preload_N": 3.0}, ALONG),
         ("gyro_s1_hertz", {"operation.preload_N": 3.0, "model.quadrature": "gauss"}, 1e-7),
-        ("gyro_s1_hertz", {"model.normal_balance": "frictionless"} | FINE, 1e-6),
+        ("gyro_s1_hertz", {"model.normal_balance": "frictionless"}, ALONG),
         ("gyro_s1", {"operation.preload_N": 3.0}, 1e-7),
         ("mos2_gyro", {"model.quadrature": "gauss"}, 1e-7),
-        ("bearing218", FINE, 1e-4),
+        ("bearing218", {}, ALONG),
+        ("turbopump", {}, ALONG),
     ],
 )
 def test_quasistatic_stiffness_is_the_slope_of_further_solves(scene, name, changes, rtol, method):
@@ -123,15 +123,15 @@ def test_linear_response(scene, contact, method):
 
 
 @pytest.mark.parametrize(
-    ("force", "dynamic", "quasistatic"), [(0.0, 5.843, 7.117), (40.0, 7.560, 8.883)]
+    ("force", "dynamic", "quasistatic"), [(0.0, 5.8430, 7.1156), (40.0, 7.5604, 8.8810)]
 )
 def test_spindle_on_a_spring(force, dynamic, quasistatic):
-    """The tutorial's; without the external force an independent program found 5.86 and 7.12."""
+    """The tutorial's, as with 16 times the points; an independent program found 5.86 and 7.12."""
     scene = new(
         bore=40.0, outside=68.0, contact_angle=15.0, balls=16, ball_diameter=7.938,
         speed=18000.0, preload=120.0, friction=0.08,
     ).with_({"arrangement": {"kind": "spring_pair", "external_axial_N": force}})  # fmt: skip
-    assert_allclose(both(solve(scene).values, SYSTEM), [dynamic, quasistatic], atol=6e-4)
+    assert_allclose(both(solve(scene).values, SYSTEM), [dynamic, quasistatic], atol=3e-4)
 
 
 SOFT = {"arrangement.kind": "spring_pair", "arrangement.spring_stiffness_N_um": 0.4}
@@ -151,13 +151,13 @@ RIGID = FIXED | {"arrangement.kind": "rigid_pair"}
 )
 def test_pair_is_the_slope_of_its_shift(scene, changes):
     def values(force):
-        more = {"operation.preload_N": 5.0, "arrangement.external_axial_N": force} | FINE
+        more = {"operation.preload_N": 5.0, "arrangement.external_axial_N": force}
         return solve(scene("gyro_s1_hertz", more | changes)).values
 
     h = 2e-3
     shifts = [values(1.0 + s * h)["rotor_axial_shift"] for s in (-1, 1)]
     stiffness = values(1.0)["system_quasistatic_axial_stiffness"]
-    assert_allclose(2.0 * h / (shifts[1] - shifts[0]), stiffness, rtol=1e-4)
+    assert_allclose(2.0 * h / (shifts[1] - shifts[0]), stiffness, rtol=2.0 * ALONG)
 
 
 def test_symmetric_pair(scene):

@@ -52,7 +52,7 @@ LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one befor
 _MOST_WIDENINGS = 6
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
-SMALL, NEARBY = 3e-5, 3e-4  # of the approach: moves that lead to a way, and the way itself
+SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
 
 
 class WornBearing:
@@ -373,29 +373,27 @@ class WornBearing:
             gaps.append(s * force.approach)
         return np.array(gaps)
 
-    def axial_stiffnesses(self, point: WornPoint) -> tuple[float, float]:
-        """Of all balls in the state last solved, dynamic and quasi-static [N/m].
+    def axial_stiffnesses(self, point: WornPoint) -> np.ndarray:
+        """Of all balls in the state last solved, dynamic and quasi-static (2,) [N/m].
 
-        The latter is a difference along the way of place and motion that small moves lead to. NaN
-        where a place nearby has no state.
+        Differences along the ways that small moves of the places lead to; longer ones, in which the
+        cells that come into contact do not show. NaN where a place nearby has no state.
         """
         seat, n = point.seat, 4 if self.bands else 3
         size = max(seat.inner.approach, seat.outer.approach)
-        small = SMALL * size * np.array([1.0, 1.0, 1.0, 1.0 / seat.inner.a])
-        found = self._force_changes(point, np.diag(small)[:n])
-        held, following = np.zeros((2, 4, 4))
-        held[3, 3] = following[3, 3] = 1.0
-        held[:, :n], following[:, :n] = (found[:, k].T / small[:n] for k in range(2))
-        free = np.ix_(_NOT_RACE, _NOT_RACE)
-        way = np.linalg.solve(held[free], held[_NOT_RACE, _RACE])
-        dynamic = held[_RACE, _RACE] - held[_RACE, _NOT_RACE] @ way
-        move = np.ones(4)
-        move[_NOT_RACE] = -np.linalg.solve(following[free], following[_NOT_RACE, _RACE])
-        along = self._force_changes(point, NEARBY * size * move[None])[0, 1] / (NEARBY * size)
-        way = np.linalg.solve(following[free], along[_NOT_RACE])
-        quasistatic = along[_RACE] - following[_RACE, _NOT_RACE] @ way
-        balls = point.problem.g.n_balls
-        return float(balls * dynamic), float(balls * quasistatic)
+        small = SMALL * size * np.array([1.0, 1.0, 1.0, 1.0 / seat.inner.a])[:n]
+        slopes = np.tile(np.eye(4), (2, 1, 1))
+        slopes[:, :, :n] = (
+            np.moveaxis(self._force_changes(point, np.eye(n, 4) * small[:, None]), 0, 2) / small
+        )
+        others = slopes[:, _NOT_RACE][:, :, _NOT_RACE]
+        ways = np.ones((2, 4))
+        ways[:, _NOT_RACE] = -_solutions(others, slopes[:, _NOT_RACE, _RACE])
+        along = self._force_changes(point, NEARBY * size * ways) / (NEARBY * size)
+        along = along[[0, 1], [0, 1]]  # each by its own way
+        left = _solutions(others, along[:, _NOT_RACE])
+        axial = along[:, _RACE] - (slopes[:, _RACE, _NOT_RACE] * left).sum(axis=1)
+        return point.problem.g.n_balls * axial
 
     def _force_changes(self, point: WornPoint, moves: np.ndarray) -> np.ndarray:
         """What moves (n, 4) of the places of a state do to its forces, (n, 2, 4)."""
@@ -420,3 +418,8 @@ class WornBearing:
                 wider = True
         self.races = tuple(kept)
         return wider
+
+
+def _solutions(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of n systems of equations, (n, k, k) and (n, k)."""
+    return np.linalg.solve(A, b[..., None])[..., 0]

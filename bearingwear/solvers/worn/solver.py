@@ -111,7 +111,7 @@ class Worn(Steady):
 
     def with_stiffness(self, solution: SolvedBearing) -> SolvedBearing:
         """The solution found last, with both stiffnesses."""
-        dynamic, quasistatic = self.bearing.axial_stiffnesses(solution.answer)
+        dynamic, quasistatic = self.bearing.axial_stiffnesses(solution.answer).tolist()
         found = solution._replace(stiffness=dynamic, quasistatic=quasistatic, slope=math.nan)
         self.memory.slope = found.steepness
         return found
