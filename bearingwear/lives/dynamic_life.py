@@ -94,7 +94,7 @@ def life_histories(life: Life) -> dict:
     """Wear and results at each node; NaN where a node was not solved."""
     wearing: Motion = life.wearing
     parts, p = wearing.parts, wearing.parts.layout
-    nodes = life.nodes if life.beyond is None else [*life.nodes, life.beyond]
+    nodes = life.tried
     runs = [run_at(node) for node in nodes]
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)

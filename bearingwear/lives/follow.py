@@ -147,6 +147,11 @@ class Life:
         return self.nodes[-1]
 
     @property
+    def tried(self) -> list[Node]:
+        """The nodes, and what could not be solved."""
+        return self.nodes if self.beyond is None else [*self.nodes, self.beyond]
+
+    @property
     def times(self) -> np.ndarray:
         """When the nodes are reached (nodes, 2) [s]."""
         return np.array([node.time for node in self.nodes])
