@@ -8,7 +8,7 @@ from bearingwear.kernels.equilibrium import cold_start, groove_distance
 from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
 from bearingwear.kernels.thrust import LARGEST_RESIDUAL, Residuals, case_status
 from bearingwear.kernels.verification import friction_check, polygon_residual
-from bearingwear.solvers import steady
+from bearingwear.solvers.bearing import thrust_problem
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.solve import solve
 
@@ -121,7 +121,7 @@ def test_verdict_lets_rounding_explain_a_little():
 
 def test_a_solve_that_stops_early_is_unverified(scene, monkeypatch):
     """A solver content with a residual of 1e-5 hands over a state that its own check refuses."""
-    monkeypatch.setattr(steady, "FRICTION_TOLERANCE", 1e-5)
+    monkeypatch.setattr(thrust_problem, "FRICTION_TOLERANCE", 1e-5)
     problem = ThrustProblem.of(scene("gyro_s1", {"model.quadrature": "gauss"}))
     case = problem.solve(problem.g.D0)
     assert case.status == code.UNVERIFIED

@@ -19,6 +19,7 @@ import xarray as xr
 
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.life import life
+from bearingwear.measures import LIMITED
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.warnings import gathered_warnings
@@ -280,6 +281,7 @@ class Search:
             points |= {preload: new_point(self._at(method, preload)) for preload in more}
             preloads = sorted(points)
             names = {name for point in points.values() for name in point}
+            names |= {name for limit in self.limits.given for name in LIMITED[limit].extremes}
             found = {
                 name: np.array([points[p].get(name, math.nan) for p in preloads]) for name in names
             }
