@@ -34,7 +34,13 @@ class Evidence:
         return float(np.mean(self.state[name]))
 
 
-_SOLVED = "contact_load", "contact_angle", "semi_major_axis", "maximum_pressure"
+_SOLVED = (
+    "contact_load",
+    "contact_angle",
+    "semi_major_axis",
+    "maximum_pressure",
+    "ball_diameter_loss",
+)
 
 
 def evidence_of(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> Iterator[Evidence]:
