@@ -397,7 +397,13 @@ class Study:
 
     def refused(self, path: str) -> str | None:
         """Why the study does not make a file that looks like one of its own, on one line."""
-        return None
+        named = (output for step in self.steps for output in step.outputs if "{" in output)
+        patterns = (re.sub(r"\\{\w+\\}", "[^/]+", re.escape(output)) for output in named)
+        if not any(re.fullmatch(pattern, path) for pattern in patterns):
+            return None
+        if any(path in job.made() for job in self.jobs):
+            return None
+        return f"{path}: got a point that is not in the plan"
 
     def check(self) -> None:
         """Read every scene as the study changes it.

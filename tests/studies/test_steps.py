@@ -94,3 +94,13 @@ def test_the_small_map_takes_every_core_and_says_how_far_it_is(made):
     told = {step.run for step in steps if step.alone and step.tells}
     assert told == {"studies.design.recommend.small_map"}
     assert "workers" in inspect.signature(recommend.small_map).parameters
+
+
+def test_a_point_that_is_not_in_the_plan_is_refused(made):
+    targets = [path for study in made.values() for path in study.targets()]
+    assert not [path for path in targets for study in made.values() if study.refused(path)]
+    cage = made["cage"].refused("results/cage/points/mu9-pocket1-guide1-g0.nc")
+    assert (
+        cage == "results/cage/points/mu9-pocket1-guide1-g0.nc: got a point that is not in the plan"
+    )
+    assert made["cage"].refused("results/cage/other.nc") is None
