@@ -24,7 +24,7 @@ STEEPEST_LIFE = 1.5
 _SLACK = 0.4  # by which a slope inside an interval may differ from those outside of it
 _WIDE = 0.45  # width in log preload of an interval that needs most of that
 _SAFETY = 2.0  # widths to where a limit is met, as interpolated
-_WITHIN = 0.25  # of a gain that does not matter: how far within a limit to look, in log preload
+_WITHIN = 1e-3  # in log preload: how far within a limit to look
 _BEND = 0.25  # of how much wear takes of a limit: how far that may bend between two preloads
 _LEAST = -0.99  # of a margin, as nothing is a logarithm of minus infinity
 _NEAR_LIMIT = 0.5  # of a limit: how far a peak of margins may be for a limit to be met beside it
@@ -164,20 +164,14 @@ class Neighbours(NamedTuple):
         end = self.a if self._least_room[0] >= 0.0 else self.b
         return end, float(share), not kept[k:].any()
 
-    def split(self, gain: float) -> float:
-        """The preload to solve next: where a limit is met, or in the middle [N].
-
-        Parameters
-        ----------
-        gain : float
-            Factor of the life that does not matter: so much within the limit.
-        """
+    def split(self) -> float:
+        """The preload to solve next: where a limit is met, or in the middle [N]."""
         low, high = math.log(self.a.preload), math.log(self.b.preload)
         middle = 0.5 * (low + high)
         met = self.limit_met()
         if met is not None and not self.jumps and not self._turns_impractical():
             end, share, _ = met
-            share = min(max(share - _WITHIN * math.log(gain) / self.width, 0.02), 0.98)
+            share = min(max(share - _WITHIN / self.width, 0.02), 0.98)
             middle = low + share * (high - low) if end is self.a else high - share * (high - low)
         elif met is None and len(room := self._least_room) > 2 and max(room[0], room[-1]) < 0.0:
             middle = self.guess.x[self._places][1 + int(np.argmax(room[1:-1]))]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from scipy.optimize import brentq
@@ -36,8 +36,9 @@ FOUND_TO = 4e-3
 _LIMITS, _CRITERIA, _FRICTIONS = 40, 6, 3  # steps to the farthest value
 _GUIDED_GAIN = 1.05  # of a life that the map may miss
 _GUIDED = 5  # of the steps of a limit, where quick lives show what the coarse map misses
-_NEAREST = 2e-3  # width in log preload, within which there is an exact life
+_NEAREST = 3e-3  # width in log preload, within which there is an exact life
 _MOST = 40
+_ALIKE = 0.05  # lives that differ by less of the longer one: between them is none to solve
 _NO_CHANCE = 50.0  # logarithm of a ratio of lives of which one is nothing
 SHARES_OF_ENDS = ("preload_fraction", "gyroscopic_slip_share", "skid_ratio")
 _LARGEST_SHARE = 0.999
@@ -298,18 +299,33 @@ def friction_room(
     assert part is not None
     most = min(CRITERIA_FARTHEST, part.key.ends[1] / mu) if mu > 0.0 else 0.0
 
+    def with_friction(one: Scene, factor: float) -> Scene:
+        return replace(one, friction=replace(one.friction, ball_race=factor * mu))
+
     @cache
-    def ahead(factor: float, quick: bool) -> float:
-        made = [
-            replace(one, friction=replace(one.friction, ball_race=factor * mu)) for one in scenes
-        ]
-        return advantage([printed_life(one, basis, quick) for one in made], first)
+    def exact(factor: float) -> float:
+        return advantage([printed_life(with_friction(o, factor), basis) for o in scenes], first)
+
+    known = [{1.0: life} for life in lives]
+
+    def quick(factor: float) -> float:
+        return advantage([guessed(k, factor) for k in range(len(scenes))], first)
+
+    def guessed(k: int, factor: float) -> float:
+        """A quick life [s], or one between two that hardly differ."""
+        below = max((f for f in known[k] if f < factor), default=None)
+        above = min((f for f in known[k] if f > factor), default=None)
+        if below is not None and above is not None:
+            a, b = known[k][below], known[k][above]
+            if abs(a - b) < _ALIKE * max(a, b):
+                return float(np.interp(factor, (below, above), (a, b)))
+        known[k][factor] = printed_life(with_friction(scenes[k], factor), basis, quick=True)
+        return known[k][factor]
 
     K = scenes[0].materials[scenes[0].bearing.race_material].wear_coefficient
     found = [Assumption(name=WEAR_KEY, now=K)]
     if most > 1.0:
         even = np.linspace(0.0, 1.0, _FRICTIONS + 1)[1:]
-        quick, exact = partial(ahead, quick=True), partial(ahead, quick=False)
         low, high = (
             reversal(quick, exact, factors.tolist(), FOUND_TO, advantage(lives, first))
             for factors in (CRITERIA_FARTHEST**-even, most**even)

@@ -65,7 +65,7 @@ def guide(
         one = line.doubtful(limits, max(gain * line.longest(limits), least), GUIDED)
         if one is None:
             return
-        yield [(line, one.split(gain), False)]
+        yield [(line, one.split(), False)]
 
 
 def search(line: PreloadLine, limits: DesignLimits) -> Asking:
@@ -81,7 +81,7 @@ def search(line: PreloadLine, limits: DesignLimits) -> Asking:
         one = line.doubtful(limits, GAIN * line.longest(limits), narrowest)
         if one is None:
             break
-        yield [(line, one.split(GAIN), True)]
+        yield [(line, one.split(), True)]
     if (best := line.best(limits, GAIN)) is None:
         return None
     return (yield from _off_the_cliff(line, best, limits))
