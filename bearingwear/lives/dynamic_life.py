@@ -47,11 +47,10 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
     life = follow_motion(wearing)
     values |= {"status": life.status, "end_criterion": life.criterion}
-    every = life.nodes if life.beyond is None else [*life.nodes, life.beyond]
     attrs = {
-        "solves": len(every),
+        "solves": len(life.tried),
         "steady_life_of": steady_sentence(scene),
-        "residual": f"of the last run: {run_at(every[-1]).residual}",
+        "residual": f"of the last run: {run_at(life.tried[-1]).residual}",
     }
     if life.nodes[0].status == code.OK:
         values |= ends(life) | life_histories(life)
