@@ -18,7 +18,7 @@ from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import spread_at
 from bearingwear.results.show import sheet
-from bearingwear.results.units import digits
+from bearingwear.results.units import Rough
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
@@ -415,7 +415,7 @@ def test_answer_stands_first(folder):
     )
     low, high = spread_at(spread).bearings.text.split(" to ")
     assert f"constant force at {float(found['preload']):.3g} N" in first
-    said = f"{digits(float(found['life'][1]))} h (90 % of bearings between {low} and {high} h)"
+    said = f"{Rough(found['life'][1]).text} h (90 % of bearings between {low} and {high} h)"
     assert said in first.replace("\N{NO-BREAK SPACE}", " ")
     assert first.endswith("held by axial stiffness of one bearing")
 
