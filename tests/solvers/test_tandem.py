@@ -83,4 +83,4 @@ def test_sheet_says_each_share(scene):
     assert any("2 and 1 in tandem" in line for line in found.heading)
     (row,) = [row for block in found.blocks for row in block.rows if row.name == "residual_preload"]
     assert row.values == pytest.approx((3.5, 7.0))
-    assert row.note == "limits 1.4, 2.8"
+    assert row.limits == pytest.approx((1.4, 2.8))

@@ -132,6 +132,7 @@ def test_what_is_refused_takes_one_line(study, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "mine.yaml"]
 
 
+@pytest.mark.long
 def test_a_pair_is_studied_by_its_map(study, tmp_path):
     """Spring pair against rigid pair, and no states of wear of one bearing."""
     mine = tmp_path / "mine.yaml"

@@ -73,7 +73,7 @@ def test_lint():
 def test_a_run_makes_everything_and_then_nothing(first_run, solved):
     project, run = first_run
     assert run.jobs["grid_solve"] == 4 + 1
-    assert "gyro_s1: fixed position, mu 0.080, loss 0.00 um to 0.50 um" in run.text
+    assert "gyro_s1: fixed_position-mu0.080, loss 0.00 to 0.50 um" in run.text
     results = project.results()
     for scene in ("gyro_s1", "gyro_s1_drag"):
         made = {f"{scene}/{name}" for name in ("study.nc", "wear_life.nc")}
@@ -104,6 +104,7 @@ def test_the_same_bytes_twice(first_run, solved):
     assert solved.results() == before
 
 
+@pytest.mark.long
 def test_one_result_again_outside_a_clone(solved):
     case = solved.root / f"results/gyro_s1/cases/{WORN}.nc"
     before = case.stat().st_mtime_ns
@@ -284,7 +285,7 @@ def test_one_value_of_friction_edited(solved):
     solved.configure(config)
     planned = solved.run("-n")
     assert planned.jobs["grid_solve"] == 2 and planned.jobs["grid_gather"] == 1
-    assert "gyro_s1: fixed position, mu 0.081, loss 0.00 um to 0.50 um" in planned.text
+    assert "gyro_s1: fixed_position-mu0.081, loss 0.00 to 0.50 um" in planned.text
 
 
 def test_order_and_way_of_writing_do_not_matter(solved):

@@ -18,7 +18,7 @@ def test_the_table_is_whole():
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: f"{row[0]}-{row[1]}")
 def test_lives_at_equal_stiffness(row):
-    """Each preload keeps the stiffness and has the life that is told; a lesser one does not."""
+    """Each preload keeps the lesser stiffness and has the life of its row; a lesser one does not."""
     pairs = benchmark("pairs")
     stiffness, kelvin = 1e6 * float(row[0]), float(row[1])
     lives = []
@@ -29,8 +29,8 @@ def test_lives_at_equal_stiffness(row):
             life_point(scene.with_({"operation.preload_N": share * preload}), None)
             for share in (1.0, 0.97)
         )
-        assert found["system_axial_stiffness"] == pytest.approx(stiffness, rel=5e-3), name
-        assert less["system_axial_stiffness"] < 0.995 * stiffness
+        assert pairs.LEAST.worst(found) == pytest.approx(stiffness, rel=5e-3), name
+        assert pairs.LEAST.worst(less) < 0.995 * stiffness
         lives.append(found["life"][1] / 3600.0)
         assert lives[-1] == pytest.approx(hours, rel=1e-2)
     assert row[6] == ("spring" if lives[0] > lives[1] else "rigid")

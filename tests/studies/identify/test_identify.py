@@ -20,7 +20,7 @@ PLAN_FILE = ROOT / "config" / "identify.yaml"
 def test_plan_of_the_project():
     plan = read_record(IdentifyPlan, PLAN_FILE)
     plan.check_scenes(ROOT / "config" / "scenes")
-    assert plan.scene in plan.scene_names
+    assert scene_file(plan.scene).is_file()
 
 
 @pytest.mark.parametrize(

@@ -46,11 +46,11 @@ def of_class(name, seed):
     [
         ("steady_stress", 0.01),
         ("race_control_stress", 0.02),
-        ("steady_warm", 0.01),
-        ("race_control_warm", 0.02),
+        pytest.param("steady_warm", 0.01, marks=pytest.mark.long),
+        pytest.param("race_control_warm", 0.02, marks=pytest.mark.long),
         ("steady_pair", 0.01),
-        ("race_control_pair", 0.02),
-        ("steady_hertz", 0.01),
+        pytest.param("race_control_pair", 0.02, marks=pytest.mark.long),
+        pytest.param("steady_hertz", 0.01, marks=pytest.mark.long),
     ],
 )
 def test_random_scenes_are_never_wrong(name, unexplained):
