@@ -18,7 +18,7 @@ def test_the_table_is_whole():
 
 @pytest.mark.parametrize("row", TABLE, ids=lambda row: f"{row[0]}-{row[1]}")
 def test_lives_at_equal_stiffness(row):
-    """Each preload keeps the lesser stiffness and has the life of its row; a lesser one does not."""
+    """Each preload has the lesser stiffness and the life of its row; 3 % less preload has not."""
     pairs = benchmark("pairs")
     stiffness, kelvin = 1e6 * float(row[0]), float(row[1])
     lives = []
