@@ -308,12 +308,13 @@ class Search:
         room = [] if first is None else self._limits_room(lines, first)
         asked: list[Callable[[], Any]] = [partial(lives_by_track, scenes, lives, self.basis)]
         if first is not None and len(both) == 2:
-            asked += [
-                partial(criteria_room, both, self.basis, first),
+            asked = [  # what takes longest is begun first
                 partial(friction_room, both, lives, self.basis, first),
+                partial(criteria_room, both, self.basis, first),
+                *asked,
             ]
-        tracks, *rooms = self.each(_called, asked)
-        for one in rooms:
+        *rooms, tracks = self.each(_called, asked)
+        for one in reversed(rooms):
             room += one
         errors = [r.get("life_error_estimate", NO_ERRORS)[self.basis] for r in rows]
         return held(room, tracks, verdict_on(lives, errors, room, tracks))
