@@ -15,7 +15,8 @@ from comparison import FIGURES, PAGE, ROOT, Group, Row, row_table, totals, with_
 from matplotlib.axis import Axis
 from matplotlib.ticker import NullLocator
 
-from bearingwear.kernels.equilibrium import (
+from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
+from bearingwear.kernels.equilibrium.thrust_loaded import (
     ball_equilibrium,
     cold_start,
     groove_distance,
@@ -24,7 +25,6 @@ from bearingwear.kernels.equilibrium import (
     thrust_equilibrium,
 )
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.stiffness import DOF, bearing_stiffness
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant

@@ -4,24 +4,24 @@ import time as clock
 
 import numpy as np
 
-from bearingwear.kernels.ball_friction import BallForces, race_friction
-from bearingwear.kernels.block_solve import solve_factorised
-from bearingwear.kernels.block_system import factorise, linearise
 from bearingwear.kernels.build.decorators import jit
-from bearingwear.kernels.cage_contacts import cage_contacts
-from bearingwear.kernels.closures import first_closure, interferences
-from bearingwear.kernels.dynamic_equilibrium import equilibrium
-from bearingwear.kernels.integrators import ROSENBROCK, take_step
-from bearingwear.kernels.jacobian import ball_blocks
-from bearingwear.kernels.quasistatic import find_contacts
-from bearingwear.kernels.rates import rates_here
-from bearingwear.kernels.record import add_instant
-from bearingwear.kernels.status import OK
-from bearingwear.kernels.step_control import (
+from bearingwear.kernels.cage.contacts import cage_contacts
+from bearingwear.kernels.dynamic.block_solve import solve_factorised
+from bearingwear.kernels.dynamic.block_system import factorise, linearise
+from bearingwear.kernels.dynamic.closures import first_closure, interferences
+from bearingwear.kernels.dynamic.equilibrium import equilibrium
+from bearingwear.kernels.dynamic.friction import BallForces, race_friction
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK, take_step
+from bearingwear.kernels.dynamic.jacobian import ball_blocks
+from bearingwear.kernels.dynamic.quasistatic import find_contacts
+from bearingwear.kernels.dynamic.rates import rates_here
+from bearingwear.kernels.dynamic.record import add_instant
+from bearingwear.kernels.dynamic.step_control import (
     make_ready,
     reset_rotation_vector,
     step_error,
 )
+from bearingwear.kernels.status import OK
 
 PROFILE_TOLERANCE = 1e-3  # the program's default
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.kernels.summary import QV
+from bearingwear.kernels.contact.summary import QV
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.parameters import ellipse_rule

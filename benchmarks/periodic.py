@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.state import BALL, PSI
+from bearingwear.kernels.layout import BALL, PSI
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion, periodic_motion

@@ -21,14 +21,20 @@ import numba
 import numpy as np
 from scipy.special import roots_jacobi
 
-from bearingwear.kernels.contact import race_contacts, slip_coefficients
-from bearingwear.kernels.ellipse import FAR, Rule, most_points, quadrature_points, rolling_points
-from bearingwear.kernels.equilibrium import cold_start
-from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.kernels.contact.points import (
+    FAR,
+    Rule,
+    most_points,
+    quadrature_points,
+    rolling_points,
+)
+from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients
+from bearingwear.kernels.contact.strip_friction import strip_sums
+from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
-from bearingwear.kernels.strip_friction import strip_sums
-from bearingwear.kernels.summary import QV
+from bearingwear.kernels.steady.balance import Seat, orbit_equilibrium
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.quadrature import gathered, gauss_legendre

@@ -19,12 +19,12 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start
-from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL
-from bearingwear.kernels.level_solver import pseudo_transient
-from bearingwear.kernels.steady_balance import Seat, motion_equilibrium
-from bearingwear.kernels.steady_solver import unknowns
-from bearingwear.kernels.summary import QV
+from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, OUTER_CONTROL
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
+from bearingwear.kernels.steady.level_solver import pseudo_transient
+from bearingwear.kernels.steady.solver import unknowns
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import SceneError

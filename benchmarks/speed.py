@@ -17,8 +17,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import plain_scipy as plain
 
 import bearingwear
-from bearingwear.kernels.kinematics import INNER_CONTROL
-from bearingwear.kernels.summary import QV
+from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL
 from bearingwear.lives.life import life
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem

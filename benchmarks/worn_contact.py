@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.kernels.hertz import elliptic_integrals
-from bearingwear.kernels.worn_cells import contact_buffers
-from bearingwear.kernels.worn_contact import CLOSED_GAP, contact_cells, worn_pressure
+from bearingwear.kernels.contact.hertz import elliptic_integrals
+from bearingwear.kernels.worn.cells import contact_buffers
+from bearingwear.kernels.worn.pressure import CLOSED_GAP, contact_cells, worn_pressure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from kernels.test_worn_contact import KAPPA, PROFILES  # noqa: E402

@@ -1,7 +1,7 @@
 """Parameter records of a bearing: immutable, of floats, built by one factory.
 
-The factory is `bearingwear.model.parameters`; it makes every field a float (counts an int), since
-each mixture of types would compile another version of every kernel.
+The factory is `bearingwear.solvers.bearing.parameters`; it makes every field a float (counts an
+int), since each mixture of types would compile another version of every kernel.
 """
 
 from typing import NamedTuple

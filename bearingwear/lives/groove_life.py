@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
-from bearingwear.kernels.profile import contact_approach
-from bearingwear.kernels.worn_balance import arc_shift
+from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
+from bearingwear.kernels.contact.profile import contact_approach
+from bearingwear.kernels.worn.balance import arc_shift
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values

@@ -9,12 +9,12 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.ellipse import Rule
-from bearingwear.kernels.equilibrium import groove_distance
-from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
-from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, workspace
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
-from bearingwear.kernels.verification import polygon_residual
+from bearingwear.kernels.contact.points import Rule
+from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary, workspace
+from bearingwear.kernels.contact.verification import polygon_residual
+from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL, race_control
+from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
+from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics

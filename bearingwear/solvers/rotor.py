@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
+from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.scene.arrangement import bearings_holding
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.arrangement import (

@@ -9,8 +9,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.kinematics import OUTER_CONTROL
-from bearingwear.kernels.summary import (
+from bearingwear.kernels.contact.summary import (
     ANGLE,
     FRICTION,
     HEAT,
@@ -22,7 +21,8 @@ from bearingwear.kernels.summary import (
     TORQUE,
     TRACK,
 )
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL, ThrustCase
+from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
+from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.cage_contacts import cage_contacts
-from bearingwear.kernels.quasistatic import find_contacts
-from bearingwear.kernels.state import CENTRE, MOMENTUM, PSI, ROTATION, VELOCITY
+from bearingwear.kernels.cage.contacts import cage_contacts
+from bearingwear.kernels.dynamic.quasistatic import find_contacts
+from bearingwear.kernels.layout import CENTRE, MOMENTUM, PSI, ROTATION, VELOCITY
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of
 

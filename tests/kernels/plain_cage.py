@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 
 
 class Laws(NamedTuple):

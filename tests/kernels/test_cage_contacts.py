@@ -9,10 +9,10 @@ from kernels.cage_states import TOUCHING, contacts, force_on_ball, touching_syst
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels.build.decorators import jit
-from bearingwear.kernels.cage_law import CageContact, power_slopes
-from bearingwear.kernels.dynamic_equilibrium import linearise_cage_forces
-from bearingwear.kernels.quasistatic import K_11
-from bearingwear.kernels.state import CENTRE, VELOCITY
+from bearingwear.kernels.cage.law import CageContact, power_slopes
+from bearingwear.kernels.dynamic.equilibrium import linearise_cage_forces
+from bearingwear.kernels.dynamic.quasistatic import K_11
+from bearingwear.kernels.layout import CENTRE, VELOCITY
 
 MU, V_R = 0.3, 1e-3
 

@@ -14,7 +14,7 @@ import pytest
 from kernels.plain_cage import STORED, TODAY, rotation, solve
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.cage_law import (
+from bearingwear.kernels.cage.law import (
     LAND_DAMPING,
     LAND_HEAT,
     LAND_TORQUE,
@@ -22,7 +22,7 @@ from bearingwear.kernels.cage_law import (
     POCKET_HEAT,
     POCKET_TORQUE,
 )
-from bearingwear.kernels.state import CENTRE, MOMENTUM, PSI, VELOCITY
+from bearingwear.kernels.layout import CENTRE, MOMENTUM, PSI, VELOCITY
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of

@@ -17,7 +17,7 @@ ELSE = 54321  # a user's number that is nobody's here
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
 
 PROGRAM = """
-from bearingwear.kernels.kinematics import rolling_orbit
+from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
 print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
 """
 

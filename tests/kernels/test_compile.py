@@ -22,13 +22,13 @@ from bearingwear.solvers.solve import solve
 GYRO = str(scene_file("gyro_s1"))
 LINE = "compiling the solver, once on this machine; it may take a minute ...\n"
 SMALL = """
-from bearingwear.kernels.kinematics import rolling_orbit
+from bearingwear.kernels.equilibrium.kinematics import rolling_orbit
 print(rolling_orbit(1.0, 0.0, 9.0, 9.0, 0.0, 0.0))
 """
 
 BOTH_WAYS = """
 import numba, sys
-from bearingwear.kernels.worn_cells import contact_buffers
+from bearingwear.kernels.worn.cells import contact_buffers
 # Names count what was compiled before: once without the kernel, once with it.
 first = (lambda n: contact_buffers(n, n).gap.size) if "called" in sys.argv else (lambda n: 0)
 numba.njit(first)(2)

@@ -8,18 +8,18 @@ from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 from scipy.special import ellipe
 
-from bearingwear.kernels.contact import dissipation, half_width, slip_velocity, surface_height
-from bearingwear.kernels.ellipse import EDGE, most_points, place_across, quadrature_points
-from bearingwear.kernels.friction import potential
-from bearingwear.kernels.params import Contact
-from bearingwear.kernels.strip_friction import strip_sums
-from bearingwear.kernels.traction import (
+from bearingwear.kernels.contact.friction import potential
+from bearingwear.kernels.contact.points import EDGE, most_points, place_across, quadrature_points
+from bearingwear.kernels.contact.slip import dissipation, half_width, slip_velocity, surface_height
+from bearingwear.kernels.contact.strip_friction import strip_sums
+from bearingwear.kernels.contact.traction import (
     ellipse_slope,
     ellipse_sums,
     strip_slope,
     strip_traction,
     traction,
 )
+from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.quadrature import chebyshev, chebyshev_halves, gauss_halves
 

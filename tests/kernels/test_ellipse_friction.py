@@ -7,8 +7,8 @@ import pytest
 from kernels.test_ellipse import CONTACT, MU, SCALE, SLIPS, STEPS, V_R, R, placed
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.ellipse_friction import EllipsePoints, ellipse_friction, places
-from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
+from bearingwear.kernels.contact.ellipse_friction import EllipsePoints, ellipse_friction, places
+from bearingwear.kernels.contact.traction import ellipse_slope, ellipse_sums
 from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
 from bearingwear.solvers.bearing.quadrature import gathered, normalised, spread_fixed
 

@@ -12,15 +12,15 @@ from scipy.special import ellipe
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start
-from bearingwear.kernels.film_friction import area_shares
-from bearingwear.kernels.friction import even_coefficient
-from bearingwear.kernels.profile import semi_axis
-from bearingwear.kernels.steady_balance import Seat, motion_equilibrium
-from bearingwear.kernels.summary import COLUMNS, HEAT, QV, contact_summary, workspace
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL
-from bearingwear.kernels.traction import ellipse_slope, ellipse_sums
-from bearingwear.kernels.verification import friction_check
+from bearingwear.kernels.contact.film_friction import area_shares
+from bearingwear.kernels.contact.friction import even_coefficient
+from bearingwear.kernels.contact.profile import semi_axis
+from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary, workspace
+from bearingwear.kernels.contact.traction import ellipse_slope, ellipse_sums
+from bearingwear.kernels.contact.verification import friction_check
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
+from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL
 from bearingwear.scene.variant import variant
 from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.contact import point_slip
-from bearingwear.kernels.friction import force_per_slip, force_slope, potential
+from bearingwear.kernels.contact.friction import force_per_slip, force_slope, potential
+from bearingwear.kernels.contact.profile import height, profile
+from bearingwear.kernels.contact.slip import point_slip
+from bearingwear.kernels.contact.strip_friction import strip_slope_sums, strip_sums
+from bearingwear.kernels.contact.traction import strip_slope, strip_traction
 from bearingwear.kernels.params import Contact
-from bearingwear.kernels.profile import height, profile
-from bearingwear.kernels.strip_friction import strip_slope_sums, strip_sums
-from bearingwear.kernels.traction import strip_slope, strip_traction
 from bearingwear.solvers.bearing.quadrature import gauss_halves
 
 R, MU, V_R = 1e-3, 0.07, 2e-3

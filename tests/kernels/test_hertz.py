@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose
 from published_bearings import B218
 from scipy.special import ellipe, ellipkm1
 
-from bearingwear.kernels.contact import surface_height
-from bearingwear.kernels.hertz import (
+from bearingwear.kernels.contact.hertz import (
     INNER,
     OUTER,
     angle_slope,
@@ -17,8 +16,9 @@ from bearingwear.kernels.hertz import (
     point_contact,
     race_contact,
 )
+from bearingwear.kernels.contact.slip import surface_height
+from bearingwear.kernels.contact.traction import strip_traction
 from bearingwear.kernels.params import Contact
-from bearingwear.kernels.traction import strip_traction
 from bearingwear.solvers.bearing.parameters import geometry
 from bearingwear.solvers.bearing.quadrature import equal_strips, gauss_halves
 

@@ -9,11 +9,14 @@ import pytest
 from kernels.cage_states import TOUCHING, touching_system
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.block_solve import add_ball_powers, add_cage_powers, solve_factorised
-from bearingwear.kernels.block_system import factorise, linearise
-from bearingwear.kernels.linear import factor_in_place, solve_factored
-from bearingwear.kernels.rates import rates_here
-from bearingwear.kernels.state import (
+from bearingwear.kernels.dynamic.block_solve import (
+    add_ball_powers,
+    add_cage_powers,
+    solve_factorised,
+)
+from bearingwear.kernels.dynamic.block_system import factorise, linearise
+from bearingwear.kernels.dynamic.rates import rates_here
+from bearingwear.kernels.layout import (
     BALL,
     CENTRE,
     MOMENTUM,
@@ -23,6 +26,7 @@ from bearingwear.kernels.state import (
     VELOCITY,
     W_X,
 )
+from bearingwear.kernels.linear import factor_in_place, solve_factored
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of

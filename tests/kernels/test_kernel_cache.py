@@ -15,7 +15,7 @@ from bearingwear.kernels.build.folder import code_folder
 PACKAGE = Path(bearingwear.__file__).parent
 PROGRAM = """
 import math
-from bearingwear.kernels.body_forces import body_forces
+from bearingwear.kernels.equilibrium.body_forces import body_forces
 from bearingwear.kernels.params import BallLoad, Geometry
 from bearingwear.provenance import source_hash
 g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
@@ -45,7 +45,7 @@ def test_edited_callee_gives_new_numbers(tmp_path):
     shutil.copytree(PACKAGE, tmp_path / "bearingwear", ignore=ignore)
     first = run(tmp_path)
     assert run(tmp_path) == first
-    callee = tmp_path / "bearingwear" / "kernels" / "kinematics.py"
+    callee = tmp_path / "bearingwear" / "kernels" / "equilibrium" / "kinematics.py"
     text = callee.read_text()
     assert "math.cos(alpha_o) + gamma" in text
     callee.write_text(text.replace("math.cos(alpha_o) + gamma", "math.cos(alpha_o) - gamma"))

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from bearingwear.kernels.equilibrium import spring
-from bearingwear.kernels.profile import (
+from bearingwear.kernels.contact.profile import (
     PEAK,
     contact_approach,
     contact_load,
@@ -19,6 +18,7 @@ from bearingwear.kernels.profile import (
     pressure_integral,
     profile,
 )
+from bearingwear.kernels.equilibrium.thrust_loaded import spring
 
 
 def test_height_is_on_the_arc_through_both_ends_of_the_contact():

@@ -8,12 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from bearingwear.kernels.contact import slip_velocity, surface_height
-from bearingwear.kernels.ellipse import FAR, most_points, quadrature_points, rolling_points
+from bearingwear.kernels.contact.points import FAR, most_points, quadrature_points, rolling_points
+from bearingwear.kernels.contact.slip import slip_velocity, surface_height
+from bearingwear.kernels.contact.strip_friction import strip_sums
+from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.contact.traction import strip_traction
 from bearingwear.kernels.params import Contact
-from bearingwear.kernels.strip_friction import strip_sums
-from bearingwear.kernels.summary import QV
-from bearingwear.kernels.traction import strip_traction
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.dynamic.system import DynamicSystem

@@ -8,9 +8,9 @@ from numpy.testing import assert_allclose
 from support import benchmark
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start
-from bearingwear.kernels.search import balance_at_rate
-from bearingwear.kernels.steady_balance import Seat
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.steady.balance import Seat
+from bearingwear.kernels.steady.search import balance_at_rate
 from bearingwear.solvers.bearing.parameters import ball_diameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem, is_new
 

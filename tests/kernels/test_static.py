@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from bearingwear.kernels.equilibrium.race import PACKED, race_equilibrium
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.race import PACKED, race_equilibrium
 from bearingwear.kernels.status import OK
 
 TOLERANCE = 1e-3  # of the reference program; re-solved independently to 1e-4

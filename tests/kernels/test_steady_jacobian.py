@@ -6,15 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.equilibrium import (
-    ball_equilibrium,
-    cold_start,
-    groove_distance,
-    orbit_load,
-    static_displacement,
-)
-from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL
-from bearingwear.kernels.race import (
+from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL
+from bearingwear.kernels.equilibrium.race import (
     LOAD_FIELDS,
     LOAD_X,
     MODEL,
@@ -27,8 +20,15 @@ from bearingwear.kernels.race import (
     race_forces,
     unpack_ball_state,
 )
+from bearingwear.kernels.equilibrium.thrust_loaded import (
+    ball_equilibrium,
+    cold_start,
+    groove_distance,
+    orbit_load,
+    static_displacement,
+)
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.steady_balance import (
+from bearingwear.kernels.steady.balance import (
     Seat,
     friction_balance,
     full_jacobian,

@@ -7,16 +7,16 @@ import pytest
 from numpy.testing import assert_allclose
 from published_bearings import B218, MM2, NOSAKA, geometry
 
-from bearingwear.kernels.equilibrium import (
+from bearingwear.kernels.equilibrium.kinematics import ORBIT
+from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
+from bearingwear.kernels.equilibrium.thrust_loaded import (
     ball_equilibrium,
     cold_start,
     static_displacement,
     thrust_equilibrium,
 )
-from bearingwear.kernels.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.status import CONTACT_LOST, NOT_CONVERGED, OK
-from bearingwear.kernels.stiffness import DOF, bearing_stiffness
 
 STEP = 1e-6  # of the deformation
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start, groove_distance
-from bearingwear.kernels.steady_balance import Seat, orbit_equilibrium
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL, Residuals, case_status
-from bearingwear.kernels.verification import friction_check, polygon_residual
+from bearingwear.kernels.contact.verification import friction_check, polygon_residual
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, groove_distance
+from bearingwear.kernels.steady.balance import Seat, orbit_equilibrium
+from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, Residuals, case_status
 from bearingwear.solvers.bearing import thrust_problem
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.solve import solve

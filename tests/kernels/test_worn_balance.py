@@ -7,16 +7,16 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.worn_balance import (
+from bearingwear.kernels.worn.balance import (
     Arc,
     WornRace,
     spline_pieces,
     worn_force,
 )
-from bearingwear.kernels.worn_cells import contact_buffers
-from bearingwear.kernels.worn_contact import contact_cells
+from bearingwear.kernels.worn.cells import contact_buffers
+from bearingwear.kernels.worn.pressure import contact_cells
 from bearingwear.solvers.worn.films import AS_WITH_FILM
 
 D, ALPHA = 2e-3, math.radians(20.0)

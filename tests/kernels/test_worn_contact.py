@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.hertz import elliptic_integrals, point_contact
-from bearingwear.kernels.worn_cells import contact_buffers
-from bearingwear.kernels.worn_contact import contact_cells, worn_pressure
-from bearingwear.kernels.worn_verification import check_influence, contact_check
+from bearingwear.kernels.contact.hertz import elliptic_integrals, point_contact
+from bearingwear.kernels.worn.cells import contact_buffers
+from bearingwear.kernels.worn.pressure import contact_cells, worn_pressure
+from bearingwear.kernels.worn.verification import check_influence, contact_check
 
 KAPPA = 3.07  # a/b of gyro_s1's outer contact
 PROFILES = {

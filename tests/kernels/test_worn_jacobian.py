@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.worn_friction import place_cells, worn_friction_balance
+from bearingwear.kernels.worn.friction import place_cells, worn_friction_balance
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.bearing import WornBearing
 

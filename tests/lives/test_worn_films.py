@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.worn_verification import friction_of_cells
+from bearingwear.kernels.worn.verification import friction_of_cells
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA

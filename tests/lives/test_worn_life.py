@@ -9,8 +9,8 @@ from support import scene_file
 
 from bearingwear.api import new
 from bearingwear.kernels import status as code
-from bearingwear.kernels.profile import semi_axis
-from bearingwear.kernels.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
+from bearingwear.kernels.contact.profile import semi_axis
+from bearingwear.kernels.contact.summary import ANGLE, LOAD, PRESSURE, QV, SHARE
 from bearingwear.lives.follow import Node
 from bearingwear.lives.groove_life import half_lengths, wear_over_gap
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of

@@ -14,7 +14,7 @@ import xarray as xr
 from bearingwear.atomic import OutputError
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.kernels.thrust import BRANCH_NAMES
+from bearingwear.kernels.steady.thrust import BRANCH_NAMES
 from bearingwear.results import netcdf, variables
 from bearingwear.results.netcdf import CaseFileError, dataset, load, write_result
 from bearingwear.results.rows import VARIABLES

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.cage import angular_velocity, turn
-from bearingwear.kernels.cage_contacts import cage_contacts
-from bearingwear.kernels.dynamic_equilibrium import linearise_cage_forces
-from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
-from bearingwear.kernels.quasistatic import K_11
+from bearingwear.kernels.cage.body import angular_velocity, turn
+from bearingwear.kernels.cage.contacts import cage_contacts
+from bearingwear.kernels.dynamic.equilibrium import linearise_cage_forces
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.dynamic.quasistatic import K_11
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
 from bearingwear.solvers.dynamic.run import solve_dynamic

@@ -7,10 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels.build.decorators import jit
-from bearingwear.kernels.cage import imbalance_vector
-from bearingwear.kernels.cage_law import LAND_DAMPING, LAND_HEAT
-from bearingwear.kernels.pocket import pocket_force
-from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
+from bearingwear.kernels.cage.body import imbalance_vector
+from bearingwear.kernels.cage.law import LAND_DAMPING, LAND_HEAT
+from bearingwear.kernels.cage.pocket import pocket_force
+from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.run import solve_dynamic
 from bearingwear.solvers.dynamic.system import DynamicSystem

@@ -8,12 +8,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
-from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
-from bearingwear.kernels.rates import rates_here
-from bearingwear.kernels.state import BALL
+from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.dynamic.equilibrium import free_equilibrium
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.dynamic.rates import rates_here
+from bearingwear.kernels.layout import BALL
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.summary import QV
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.dynamic.system import DynamicSystem
 
@@ -74,7 +74,7 @@ def test_returns_to_the_steady_state(scene, changes):
 
 def test_every_ball_moves_as_one_ball(scene):
     """Nine balls under thrust against one ball, integrated by SciPy with the thrust kernels."""
-    from bearingwear.kernels.steady_balance import Seat, friction_balance, orbit_equilibrium
+    from bearingwear.kernels.steady.balance import Seat, friction_balance, orbit_equilibrium
 
     s = scene("gyro_s1")
     problem, case = steady(s)
@@ -92,7 +92,7 @@ def test_every_ball_moves_as_one_ball(scene):
         r = g.R_o + state.X2
         return out / np.array([0.1 * m * D * D] * 3 + [m * r * r])
 
-    from bearingwear.kernels.equilibrium import cold_start
+    from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 
     start = orbit_equilibrium(p.bearing, u[3], Seat(delta_a=case.delta_a, state=cold_start()))
     path = solve_ivp(one, (0.0, 0.5e-3), u, method="Radau", rtol=1e-9, atol=1e-9)
@@ -199,7 +199,7 @@ def test_chatter_is_seen(scene):
 
 def test_static_load_distribution_as_speed_goes_to_zero(scene):
     """Ball load against azimuth at 1 r/min against the equilibrium at rest."""
-    from bearingwear.kernels.race import PACKED, race_equilibrium
+    from bearingwear.kernels.equilibrium.race import PACKED, race_equilibrium
 
     s = scene("gyro_s1", {"operation.shaft_speed_rpm": 1.0, "operation.radial_load_N": [0.0, 3.0]})
     motion = started(s)

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.summary import ANGLE, QV
+from bearingwear.kernels.contact.summary import ANGLE, QV
 from bearingwear.lives.life import life
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem

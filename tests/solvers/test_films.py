@@ -9,15 +9,15 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start
-from bearingwear.kernels.friction import even_coefficient
-from bearingwear.kernels.steady_balance import (
+from bearingwear.kernels.contact.friction import even_coefficient
+from bearingwear.kernels.contact.verification import friction_check
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+from bearingwear.kernels.steady.balance import (
     Seat,
     friction_balance,
     full_jacobian,
     motion_equilibrium,
 )
-from bearingwear.kernels.verification import friction_check
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.life import life
 from bearingwear.lives.surfaces import surface_life

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
+from bearingwear.kernels.contact.summary import ANGLE, LOAD
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad
-from bearingwear.kernels.summary import ANGLE, LOAD
 from bearingwear.lives.life import life
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.growth import (

@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 from support import benchmark
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import static_displacement
-from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL
-from bearingwear.kernels.race import PACKED, race_equilibrium
-from bearingwear.kernels.summary import ANGLE, HEAT, LOAD, QV, TORQUE
+from bearingwear.kernels.contact.summary import ANGLE, HEAT, LOAD, QV, TORQUE
+from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, OUTER_CONTROL
+from bearingwear.kernels.equilibrium.race import PACKED, race_equilibrium
+from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.race_control import RaceControlProblem

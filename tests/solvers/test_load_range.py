@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from bearingwear.cli import main
-from bearingwear.kernels.record import clear
+from bearingwear.kernels.contact.summary import LOAD, PRESSURE
+from bearingwear.kernels.dynamic.record import clear
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.summary import LOAD, PRESSURE
 from bearingwear.results.netcdf import dataset, write_result
 from bearingwear.solvers.dynamic.run import begin
 from bearingwear.solvers.dynamic.windows import LoadRange, TimeRun

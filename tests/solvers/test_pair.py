@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.scene.arrangement import Arrangement
 from bearingwear.sides import SHARED, of_bearing
 from bearingwear.solvers.bearing import parameters

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 from published_bearings import B218, MM2, NOSAKA
 
-from bearingwear.kernels.equilibrium import cold_start, thrust_equilibrium
-from bearingwear.kernels.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
+from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, OUTER_CONTROL, race_control
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, thrust_equilibrium
 from bearingwear.kernels.params import BallLoad
 from bearingwear.kernels.status import OK
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.state import PSI
+from bearingwear.kernels.layout import PSI
 from bearingwear.results.warnings import warnings_in
 from bearingwear.solvers.dynamic.periodic import Passing, periodic_motion
 from bearingwear.solvers.dynamic.stability import GrowthRates

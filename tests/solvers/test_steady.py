@@ -131,8 +131,8 @@ def test_time_scales_agree_with_integration(scene):
     """A ball disturbed a little returns along the slow eigenvalue (SciPy Radau on the residual)."""
     from scipy.integrate import solve_ivp
 
-    from bearingwear.kernels.equilibrium import cold_start
-    from bearingwear.kernels.steady_balance import Seat, friction_balance, orbit_equilibrium
+    from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
+    from bearingwear.kernels.steady.balance import Seat, friction_balance, orbit_equilibrium
     from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
     problem = ThrustProblem.of(scene("gyro_s1", {"friction.ball_race": 0.08}))

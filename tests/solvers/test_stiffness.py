@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.api import new
-from bearingwear.kernels.equilibrium import cold_start
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.steady_balance import Seat, friction_balance, motion_equilibrium
+from bearingwear.kernels.steady.balance import Seat, friction_balance, motion_equilibrium
 from bearingwear.solvers.bearing.race_control_problem import RaceControlProblem
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.race_control import solve_race_control

@@ -8,18 +8,18 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ball_response import joined_equilibrium, load_rates
-from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
-from bearingwear.kernels.hertz import race_contact
-from bearingwear.kernels.steady_balance import (
+from bearingwear.kernels.contact.hertz import race_contact
+from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.contact.verification import friction_check
+from bearingwear.kernels.equilibrium.ball_response import joined_equilibrium, load_rates
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.steady.balance import (
     Seat,
     friction_balance,
     full_jacobian,
     motion_equilibrium,
 )
-from bearingwear.kernels.summary import QV
-from bearingwear.kernels.thrust import motion_jacobian
-from bearingwear.kernels.verification import friction_check
+from bearingwear.kernels.steady.thrust import motion_jacobian
 from bearingwear.lives.life import life
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.quadrature import gauss_legendre

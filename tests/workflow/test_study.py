@@ -188,7 +188,7 @@ def test_points_of_a_job(first_run, solved, points, jobs):
 
 
 def test_a_touch_makes_nothing_anew(solved):
-    for file in ("bearingwear/kernels/contact.py", "config/scenes/gyro_s1.yaml", "Snakefile"):
+    for file in ("bearingwear/kernels/contact/slip.py", "config/scenes/gyro_s1.yaml", "Snakefile"):
         os.utime(solved.root / file)
     run = solved.run()
     assert run.status == 0 and "Nothing to be done" in run.text, run.text
@@ -223,7 +223,7 @@ def test_an_edited_solver_source_solves_anew(solved):
 
 
 @pytest.mark.parametrize(
-    "source", ["scene/read.py", "kernels/contact.py", "solvers/steady.py", "results/netcdf.py"]
+    "source", ["scene/read.py", "kernels/contact/slip.py", "solvers/steady.py", "results/netcdf.py"]
 )
 def test_what_is_between_a_scene_and_its_result_counts(solved, source):
     solved.change_source(f"bearingwear/{source}")

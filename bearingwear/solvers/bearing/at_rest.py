@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.kernels.params import BallState, Geometry
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.mounted import mounted_geometry

@@ -15,7 +15,7 @@ STEEPEST = 0.5 * math.pi - 1e-3
 
 
 def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, float]:
-    """Factors K, c_a, c_b of a point contact, as `bearingwear.kernels.hertz.point_contact`.
+    """Factors K, c_a, c_b of a point contact, as `bearingwear.kernels.contact.hertz.point_contact`.
 
     Parameters
     ----------

@@ -6,9 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.stiffness import DOF, bearing_stiffness
-from bearingwear.kernels.summary import (
+from bearingwear.kernels.contact.summary import (
     ANGLE,
     FRICTION,
     HEAT,
@@ -23,6 +21,8 @@ from bearingwear.kernels.summary import (
     TRACK,
     slip_profiles,
 )
+from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
+from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import Films, mean_pressure
 
@@ -41,7 +41,7 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     r : ndarray (n,)
         Orbit radii [m].
     rows : ndarray (n, 2, COLUMNS)
-        `bearingwear.kernels.summary` rows.
+        `bearingwear.kernels.contact.summary` rows.
     axial : ndarray (n,)
         Axial force of the inner race on each ball [N].
 
@@ -109,7 +109,7 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
 
 
 def stiffness_matrix(g: Geometry, D: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Stiffness (5, 5) of the n balls solved, from their `bearingwear.kernels.summary` rows."""
+    """Stiffness (5, 5) of the n balls solved, from their rows of `kernels.contact.summary`."""
     return stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE])
 
 

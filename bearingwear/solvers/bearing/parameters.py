@@ -5,11 +5,11 @@ import math
 
 import numpy as np
 
-from bearingwear.kernels.ellipse import SEGMENTS, Rule
-from bearingwear.kernels.ellipse_friction import EllipsePoints
-from bearingwear.kernels.equilibrium import static_displacement
+from bearingwear.kernels.contact.ellipse_friction import EllipsePoints
+from bearingwear.kernels.contact.points import SEGMENTS, Rule
+from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
+from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.films import Films, friction_law
 from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.polynomial.legendre import legval, legvander
 
-from bearingwear.kernels.profile import MIDDLE_WIDTH, PEAK, pressure, pressure_integral
+from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK, pressure, pressure_integral
 
 FEWEST_ACROSS = 6  # of `spread_ellipse`
 MANY_ACROSS = 16  # likewise

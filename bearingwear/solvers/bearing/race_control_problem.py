@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.contact import LARGEST_AXIS
-from bearingwear.kernels.equilibrium import (
-    cold_start,
-    thrust_equilibrium,
+from bearingwear.kernels.contact.profile import contact_approach, semi_axis
+from bearingwear.kernels.contact.slip import LARGEST_AXIS
+from bearingwear.kernels.equilibrium.kinematics import (
+    INNER_CONTROL,
+    ORBIT,
+    OUTER_CONTROL,
+    race_control,
 )
-from bearingwear.kernels.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL, race_control
-from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
-from bearingwear.kernels.profile import contact_approach, semi_axis
-from bearingwear.kernels.race import (
+from bearingwear.kernels.equilibrium.race import (
     LOAD_FIELDS,
     MODEL,
     OMEGA_I,
@@ -25,8 +25,13 @@ from bearingwear.kernels.race import (
     race_equilibrium,
     unpack_ball_state,
 )
-from bearingwear.kernels.steady_balance import LAST_BIT
-from bearingwear.kernels.thrust import MOST_ROUNDING
+from bearingwear.kernels.equilibrium.thrust_loaded import (
+    cold_start,
+    thrust_equilibrium,
+)
+from bearingwear.kernels.params import BallLoad, BallState, Geometry, OperatingPoint
+from bearingwear.kernels.steady.balance import LAST_BIT
+from bearingwear.kernels.steady.thrust import MOST_ROUNDING
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Bare, friction_law

@@ -5,10 +5,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.equilibrium.place_tangent import place_tangent
+from bearingwear.kernels.equilibrium.stiffness import DOF
 from bearingwear.kernels.params import BallLoad, BallState, Geometry
-from bearingwear.kernels.place_tangent import place_tangent
-from bearingwear.kernels.stiffness import DOF
-from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.kernels.steady.thrust import ThrustCase
 
 STANDING = 1e-6  # of the ball's speeds: an orbit rate below it does not turn
 

@@ -7,17 +7,17 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.ellipse import Rule, most_points
-from bearingwear.kernels.kinematics import OUTER_CONTROL, race_control
+from bearingwear.kernels.contact.points import Rule, most_points
+from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, OperatingPoint
-from bearingwear.kernels.search import settled_elsewhere
-from bearingwear.kernels.steady_balance import (
+from bearingwear.kernels.steady.balance import (
     BalanceProblem,
     Preload,
     ThrustBearing,
     balance_problem,
 )
-from bearingwear.kernels.thrust import ThrustCase, thrust_case
+from bearingwear.kernels.steady.search import settled_elsewhere
+from bearingwear.kernels.steady.thrust import ThrustCase, thrust_case
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Bare, friction_law

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.thrust import ThrustCase
+from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem

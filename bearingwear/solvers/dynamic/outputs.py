@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.kernels.bearing_model import BearingModel
-from bearingwear.kernels.record import (
+from bearingwear.kernels.contact.summary import ANGLE, PRESSURE, QV
+from bearingwear.kernels.dynamic.model import BearingModel
+from bearingwear.kernels.dynamic.record import (
     AXIAL,
     CAGE_SPEED,
     CENTRIFUGAL,
@@ -22,8 +23,7 @@ from bearingwear.kernels.record import (
     History,
     Sums,
 )
-from bearingwear.kernels.summary import ANGLE, PRESSURE, QV
-from bearingwear.kernels.thrust import skid_ratio
+from bearingwear.kernels.steady.thrust import skid_ratio
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Films, pressure_of_load

@@ -7,11 +7,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.bearing_model import BearingModel
-from bearingwear.kernels.cage import INNER_LAND, NO_LAND, OUTER_LAND, CageModel
-from bearingwear.kernels.hertz import INNER, OUTER, point_contact, race_contact
+from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND, OUTER_LAND, CageModel
+from bearingwear.kernels.contact.hertz import INNER, OUTER, point_contact, race_contact
+from bearingwear.kernels.dynamic.model import BearingModel
+from bearingwear.kernels.layout import state_layout
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.state import state_layout
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.integrators import Tableau
-from bearingwear.kernels.state import BALL, OMEGA, PSI
+from bearingwear.kernels.dynamic.integrators import Tableau
+from bearingwear.kernels.layout import BALL, OMEGA, PSI
 from bearingwear.solvers.dynamic.stability import GrowthRates
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.dynamic.tangents import tangents

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.integrators import ROSENBROCK
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, found_periodic
 from bearingwear.solvers.dynamic.outputs import histories, window_values

@@ -8,16 +8,24 @@ import numpy as np
 from scipy.optimize import minimize
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.bearing_model import BearingModel, buffers, load_at
-from bearingwear.kernels.cage import INNER_LAND, NO_LAND, cage_energy
-from bearingwear.kernels.cage_contacts import cage_contacts
-from bearingwear.kernels.cage_law import ELASTIC
-from bearingwear.kernels.dynamic_equilibrium import free_equilibrium
-from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA, Tableau, stages
-from bearingwear.kernels.kinematics import ORBIT
-from bearingwear.kernels.profile import STORED
-from bearingwear.kernels.quasistatic import HERTZ_K
-from bearingwear.kernels.race import (
+from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND, cage_energy
+from bearingwear.kernels.cage.contacts import cage_contacts
+from bearingwear.kernels.cage.law import ELASTIC
+from bearingwear.kernels.contact.profile import STORED
+from bearingwear.kernels.dynamic.equilibrium import free_equilibrium
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA, Tableau, stages
+from bearingwear.kernels.dynamic.model import BearingModel, buffers, load_at
+from bearingwear.kernels.dynamic.quasistatic import HERTZ_K
+from bearingwear.kernels.dynamic.record import (
+    Recorder,
+    TimeGrid,
+    advance_and_record,
+    empty_history,
+    empty_sums,
+)
+from bearingwear.kernels.dynamic.step_control import StepControl, Tally
+from bearingwear.kernels.equilibrium.kinematics import ORBIT
+from bearingwear.kernels.equilibrium.race import (
     LOAD_FIELDS,
     MODEL,
     ORBIT_RATE,
@@ -25,14 +33,7 @@ from bearingwear.kernels.race import (
     race_equilibrium,
     unpack_ball_state,
 )
-from bearingwear.kernels.record import (
-    Recorder,
-    TimeGrid,
-    advance_and_record,
-    empty_history,
-    empty_sums,
-)
-from bearingwear.kernels.state import (
+from bearingwear.kernels.layout import (
     BALL,
     CAGE,
     CENTRE,
@@ -44,7 +45,6 @@ from bearingwear.kernels.state import (
     W_X,
     StateLayout,
 )
-from bearingwear.kernels.step_control import StepControl, Tally
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.race_control_problem import unseated

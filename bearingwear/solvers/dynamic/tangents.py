@@ -3,10 +3,10 @@
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.integrators import ROSENBROCK
-from bearingwear.kernels.state import BALL
-from bearingwear.kernels.step_control import StepControl
-from bearingwear.kernels.tangents import carry_tangents
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK
+from bearingwear.kernels.dynamic.step_control import StepControl
+from bearingwear.kernels.dynamic.tangents import carry_tangents
+from bearingwear.kernels.layout import BALL
 from bearingwear.solvers.dynamic.system import DynamicSystem
 
 STEPS = 8  # of the disturbances' equations in a stretch, each as many of the motion as it needs

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.cage import INNER_LAND, NO_LAND
-from bearingwear.kernels.integrators import ROSENBROCK, RUNGE_KUTTA
-from bearingwear.kernels.record import (
+from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
+from bearingwear.kernels.dynamic.record import (
     INNER_RACE_TORQUE,
     POSITION,
     PRELOAD,

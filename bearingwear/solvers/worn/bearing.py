@@ -7,28 +7,28 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.ellipse import most_points
-from bearingwear.kernels.equilibrium import groove_distance
-from bearingwear.kernels.hertz import INNER, OUTER, elliptic_integrals, race_contact
+from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
+from bearingwear.kernels.contact.points import most_points
+from bearingwear.kernels.contact.profile import contact_approach, middle_height, profile
+from bearingwear.kernels.contact.summary import ANGLE, MAJOR
+from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
 from bearingwear.kernels.params import Geometry
-from bearingwear.kernels.profile import contact_approach, middle_height, profile
-from bearingwear.kernels.summary import ANGLE, MAJOR
-from bearingwear.kernels.thrust import ThrustCase
-from bearingwear.kernels.worn_balance import (
+from bearingwear.kernels.steady.thrust import ThrustCase
+from bearingwear.kernels.worn.balance import (
     Arc,
     WornForce,
     WornRace,
     arc_shift,
     latitude,
 )
-from bearingwear.kernels.worn_cells import contact_buffers
-from bearingwear.kernels.worn_contact import contact_cells
-from bearingwear.kernels.worn_friction import (
+from bearingwear.kernels.worn.cells import contact_buffers
+from bearingwear.kernels.worn.friction import (
     FrictionWork,
     friction_work,
     worn_dissipation,
 )
-from bearingwear.kernels.worn_state import WornSeat, pitch, state_work, worn_state
+from bearingwear.kernels.worn.pressure import contact_cells
+from bearingwear.kernels.worn.state import WornSeat, pitch, state_work, worn_state
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.worn.check import WornCheck
 from bearingwear.solvers.worn.depths import (

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from bearingwear.kernels.ball import drag_force
-from bearingwear.kernels.profile import contact_load
-from bearingwear.kernels.thrust import LARGEST_RESIDUAL
-from bearingwear.kernels.worn_balance import WornForce, WornRace
-from bearingwear.kernels.worn_state import WornSeat
-from bearingwear.kernels.worn_verification import check_influence, contact_check, friction_of_cells
+from bearingwear.kernels.contact.profile import contact_load
+from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL
+from bearingwear.kernels.worn.balance import WornForce, WornRace
+from bearingwear.kernels.worn.state import WornSeat
+from bearingwear.kernels.worn.verification import check_influence, contact_check, friction_of_cells
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 LARGEST_GAP = 1e-7  # left by a contact, over the approach

@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.hertz import OUTER, race_contact
+from bearingwear.kernels.contact.hertz import OUTER, race_contact
+from bearingwear.kernels.contact.profile import contact_approach
+from bearingwear.kernels.contact.summary import ANGLE, LOAD
 from bearingwear.kernels.params import Geometry, Hertz
-from bearingwear.kernels.profile import contact_approach
-from bearingwear.kernels.summary import ANGLE, LOAD
-from bearingwear.kernels.thrust import ThrustCase
-from bearingwear.kernels.worn_balance import Arc, WornForce, spline_pieces
-from bearingwear.kernels.worn_state import WornSeat, pitch
+from bearingwear.kernels.steady.thrust import ThrustCase
+from bearingwear.kernels.worn.balance import Arc, WornForce, spline_pieces
+from bearingwear.kernels.worn.state import WornSeat, pitch
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 
 UNWORN_ARC = Arc(0.0, 1.0, np.zeros((4, 0)))

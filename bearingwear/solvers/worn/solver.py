@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
-from bearingwear.kernels.profile import contact_approach, semi_axis
-from bearingwear.kernels.thrust import skid_ratio
+from bearingwear.kernels.contact.profile import contact_approach, semi_axis
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.steady.thrust import skid_ratio
 from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters

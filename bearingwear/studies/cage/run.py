@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.kernels.cage import INNER_LAND, NO_LAND
-from bearingwear.kernels.state import CENTRE, MOMENTUM, OMEGA, VELOCITY
+from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
+from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
 from bearingwear.kernels.status import OK
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene

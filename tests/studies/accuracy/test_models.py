@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.kernels.equilibrium import static_displacement
-from bearingwear.kernels.hertz import point_contact
+from bearingwear.kernels.contact.hertz import point_contact
+from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.lives.grooves import Grooves, follow_grooves
 from bearingwear.solvers.bearing import parameters

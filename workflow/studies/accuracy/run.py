@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.kinematics import OUTER_CONTROL
+from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import dataset

@@ -17,7 +17,7 @@ import xarray as xr
 from scipy.optimize import brentq
 
 from bearingwear.kernels.status import OK
-from bearingwear.kernels.thrust import OUTER_SPIN
+from bearingwear.kernels.steady.thrust import OUTER_SPIN
 from bearingwear.lives.many import HertzianLives
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES

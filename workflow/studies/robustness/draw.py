@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from bearingwear.kernels.equilibrium import cold_start, orbit_load, thrust_equilibrium
+from bearingwear.kernels.equilibrium.thrust_loaded import cold_start, orbit_load, thrust_equilibrium
 from bearingwear.lives.groove_life import wear_over_gap
 from bearingwear.scene.arrangement import PAIRS
 from bearingwear.scene.changes import with_changes

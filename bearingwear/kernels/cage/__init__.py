@@ -1,0 +1,1 @@
+"""The cage: its body and its contacts with balls and land (theory.md section 10)."""

@@ -1,0 +1,1 @@
+"""Balance of the normal forces of balls and inner race (theory.md sections 2 and 5)."""

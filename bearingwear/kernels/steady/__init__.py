@@ -1,0 +1,1 @@
+"""The steady state of a ball under thrust: friction balanced (theory.md section 4)."""

@@ -1,0 +1,415 @@
+"""Steady state of a ball between two worn grooves (theory.md section 21).
+
+The unknowns are the places of ball and race and, where the ball wears in bands, the pitch of its
+axis. Each trial solves both contacts at the places and the ball's motion under their loads. The
+residuals are the forces on ball and race, and the motion's own pitch less the one tried. Their
+derivatives are kept from trial to trial and from state to state, and improved by each step.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bearingwear.kernels.ball import ball_mass
+from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.contact.hertz import INNER, OUTER
+from bearingwear.kernels.contact.slip import LARGEST_AXIS
+from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
+from bearingwear.kernels.linear import copy, solve_in_place
+from bearingwear.kernels.status import NOT_CONVERGED, OK, OUTSIDE_HERTZ_RANGE
+from bearingwear.kernels.steady.level_solver import SHORTENING
+from bearingwear.kernels.worn.balance import WornForce, race_parts, worn_force
+from bearingwear.kernels.worn.friction import place_cells, settled_motion
+
+UNKNOWNS = 4  # X1, X2, delta_a, pitch, in this order; some states have fewer
+MOST_SEATS = 60
+MOST_POOR = 20  # of them that leave much, though the derivatives are new: the state lies far off
+MOST_POOR_IN_BANDS = 3  # likewise; `relaxed_seat` knows which way the axis turns
+PLACES_TRIED = 5  # along a step with new derivatives
+SLOW_BALANCE = 0.3  # share of what was left, above which a step calls for derivatives found anew
+WORN_BALANCE = 1e-8  # force left, as a share of the load [1]
+PITCH_WEIGHT = 0.1  # that of the pitch left [1/rad]
+QUOTIENT_PLACE = 3e-6  # of the approach: derivatives are found with; near a fold they turn fast
+LONGEST_MOVE = 0.5  # of the approach, in one step
+LARGEST_TURN = 0.02  # of the axis, in one step [rad]
+TURN_BY_HAND = 5e-4  # where it is turned by hand [rad]
+MOST_TURNS = 100
+NARROW = 1e-7  # bracket of the pitch that is none [rad]
+
+
+class WornSeat(NamedTuple):
+    """Places of ball and race, and the forces there."""
+
+    status: int
+    X1: float  # ball centre from the outer groove centre [m]
+    X2: float
+    delta_a: float  # axial displacement of the race [m]
+    beta: float  # pitch of the ball's axis that its bands are worn about [rad]
+    inner: WornForce
+    outer: WornForce
+    F_i: float  # friction of the races along their first axes that the balance counts [N]
+    F_o: float
+
+
+class StateWork(NamedTuple):
+    """Buffers of a state; its derivatives serve the next one too."""
+
+    slope: np.ndarray  # (4, 4) of what is left by the unknowns [1/m, 1/rad]; [0, 0] zero: not known
+    left: np.ndarray  # (4,) forces over the load, and the pitch by its weight
+    shifted: np.ndarray  # (4,)
+    step: np.ndarray  # (4,) [m, rad]
+    matrix: np.ndarray  # (4, 4)
+    active: np.ndarray  # (4,) which of the unknowns there are
+    u: np.ndarray  # (4,) motion at the place tried [rad/s]
+
+
+@jit
+def state_work():
+    """StateWork with unknown derivatives."""
+    return StateWork(
+        slope=np.zeros((UNKNOWNS, UNKNOWNS)),
+        left=np.zeros(UNKNOWNS),
+        shifted=np.zeros(UNKNOWNS),
+        step=np.zeros(UNKNOWNS),
+        matrix=np.zeros((UNKNOWNS, UNKNOWNS)),
+        active=np.ones(UNKNOWNS, dtype=np.bool_),
+        u=np.zeros(4),
+    )
+
+
+@jit
+def pitch(u):
+    """Pitch of the ball's axis from the bearing's [rad]."""
+    return math.atan2(u[2], u[3] - u[0])
+
+
+@jit
+def moved_seat(seat, step, share):
+    """A seat whose places are moved by a share of a step; its forces stay."""
+    return WornSeat(
+        status=seat.status,
+        X1=seat.X1 + share * step[0],
+        X2=seat.X2 + share * step[1],
+        delta_a=seat.delta_a + share * step[2],
+        beta=seat.beta + share * step[3],
+        inner=seat.inner,
+        outer=seat.outer,
+        F_i=seat.F_i,
+        F_o=seat.F_o,
+    )
+
+
+@jit
+def seat_with(at, status, inner, outer, F_i, F_o):
+    """The seat at the places of another, with forces of its own."""
+    return WornSeat(
+        status=status,
+        X1=at.X1,
+        X2=at.X2,
+        delta_a=at.delta_a,
+        beta=at.beta,
+        inner=inner,
+        outer=outer,
+        F_i=F_i,
+        F_o=F_o,
+    )
+
+
+@jit
+def worn_seat(bearing, races, reference, rule, work, state, at, u, left):
+    """Contacts and motion at the places of a seat, and the residuals of the balances.
+
+    Parameters
+    ----------
+    bearing : ThrustBearing
+    races : tuple of 2 WornRace
+        Inner, outer.
+    reference : ndarray (2,)
+        Depths from which the approaches are counted [m].
+    work : FrictionWork
+    state : StateWork
+        Of which the unknowns are taken that there are.
+    at : WornSeat
+        Of which the places are taken.
+    u : ndarray (4,)
+        Start of the motion; improved in place [rad/s].
+    left : ndarray (4,)
+        Filled: axial and radial force on the ball and axial force on the race, over the load; the
+        pitch of the motion less that of the seat, by its weight. Zero for what is no unknown.
+
+    Returns
+    -------
+    WornSeat
+    """
+    g, D, op, preload = bearing.g, bearing.D, bearing.op, bearing.preload
+    A1, A2 = groove_distance(g, 0.0, at.delta_a, 0.0, 0.0, 0.0)
+    inner = worn_force(g, D, races[0], INNER, reference[0], A1 - at.X1, A2 - at.X2, at.beta)
+    outer = worn_force(g, D, races[1], OUTER, reference[1], at.X1, at.X2, at.beta)
+    status = inner.status if inner.status != OK else outer.status
+    if status == OK and max(inner.a, outer.a) >= LARGEST_AXIS * 0.5 * D:
+        status = OUTSIDE_HERTZ_RANGE
+    seat = seat_with(at, status, inner, outer, 0.0, 0.0)
+    if status != OK:
+        return seat
+    place_cells(g, D, op, races, seat, work)
+    status, F_i, F_o = settled_motion(g, op, D, seat, rule, work, u)
+    if not bearing.traction:
+        F_i = F_o = 0.0
+    i_x, i_r = race_parts(INNER, inner, F_i)
+    o_x, o_r = race_parts(OUTER, outer, F_o)
+    load = max(inner.Q, outer.Q)
+    left[0] = (i_x + o_x) / load
+    left[1] = (i_r + o_r + ball_mass(g.rho, D) * (g.R_o + at.X2) * u[3] * u[3]) / load
+    left[2] = (i_x - preload.F_x / g.n_balls) / load if state.active[2] else 0.0
+    left[3] = PITCH_WEIGHT * (pitch(u) - at.beta) if state.active[3] else 0.0
+    return seat_with(at, status, inner, outer, F_i, F_o)
+
+
+@jit
+def largest(values):
+    """Largest magnitude."""
+    found = 0.0
+    for i in range(values.size):
+        found = max(found, abs(values[i]))
+    return found
+
+
+@jit
+def find_slope(bearing, races, reference, rule, work, state, seat, u):
+    """Derivatives of what is left by the unknowns, into `state.slope`, by differences.
+
+    Returns
+    -------
+    bool
+        False where a place nearby has no state.
+    """
+    size = max(seat.inner.approach, seat.outer.approach)
+    for j in range(UNKNOWNS):
+        for i in range(UNKNOWNS):
+            state.slope[i, j] = 1.0 if i == j else 0.0
+        if state.active[j]:
+            h = QUOTIENT_PLACE * (size if j < 3 else size / seat.inner.a)
+            for i in range(UNKNOWNS):
+                state.step[i] = h if i == j else 0.0
+            copy(u, state.u)
+            near = moved_seat(seat, state.step, 1.0)
+            near = worn_seat(
+                bearing, races, reference, rule, work, state, near, state.u, state.shifted
+            )
+            if near.status != OK:
+                state.slope[0, 0] = 0.0
+                return False
+            for i in range(UNKNOWNS):
+                if state.active[i]:
+                    state.slope[i, j] = (state.shifted[i] - state.left[i]) / h
+    return True
+
+
+@jit
+def newton_step(state, seat):
+    """Fill `state.step`; what it is to be shortened by, or zero where the slope is singular."""
+    copy(state.slope, state.matrix)
+    for i in range(UNKNOWNS):
+        state.step[i] = -state.left[i]
+    if not solve_in_place(state.matrix, state.step, UNKNOWNS):
+        return 0.0
+    d1, d2, dd = state.step[0], state.step[1], state.step[2]
+    longest = LONGEST_MOVE * max(seat.inner.approach, seat.outer.approach)
+    length = max(math.hypot(d1, d2), math.hypot(dd - d1, d2))
+    share = longest / length if length > longest else 1.0
+    turn = abs(state.step[3])
+    return min(share, LARGEST_TURN / turn if turn > LARGEST_TURN else 1.0)
+
+
+@jit
+def improve_slope(state, share, arm):
+    """Broyden's update by the step that was taken; the pitch counts as a length by `arm` [m]."""
+    size = 0.0
+    for j in range(UNKNOWNS):
+        state.step[j] *= share
+        length = state.step[j] * (arm if j == 3 else 1.0)
+        size += length * length
+    for i in range(UNKNOWNS):
+        unexplained = state.shifted[i] - state.left[i]
+        for j in range(UNKNOWNS):
+            unexplained -= state.slope[i, j] * state.step[j]
+        for j in range(UNKNOWNS):
+            scale = arm * arm if j == 3 else 1.0
+            state.slope[i, j] += unexplained * state.step[j] * scale / size
+
+
+@jit
+def shortened_step(bearing, races, reference, rule, work, state, seat, u, share, halvings):
+    """Shorten a step until it lessens what is left.
+
+    Returns
+    -------
+    seat, share
+        At the end of the step, motion and balance of which are in `state`; zero where none was
+        found.
+    """
+    size = largest(state.left)
+    for _ in range(halvings):
+        copy(u, state.u)
+        tried = moved_seat(seat, state.step, share)
+        tried = worn_seat(
+            bearing, races, reference, rule, work, state, tried, state.u, state.shifted
+        )
+        if tried.status == OK and largest(state.shifted) < size:
+            return tried, share
+        share *= SHORTENING
+    return seat, 0.0
+
+
+@jit
+def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
+    """`worn_seat` with nothing left, by Broyden's method; u is improved in place."""
+    seat = worn_seat(bearing, races, reference, rule, work, state, seat, u, state.left)
+    poor, most_poor = 0, MOST_POOR_IN_BANDS if state.active[3] else MOST_POOR
+    for _ in range(MOST_SEATS):
+        size = largest(state.left)
+        if seat.status != OK or size <= WORN_BALANCE:
+            return seat
+        fresh = state.slope[0, 0] == 0.0
+        if fresh and not find_slope(bearing, races, reference, rule, work, state, seat, u):
+            break
+        share = newton_step(state, seat)
+        tries = PLACES_TRIED if fresh else 1
+        seat, share = shortened_step(
+            bearing, races, reference, rule, work, state, seat, u, share, tries
+        )
+        if share == 0.0:
+            if fresh:
+                break
+            state.slope[0, 0] = 0.0
+            continue
+        improve_slope(state, share, 0.5 * bearing.D * seat.inner.approach / seat.inner.a)
+        copy(state.shifted, state.left)
+        copy(state.u, u)
+        if largest(state.left) > SLOW_BALANCE * size:
+            poor += 1 if fresh else 0
+            state.slope[0, 0] = 0.0
+            if poor > most_poor:
+                break
+    state.slope[0, 0] = 0.0
+    return seat_with(seat, NOT_CONVERGED, seat.inner, seat.outer, seat.F_i, seat.F_o)
+
+
+@jit
+def relaxed_seat(bearing, races, reference, rule, work, state, seat, u):
+    """`balanced_seat` of a ball whose axis turns until it lies as its bands have it.
+
+    The bands turn the axis, and the axis turns the bands. Where no state is left nearby, the axis
+    continues in the direction it is turned, until it is turned back.
+    """
+    state.active[3] = False
+    seat = balanced_seat(bearing, races, reference, rule, work, state, seat, u)
+    way = 1.0 if pitch(u) > seat.beta else -1.0
+    turn, low, high = TURN_BY_HAND, 0.0, math.inf  # from the start, and bracket of the end
+    start, at = seat.beta, 0.0
+    for _ in range(MOST_TURNS):
+        if seat.status != OK or abs(pitch(u) - seat.beta) * PITCH_WEIGHT <= WORN_BALANCE:
+            break
+        if way * (pitch(u) - seat.beta) > 0.0:
+            low = at
+        else:
+            high = at
+        if high < math.inf:
+            at = 0.5 * (low + high)
+            if high - low <= NARROW:
+                break
+        else:
+            at += turn
+            turn = min(2.0 * turn, LARGEST_TURN)
+        for i in range(3):
+            state.step[i] = 0.0
+        state.step[3] = start + way * at - seat.beta
+        seat = moved_seat(seat, state.step, 1.0)
+        seat = balanced_seat(bearing, races, reference, rule, work, state, seat, u)
+    state.active[3] = True
+    state.slope[0, 0] = 0.0
+    if seat.status == OK and not high < math.inf:
+        return seat_with(seat, NOT_CONVERGED, seat.inner, seat.outer, seat.F_i, seat.F_o)
+    return seat
+
+
+@jit
+def add_ball_forces(g, D, seat, u, F_i, F_o, share, out):
+    """Add a share of the forces (3,) on a ball: axial and radial, and axial of the inner race.
+
+    Parameters
+    ----------
+    u : ndarray (4,)
+        Motion, of whose orbit rate the centrifugal force is.
+    F_i, F_o : float
+        Friction along the first axes [N].
+    """
+    i_x, i_r = race_parts(INNER, seat.inner, F_i)
+    o_x, o_r = race_parts(OUTER, seat.outer, F_o)
+    out[0] += share * (i_x + o_x)
+    out[1] += share * (i_r + o_r + ball_mass(g.rho, D) * (g.R_o + seat.X2) * u[3] * u[3])
+    out[2] += share * i_x
+
+
+@jit
+def find_force_changes(bearing, races, reference, rule, work, state, seat, u, moves, changes):
+    """Changes of the forces of a state as its places move; returns a status.
+
+    Parameters
+    ----------
+    moves : ndarray (n, 4)
+        Of X1, X2, delta_a and pitch.
+    changes : ndarray (n, 2, 4)
+        Filled: with the motion held and without friction, and with both following. Columns: those
+        of `add_ball_forces`, and the pitch of the motion less that of the seat.
+    """
+    g, D = bearing.g, bearing.D
+    changes[:, :, :] = 0.0
+    for j in range(moves.shape[0]):
+        copy(u, state.u)
+        near = moved_seat(seat, moves[j], 1.0)
+        near = worn_seat(bearing, races, reference, rule, work, state, near, state.u, state.shifted)
+        if near.status != OK:
+            return near.status
+        add_ball_forces(g, D, near, u, 0.0, 0.0, 1.0, changes[j, 0])
+        add_ball_forces(g, D, seat, u, 0.0, 0.0, -1.0, changes[j, 0])
+        add_ball_forces(g, D, near, state.u, near.F_i, near.F_o, 1.0, changes[j, 1])
+        add_ball_forces(g, D, seat, u, seat.F_i, seat.F_o, -1.0, changes[j, 1])
+        changes[j, 0, 3] = -moves[j, 3]
+        changes[j, 1, 3] = pitch(state.u) - pitch(u) - moves[j, 3]
+    return OK
+
+
+@jit
+def worn_state(bearing, races, reference, rule, work, state, seat, u, moves, changes):
+    """Steady state of a ball between two worn grooves.
+
+    Parameters
+    ----------
+    bearing, races, reference, rule, work, state
+        As in `worn_seat`.
+    seat : WornSeat
+        Of which the places are the start.
+    u : ndarray (4,)
+        The start of the motion; improved in place [rad/s].
+    moves, changes : ndarray (n, 4), (n, 2, 4)
+        As in `find_force_changes`, of a state that is solved; none: it is solved.
+
+    Returns
+    -------
+    WornSeat
+    """
+    if moves.shape[0] > 0:
+        status = find_force_changes(
+            bearing, races, reference, rule, work, state, seat, u, moves, changes
+        )
+        return seat_with(seat, status, seat.inner, seat.outer, seat.F_i, seat.F_o)
+    banded = races[0].band.c.shape[1] > 0
+    state.active[2], state.active[3] = bearing.preload.constant_force, banded
+    first = u.copy()
+    found = balanced_seat(bearing, races, reference, rule, work, state, seat, u)
+    if found.status == NOT_CONVERGED and banded:
+        copy(first, u)
+        found = relaxed_seat(bearing, races, reference, rule, work, state, seat, u)
+    return found
