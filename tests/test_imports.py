@@ -104,21 +104,27 @@ def imported(module: Path):
                 yield str(node.module)
 
 
-@pytest.mark.parametrize("module", list(modules()), ids=str)
-def test_imports_point_downward(module):
+def may_import(module: Path, name: str) -> bool:
     part = part_of(module)
-    for name in imported(module):
-        top, _, rest = name.partition(".")
-        if top == "workflow":
-            assert part == top, f"{module} imports {name}"
-        elif top == "bearingwear":
-            first = rest.split(".")[0]
-            where = first if first in MAY_IMPORT else "__init__"
-            assert where == part or where in MAY_IMPORT[part], f"{module} imports {name}"
-        elif top == "numba":
-            assert module.parent == Path("bearingwear/kernels/build"), f"{module} imports {name}"
-        elif top not in sys.stdlib_module_names and part in LIBRARIES:
-            assert top in LIBRARIES[part], f"{module} imports {name}"
+    top, _, rest = name.partition(".")
+    if top == "workflow":
+        return part == top
+    if top == "bearingwear":
+        first = rest.split(".")[0]
+        where = first if first in MAY_IMPORT else "__init__"
+        return where == part or where in MAY_IMPORT[part]
+    if top == "numba":
+        return module.parent == Path("bearingwear/kernels/build")
+    return top in sys.stdlib_module_names or top in LIBRARIES.get(part, {top})
+
+
+def offenders(is_allowed, files):
+    """Imports that are not allowed."""
+    return [f"{m} imports {name}" for m in files for name in imported(m) if not is_allowed(m, name)]
+
+
+def test_imports_point_downward():
+    assert not offenders(may_import, modules())
 
 
 def test_solvers_and_lives_are_small_rooms():
@@ -133,27 +139,26 @@ def test_solvers_and_lives_are_small_rooms():
     assert not {str(folder): n for folder, n in folders.items() if n > MOST_FILES}
 
 
-@pytest.mark.parametrize(
-    "module", [m for m in modules() if m.parts[1] == "studies" and len(m.parts) == 4], ids=str
-)
-def test_a_study_stands_alone(module):
-    """A new one, or one less, changes no other."""
+def stands_alone(module: Path, name: str) -> bool:
+    """A new study, or one less, changes no other."""
     own = module.parts[2]
-    for name in imported(module):
-        _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
-        if studies == "studies" and ROOT.joinpath(*name.split(".")[:3]).is_dir() and study:
-            allowed = BETWEEN_STUDIES.get(own, set())
-            assert study == own or f"{study}.{rest[0]}" in allowed, f"{module} imports {name}"
+    _, studies, study, *rest = [*name.split("."), "", "", ""][:5]
+    if studies != "studies" or not study or not ROOT.joinpath(*name.split(".")[:3]).is_dir():
+        return True
+    return study == own or f"{study}.{rest[0]}" in BETWEEN_STUDIES.get(own, set())
 
 
-@pytest.mark.parametrize("module", [m for m in modules() if part_of(m) == "studies"], ids=str)
-def test_what_studies_share_knows_none_of_them(module):
-    if len(module.parts) == 3:
-        for name in imported(module):
-            folder = PACKAGE.joinpath(*name.split(".")[1:3])
-            if name.startswith("bearingwear.studies.") and folder.is_dir():
-                allowed = SHARED_NEEDS.get(module.stem, set())
-                assert name.removeprefix("bearingwear.studies.") in allowed, name
+def knows_no_study(module: Path, name: str) -> bool:
+    folder = PACKAGE.joinpath(*name.split(".")[1:3])
+    if not name.startswith("bearingwear.studies.") or not folder.is_dir():
+        return True
+    return name.removeprefix("bearingwear.studies.") in SHARED_NEEDS.get(module.stem, set())
+
+
+def test_studies_know_only_what_they_share():
+    in_studies = [module for module in modules() if module.parts[1] == "studies"]
+    assert not offenders(stands_alone, (m for m in in_studies if len(m.parts) == 4))
+    assert not offenders(knows_no_study, (m for m in in_studies if len(m.parts) == 3))
 
 
 def test_what_the_snakefile_reads_is_light():

@@ -1,7 +1,6 @@
 """Which sources decide a result: found from the import statements of the package itself."""
 
 import ast
-from pathlib import Path
 
 import pytest
 import yaml
@@ -90,13 +89,6 @@ def parsed_imports(path):
                 is_file = module.startswith(OURS) and provenance._file(module).is_file()
                 names.add(module if is_file else node.module)
     return {name for name in names if name.startswith(OURS)}
-
-
-@pytest.mark.parametrize("path", sorted(PACKAGE.glob("studies/*/*.py")), ids=lambda p: p.name)
-def test_no_other_study_is_drawn_anew_with_the_figures_of_the_grid(path: Path):
-    module = ".".join(("bearingwear", *path.relative_to(PACKAGE).with_suffix("").parts))
-    if path.parent.name != "grid":
-        assert "studies/grid/figures.py" not in found(module.removesuffix(".__init__"))
 
 
 def test_what_solves_changes_with_all_sources_of_the_solver():
