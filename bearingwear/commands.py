@@ -22,7 +22,7 @@ from bearingwear.scene.new import OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
 
 if TYPE_CHECKING:
-    from bearingwear.results.sheet import Sheet
+    from bearingwear.document.document import Document
     from bearingwear.scene.scene import Scene
     from bearingwear.solvers.result import Result
     from bearingwear.studies.design.plan import DesignLimits
@@ -151,7 +151,7 @@ def uncertainty(args: argparse.Namespace) -> int:
     _tell_of_new_folder(args.output)
     write_dataset(found, args.output)
     if not args.quiet:
-        from bearingwear.results.show import sheet
+        from bearingwear.document.show import sheet
         from bearingwear.studies import registry
 
         _print_sheet(sheet(args.output, registry("SHEETS")), args)
@@ -168,7 +168,7 @@ def calibrate(args: argparse.Namespace) -> int:
     found = calibrated(load_scene(args.scene, args.set), args.tests, usable_cores(), _tell)
     _tell_of_new_folder(args.output)
     found.write(args.output)
-    from bearingwear.results.show import sheet
+    from bearingwear.document.show import sheet
     from bearingwear.studies import registry
 
     _print_sheet(sheet(data, registry("SHEETS")), args)
@@ -195,12 +195,12 @@ def recommend(args: argparse.Namespace) -> int:
 
 def show(args: argparse.Namespace) -> int:
     if args.file.endswith(SCENE_SUFFIXES):
-        from bearingwear.results.show_scene import scene_sheet
+        from bearingwear.document.scene import scene_sheet
         from bearingwear.scene.read import load_scene
 
         _print_sheet(scene_sheet(load_scene(args.file)), args)
     else:
-        from bearingwear.results.show import sheet
+        from bearingwear.document.show import sheet
         from bearingwear.studies import registry
 
         _print_sheet(sheet(args.file, registry("SHEETS"), args.all), args)
@@ -372,7 +372,7 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
     if args.quiet or args.json or args.csv or not (sys.stdout.isatty() and sys.stderr.isatty()):
         _warn(result.attrs)
     if not args.quiet:
-        from bearingwear.results.show import sheet, sheet_of_result
+        from bearingwear.document.show import sheet, sheet_of_result
 
         _print_sheet(sheet(args.output) if args.output else sheet_of_result(result), args)
     if result.status == "ok":
@@ -382,8 +382,12 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
     return OK if args.record_failures else NOT_SOLVED
 
 
-def _print_sheet(sheet: Sheet, args: argparse.Namespace) -> None:
-    _print(sheet.json if args.json else sheet.csv if args.csv else sheet.text)
+def _print_sheet(sheet: Document, args: argparse.Namespace) -> None:
+    from bearingwear.document.data import as_csv, as_json
+    from bearingwear.document.text import as_text
+
+    render = as_json if args.json else as_csv if args.csv else as_text
+    _print(render(sheet))
 
 
 def _warn(attributes: Mapping[str, Any]) -> None:

@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK
-from bearingwear.plotting.markdown import markdown_table
 from bearingwear.results.warnings import impractical_warnings
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.new import write_scene

@@ -11,14 +11,14 @@ from matplotlib.markers import MarkerStyle
 from support import scene_file
 
 from bearingwear.arguments import command_parser
+from bearingwear.document.life import _criteria
+from bearingwear.document.rows import limits_of_rows, marked, row_of
 from bearingwear.kernels.status import OK
 from bearingwear.lives import many
 from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life, Node
 from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
 from bearingwear.results.life_variables import LIFE
-from bearingwear.results.rows import limits_of_rows, marked, row_of
-from bearingwear.results.show_life import _criteria
 from bearingwear.results.variables import CASE
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.read import load_scene

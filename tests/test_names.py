@@ -69,7 +69,7 @@ def test_page_show_and_rules_know_no_study():
     root = PACKAGE.parent
     files = [
         *(PACKAGE / "page").iterdir(),
-        *(PACKAGE / "results").glob("show*.py"),
+        *(PACKAGE / "document").glob("*.py"),
         *(root / "workflow" / "rules").iterdir(),
         root / "workflow" / "profiles" / "slurm" / "profile.yaml",
         root / "Snakefile",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,15 +15,15 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
+from bearingwear.document.bearing_line import bearing_line
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.markup import to_html
 from bearingwear.page.scenes import key_rows, scene_differences
 from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.answer import Answer, load_answer
-from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.units import display
+from bearingwear.results.units import display, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 
 _TEMPLATE, _STYLE, _SCRIPT = (
@@ -53,12 +52,6 @@ GLOSSARY = {
 """Words that a reader of the page may not know."""
 
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
-
-_UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?!\w))")
-"""The space between a number and its unit."""
-
-_MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}N/)u(?=m)")
-"""The prefix of a unit as a terminal has it."""
 
 
 @dataclass
@@ -198,11 +191,8 @@ def _named(path: Path) -> str:
 
 
 def _unbroken(value: Any) -> Any:
-    """A text with its numbers in one piece with their units, µ for u; anything else as it is."""
-    if type(value) is not str:
-        return value
-    text = _UNIT.sub("\N{NO-BREAK SPACE}", value)
-    return _MICRO.sub("µ", text).replace("N/µm", "N/\N{WORD JOINER}µm")
+    """A text with its numbers in one piece with their units; anything else as it is."""
+    return unbroken(value) if type(value) is str else value
 
 
 def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answered]:

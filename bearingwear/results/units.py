@@ -179,3 +179,16 @@ def key_in_words(key: str) -> tuple[str, str]:
 def in_ascii(text: str) -> str:
     """A text with its units as a terminal has them: `N/µm` as `N/um`."""
     return text.replace("µ", "u").replace("³", "3").replace("\N{NO-BREAK SPACE}", " ")
+
+
+_UNIT = re.compile(r"(?<=\d) (?=(%|h|N|N/[uµ]m|[uµm]m|m?W|[GM]Pa|K|Hz|r/min)(?!\w))")
+"""The space between a number and its unit."""
+
+_MICRO = re.compile(r"(?<=\N{NO-BREAK SPACE})u(?=m(?!\w))|(?<=\N{NO-BREAK SPACE}N/)u(?=m)")
+"""The prefix of a unit as a terminal has it."""
+
+
+def unbroken(text: str) -> str:
+    """A text with its numbers in one piece with their units, and µ for u in these."""
+    text = _MICRO.sub("µ", _UNIT.sub("\N{NO-BREAK SPACE}", text))
+    return text.replace("N/µm", "N/\N{WORD JOINER}µm")

@@ -4,7 +4,6 @@ What is warned of is decided in `bearingwear.solvers.effects.cautions`.
 """
 
 import json
-import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -38,12 +37,6 @@ def gathered_warnings(attributes: Iterable[Mapping[str, Any]]) -> str:
 def warning_lines(attributes: Mapping[str, Any]) -> list[str]:
     """A line for each warning in the attributes of a result or of a file."""
     return [warning_line(one) for one in warnings_in(attributes)]
-
-
-def wrapped_warnings(attributes: Mapping[str, Any]) -> list[str]:
-    """The same in lines of a terminal's width."""
-    lines = warning_lines(attributes)
-    return [part for text in lines for part in textwrap.wrap(text, 110, subsequent_indent="  ")]
 
 
 def warning_line(one: Mapping[str, Any]) -> str:

@@ -7,19 +7,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import values
+from bearingwear.document.show import sheet
+from bearingwear.document.text import as_text
 from bearingwear.plotting.drawing import Figure, new_figure
 from bearingwear.plotting.plot import figure_of, plot
 from bearingwear.results.kinds import function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.rows import values
-from bearingwear.results.sheet import Block, Row, Sheet
-from bearingwear.results.show import sheet
 
 
-def sheet_of_a_map(file) -> Sheet:
+def sheet_of_a_map(file) -> Document:
     """What a study might show of its own file."""
     longest = Row("longest", "h", (float(values(file, "life").max()),))
-    return Sheet(("A map",), {}, (Block("", (), (longest,)),))
+    return Document(("A map",), {}, (Block("", (), (longest,)),))
 
 
 def figure_of_a_map(dataset: xr.Dataset) -> Figure:
@@ -65,11 +66,11 @@ def test_function_of_a_dotted_name():
 
 
 def test_a_study_shows_its_own_kind(path, monkeypatch):
-    monkeypatch.setattr("bearingwear.results.show.sheet_of_a_map", sheet_of_a_map, raising=False)
-    shown = sheet(path, {KIND: "bearingwear.results.show:sheet_of_a_map"}).text
+    monkeypatch.setattr("bearingwear.document.show.sheet_of_a_map", sheet_of_a_map, raising=False)
+    shown = as_text(sheet(path, {KIND: "bearingwear.document.show:sheet_of_a_map"}))
     assert re.match(r"A map\n\n  longest +h +3\n", shown)
     # without it, it is shown like any other file
-    assert "longest" in sheet(path).text and "least" in sheet(path).text
+    assert "longest" in as_text(sheet(path)) and "least" in as_text(sheet(path))
 
 
 def test_a_study_draws_its_own_kind(path, tmp_path, monkeypatch):

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from bearingwear.document.show import sheet_of_result
 from bearingwear.lives.life import life
-from bearingwear.results.show import sheet_of_result
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
 from bearingwear.solvers.solve import solve

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.data import flag_names
+from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words
-from bearingwear.plotting.markdown import flag_names, markdown_table
 from bearingwear.results.units import digits, display
 from bearingwear.studies.cage.figures import cage_message
 from bearingwear.studies.cage.motion import MOTIONS

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.bearing_line import bearing_line
 from bearingwear.plotting.drawing import methods, percent_in_text, scene_of
 from bearingwear.results.answer import Answer, AnswerTable
-from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import (
     BEARINGS_BETWEEN,

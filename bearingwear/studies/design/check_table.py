@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.markdown import markdown_table, plain_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, scene_of
-from bearingwear.plotting.markdown import markdown_table, plain_text
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, digits, display
 from bearingwear.scene.scene import COUNTS

@@ -6,10 +6,10 @@ from functools import partial
 
 import xarray as xr
 
+from bearingwear.document.document import Block, Document, Row
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.pair_variables import method_words
-from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import display
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.dataset import counted
@@ -26,7 +26,7 @@ def recommended_sheet(
     source: str = "scene",
     workers: int = 1,
     tell: Tell | None = None,
-) -> tuple[Sheet, bool]:
+) -> tuple[Document, bool]:
     """The preload to take at the scene's own friction and speed, by each method.
 
     And whether any life was solved at all.
@@ -46,7 +46,7 @@ def recommended_sheet(
     design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
     chosen = recommendation_sheet(found)
     every = [] if limits.given else _over_preload(design)
-    sheet = Sheet(chosen.heading, chosen.facts, (*chosen.blocks, *_at_ends(found), *every))
+    sheet = Document(chosen.heading, chosen.facts, (*chosen.blocks, *_at_ends(found), *every))
     return sheet, bool((design["status"] == OK).any())
 
 

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import values
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import BY_WEAR, band_by_wear
-from bearingwear.results.rows import values
-from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import Rough, digits, display, in_ascii
-from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
+from bearingwear.results.warnings import WARNING, warning_lines
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.verdict import CLAIMED, NO_COMPARISON, ONE_LONGER, VERDICTS
@@ -61,7 +61,7 @@ def _lives(scene: Mapping[str, Any], lives: np.ndarray) -> Iterator[Row]:
             yield Row(BY_WEAR, "h", tuple(b or math.nan for b in found), "life_by_wear_alone")
 
 
-def recommendation_sheet(file: Any) -> Sheet:
+def recommendation_sheet(file: Any) -> Document:
     """What to take, one column per preload method."""
     scene = json.loads(file.scene)
     columns = tuple(methods_told(file))
@@ -93,13 +93,13 @@ def recommendation_sheet(file: Any) -> Sheet:
         *(line for text in told for line in textwrap.wrap(text, 110)),
     )
     attributes = {"warnings": getattr(file, "warnings", "[]")}
-    heading += tuple(wrapped_warnings(attributes))
+    heading += tuple(warning_lines(attributes))
     facts = {"kind": "recommendation", "scene": scene["name"], "limits": limits, NONE_BECAUSE: none}
     facts["verdict"] = VERDICTS[int(np.nan_to_num(values(file, "verdict")))]
     facts["warnings"] = [line.removeprefix(WARNING) for line in warning_lines(attributes)]
     if len(none) == len(columns):  # nothing but dashes
-        return Sheet(heading, facts, ())
-    return Sheet(heading, facts, (Block("recommended", columns, tuple(rows)), *_room(file)))
+        return Document(heading, facts, ())
+    return Document(heading, facts, (Block("recommended", columns, tuple(rows)), *_room(file)))
 
 
 ROOM_COLUMNS = ("from", "now", "to")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -12,9 +9,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.data import dataset_csv, flag_names
+from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
-from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
@@ -65,31 +63,8 @@ def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) 
 
 def map_csv(design: xr.Dataset) -> str:
     """A row for each life and a column for each number, with its unit in the header."""
-    lives = design[[name for name in design.data_vars if "preload" in design[name].dims]]
-    columns: dict[str, Any] = {}
-    for name, variable in lives.data_vars.items():
-        values = variable.transpose(*MAP_AXES, ...)
-        unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
-        flags = variable.attrs.get("flag_meanings", "").split() or None
-        parts = {str(name): values.values}
-        if "loss_basis" in values.dims:
-            parts = {f"{name}.{way}": values.values[..., k] for k, way in enumerate(COUNTS)}
-        for header, part in parts.items():
-            columns[header + unit] = [cell_text(x, flags) for x in part.ravel()]
-    numeric = ("friction", "shaft_speed", "preload")
-    axes: list[list[str]] = [
-        flag_names(design["preload_method"]),
-        *([f"{x:g}" for x in design[axis].values] for axis in numeric),
-    ]
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    axis_names = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
-    table.writerow([*axis_names, *columns])
-    for point, row in zip(
-        itertools.product(*axes), zip(*columns.values(), strict=True), strict=True
-    ):
-        table.writerow([*point, *row])
-    return text.getvalue()
+    heads = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
+    return dataset_csv(design, dict(zip(MAP_AXES, heads, strict=True)))
 
 
 def design_summary(

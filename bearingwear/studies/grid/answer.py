@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.bearing_line import bearing_line
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, mu_is, percent_in_text, scene_of
 from bearingwear.results.answer import Answer, AnswerTable
-from bearingwear.results.bearing_line import bearing_line
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
     QUOTED_SHARE,

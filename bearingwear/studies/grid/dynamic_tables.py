@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
-from bearingwear.plotting.markdown import markdown_table
 from bearingwear.results.units import Display, digits, display
-from bearingwear.results.variables import of_all_balls
 from bearingwear.studies.dataset import both_ways
-from bearingwear.studies.grid.tables import AXES, cases_csv
+from bearingwear.studies.grid.tables import AXES, cases_csv, over_all_balls
 
 _RATE, _PERCENT = display("m3 s-1"), display("1", shown="%")
 LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
@@ -23,8 +22,8 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
 
     Over balls, the mean or the extreme; what only one of them has keeps its name.
     """
-    one = _mean_ball(study.sel({axis: dynamic[axis] for axis in AXES}))
-    other = _mean_ball(dynamic)
+    one = over_all_balls(study.sel({axis: dynamic[axis] for axis in AXES}))
+    other = over_all_balls(dynamic)
     shared = [name for name in other.data_vars if name in one]
     both = {
         f"{name}.{way}": found[name]
@@ -33,21 +32,6 @@ def steady_and_dynamic(study: xr.Dataset, dynamic: xr.Dataset) -> xr.Dataset:
     }
     alone = {name: v for name, v in other.data_vars.items() if name not in shared}
     return xr.Dataset(both | alone, attrs=dynamic.attrs)
-
-
-def _mean_ball(dataset: xr.Dataset) -> xr.Dataset:
-    def of_all(variable: xr.DataArray) -> xr.DataArray:
-        if "ball" not in variable.dims:
-            return variable
-        if _is_flag(variable):
-            return variable.isel(ball=0)
-        return of_all_balls(str(variable.name), variable, "ball")
-
-    return dataset.map(of_all, keep_attrs=True).drop_vars("ball", errors="ignore")
-
-
-def _is_flag(variable: xr.DataArray) -> bool:
-    return "flag_meanings" in variable.attrs
 
 
 def comparison(study: Path, dynamic: Path) -> tuple[str, str]:

@@ -1,8 +1,5 @@
 """The numbers of a study as a CSV table, and the few that matter as Markdown."""
 
-import csv
-import io
-import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,10 +9,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.data import dataset_csv
+from bearingwear.document.markdown import markdown_table, plain_text
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, scene_of
-from bearingwear.plotting.markdown import cell_text, flag_names, markdown_table, plain_text
 from bearingwear.results.quantiles import (
     SEE,
     Spreads,
@@ -31,7 +29,12 @@ from bearingwear.studies.dataset import loaded
 from bearingwear.studies.grid.life import NOT_INTERPOLATED
 
 _LOSS = display("m")
-AXES = ("preload_method", "friction", "ball_diameter_loss")
+AXES = {
+    "preload_method": "preload_method",
+    "friction": "friction",
+    "ball_diameter_loss": "ball_diameter_loss (um)",
+}
+"""Dimensions of cases, and the heads of their columns."""
 
 
 def study_tables(study: Path, lives: Path, uncertainty: Sequence[Path] = ()) -> tuple[str, str]:
@@ -55,40 +58,20 @@ def cases_csv(study: xr.Dataset) -> str:
     A variable over race, axis or counts has a column for each of them; over balls, the mean or the
     extreme.
     """
-    columns = dict(_columns(study))
-    axes = {
-        "preload_method": flag_names(study["preload_method"]),
-        "friction": [f"{mu:g}" for mu in study["friction"].values],
-        "ball_diameter_loss (um)": [f"{loss:g}" for loss in study["ball_diameter_loss"].values],
-    }
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow([*axes, *columns])
-    for point, index in zip(
-        itertools.product(*axes.values()),
-        np.ndindex(*(study.sizes[axis] for axis in AXES)),
-        strict=True,
-    ):
-        table.writerow([*point, *(values[index] for values in columns.values())])
-    return text.getvalue()
+    return dataset_csv(over_all_balls(study), AXES)
 
 
-def _columns(study: xr.Dataset) -> Iterator[tuple[str, np.ndarray]]:
-    """Header and texts, over the axes, of each column."""
-    for name, variable in study.data_vars.items():
-        values = variable.transpose(*AXES, ...)
-        is_flag = "flag_meanings" in variable.attrs
-        if "ball" in values.dims:
-            values = values.isel(ball=0) if is_flag else of_all_balls(str(name), values, "ball")
-        inner = values.dims[len(AXES) :]
-        unit = f" ({variable.attrs['units']})" if variable.attrs.get("units", "1") != "1" else ""
-        labels = [flag_names(study[dim]) for dim in inner]
-        for index in np.ndindex(*values.shape[len(AXES) :]):
-            words = [label[k] for label, k in zip(labels, index, strict=True)]
-            header = ".".join([str(name), *words]) + unit
-            numbers = values.values[(..., *index)]
-            names = variable.attrs["flag_meanings"].split() if is_flag else None
-            yield header, np.vectorize(lambda x, n=names: cell_text(x, n), otypes=[object])(numbers)
+def over_all_balls(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset without its balls: of each number the mean or the extreme, of flags the first."""
+
+    def of_all(variable: xr.DataArray) -> xr.DataArray:
+        if "ball" not in variable.dims:
+            return variable
+        if "flag_meanings" in variable.attrs:
+            return variable.isel(ball=0)
+        return of_all_balls(str(variable.name), variable, "ball")
+
+    return dataset.map(of_all, keep_attrs=True).drop_vars("ball", errors="ignore")
 
 
 def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.plotting.markdown import markdown_table
+from bearingwear.document.markdown import markdown_table
 from bearingwear.results.units import Display, display
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import criterion, dynamic_life, ended_by

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import values
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
-from bearingwear.results.rows import values
-from bearingwear.results.sheet import Block, Row, Sheet
 from bearingwear.results.units import Interval, digits
 from bearingwear.scene.calibrated import (
     SEEN,
@@ -32,7 +32,7 @@ _FAR = 2.58
 _COLOURS = dict(zip(STAGES, ("0.6", "C0"), strict=True))
 
 
-def calibration_sheet(file: Any) -> Sheet:
+def calibration_sheet(file: Any) -> Document:
     """Friction, K_s/H and life before and after, the tests, and what disagrees."""
     scene = json.loads(file.scene)
     by = scene["calibrated"]
@@ -60,7 +60,7 @@ def calibration_sheet(file: Any) -> Sheet:
         f"Lives are interpolated over friction to {100 * error:.1g} %.",
         "Probability: of a test as far from the model or farther, the others known.",
     )
-    return Sheet(heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=told)))
+    return Document(heading, facts, (Block("", STAGES, tuple(rows)), tests, Block("", lines=told)))
 
 
 def conflicts(file: Any) -> list[str]:

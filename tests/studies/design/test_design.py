@@ -12,12 +12,13 @@ from numpy.testing import assert_allclose
 from support import ROOT, scene_file, with_value
 
 from bearingwear.cli import main
+from bearingwear.document.show import sheet
+from bearingwear.document.text import as_text
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import spread_at
-from bearingwear.results.show import sheet
 from bearingwear.results.units import Rough
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking import read_record
@@ -177,7 +178,7 @@ def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, cap
     assert re.search(r"least stiffness, one bearing, dynamic +N/um +4\.6\d? +–\n", text)
     assert re.search(r"least stiffness, one bearing, quasi-static +N/um +4\.6\d? +–\n", text)
     # and so it is where a file is shown like any other
-    several = sheet(file).text
+    several = as_text(sheet(file))
     assert "there was none to solve" in several and "jammed" not in several
 
 

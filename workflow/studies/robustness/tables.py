@@ -4,9 +4,9 @@ from pathlib import Path
 
 import xarray as xr
 
+from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words
-from bearingwear.plotting.markdown import markdown_table
 from bearingwear.results.units import display
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved

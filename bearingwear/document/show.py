@@ -12,29 +12,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.results.growth_variables import BEARING_PARTS
-from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
-from bearingwear.results.netcdf import in_memory, opened
-from bearingwear.results.pair_variables import SYSTEM
-from bearingwear.results.pair_view import bearings_of, system_blocks
-from bearingwear.results.rows import (
+from bearingwear.document.document import Block, Document, Row, row_of
+from bearingwear.document.life import life_blocks
+from bearingwear.document.pair import bearings_of, system_blocks
+from bearingwear.document.rows import (
     COUNTED,
     limits_of_rows,
     marked,
     mean,
     mean_rows,
     operation_lines,
-    row_of,
     side_by_side,
     solved_rows,
     values,
 )
-from bearingwear.results.sheet import Block, Row, Sheet
-from bearingwear.results.show_life import life_blocks
+from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.results.growth_variables import BEARING_PARTS
+from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.netcdf import in_memory, opened
+from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.units import digits, display
 from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
-from bearingwear.results.warnings import WARNING, warning_lines, wrapped_warnings
+from bearingwear.results.warnings import WARNING, warning_lines
 from bearingwear.solvers.result import status_sentence
 
 if TYPE_CHECKING:
@@ -103,7 +102,7 @@ def _further(*dims: tuple[str, ...]) -> tuple[str, ...]:
 
 def sheet(
     path: str | os.PathLike[str], more: Registry = MappingProxyType({}), every: bool = False
-) -> Sheet:
+) -> Document:
     """The sheet of a result file of any kind.
 
     Parameters
@@ -111,7 +110,7 @@ def sheet(
     path : path
     more : Registry
         For kinds of files that a study defines: a function that takes the open file
-        (`netCDF4.Dataset`) and returns a `Sheet`, which it may make of `values` and `row_of`.
+        (`netCDF4.Dataset`) and returns a `Document`, which it may make of `values` and `row_of`.
     every : bool
         With residuals, error estimates, counts of steps, versions.
 
@@ -119,34 +118,34 @@ def sheet(
     ------
     CaseFileError
     """
+    from bearingwear.document.study import quantile_blocks
     from bearingwear.results.quantiles import KIND
-    from bearingwear.results.show_study import quantile_blocks
 
     with opened(path) as file:
         made, spread = _sheet(file, more), quantile_blocks(file, Path(path))
         if kind_of(file) == KIND:  # what it holds besides is for those who ask
             made, spread = replace(made, blocks=tuple(spread)), list(made.blocks if every else ())
         further = [*spread, *(_diagnostics(file) if every else [])]
-        return Sheet(made.heading, made.facts, (*made.blocks, *further))
+        return Document(made.heading, made.facts, (*made.blocks, *further))
 
 
-def sheet_of_result(result: Result) -> Sheet:
+def sheet_of_result(result: Result) -> Document:
     """The sheet of a case or life that is in no file."""
     with in_memory(result) as file:
         return _sheet(file, {})
 
 
-def _sheet(file: Any, more: Registry) -> Sheet:
+def _sheet(file: Any, more: Registry) -> Document:
     kind = kind_of(file)
     if kind in more:
-        made: Sheet = function(more[kind])(file)
+        made: Document = function(more[kind])(file)
         return made
     if kind in SHEETS:
         blocks = SHEETS[kind](file)
         known = tuple(block for block in map(solved_rows, blocks) if block.rows or block.lines)
         heading, facts = _heading(file)
-        return Sheet(heading, {"kind": kind, **facts}, known)
-    from bearingwear.results.show_study import several
+        return Document(heading, {"kind": kind, **facts}, known)
+    from bearingwear.document.study import several
 
     return several(file)
 
@@ -162,7 +161,7 @@ def _heading(file: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
         *(operation_lines(scene) if scene else ()),
         f"model {fidelity}{f' ({why})' if why else ''}, status {status}: "
         f"{status_sentence(status, scene)}{_not_settled(file)}",
-        *wrapped_warnings(attributes),
+        *warning_lines(attributes),
     ]
     facts = {
         "scene": scene.get("name"),

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.document.document import Block, Row, row_of
+from bearingwear.document.rows import limits_of_rows, marked, mean_rows, values
 from bearingwear.results.pair_variables import MODES, OF_BEARING
-from bearingwear.results.rows import limits_of_rows, marked, mean_rows, row_of, values
-from bearingwear.results.sheet import Block, Row
 
 SYSTEM_ROWS = (
     "system_quasistatic_axial_stiffness",

@@ -110,17 +110,17 @@ def test_diagnostics_on_request(tmp_path, capsys):
     assert re.search(r"^  friction residual +[\d.e-]+$", text, re.M)
     assert re.search(r"^  numerical error of QV +% +0\.28", text, re.M)
     assert re.search(r"^  error of residual preload +% +< 0\.001$", text, re.M)
-    assert re.search(r"^  source_hash: \w+$", text, re.M)
-    assert re.search(r"^  iterations: \d+$", text, re.M)
+    assert re.search(r"^ +source_hash: \w+$", text, re.M)
+    assert re.search(r"^ +iterations: \d+$", text, re.M)
     assert "lubricant drag: none in the scene" in text
 
 
 def test_a_run_that_has_not_settled_says_so_at_the_head(capsys):
     """Beside the status, where it is read, and not thirty lines below alone."""
     few = ["--set", "model.simulated_turns=6", "model.history_points_per_turn=0"]
-    head = printed(capsys, "solve", SCENE, "--fidelity", "dynamic", *few).splitlines()[:4]
-    (line,) = (line for line in head if line.startswith("model dynamic"))
-    assert line.endswith("ok: solved and verified; not settled; the turns were used up")
+    head = printed(capsys, "solve", SCENE, "--fidelity", "dynamic", *few).partition("\n\n")[0]
+    said = "ok: solved and verified; not settled; the turns were used up"
+    assert said in " ".join(head.split())
 
 
 def test_the_preload_of_a_warm_fixed_position_is_told_with_its_spread(capsys):
@@ -149,5 +149,5 @@ def test_warnings_stand_at_the_head(tmp_path, capsys):
 def test_a_failed_solve_says_so_and_no_more(capsys):
     assert main(["solve", SCENE, "--set", "friction.ball_race=0"]) == 3
     out, err = capsys.readouterr()
-    assert "status undetermined" in out and len(out.splitlines()) == 3
+    assert "status undetermined" in out and "\n\n" not in out
     assert err.count("\n") == 1 and "(see" not in err

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.document.document import VARIABLES, Block, Document, Row
+from bearingwear.document.rows import COUNTED, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
@@ -24,8 +26,6 @@ from bearingwear.results.quantiles import (
     spreads_of,
     uncertainties_at,
 )
-from bearingwear.results.rows import COUNTED, VARIABLES, values
-from bearingwear.results.sheet import NOT_SOLVED, Block, Row, Sheet
 from bearingwear.results.units import Rough, display
 from bearingwear.scene.scene import COUNTS
 
@@ -35,7 +35,7 @@ MOST_LISTED = 8
 STUDY_RANGES = ("total_qv", "residual_preload", "axial_stiffness", "shaft_torque", "life")
 
 
-def several(file: Any) -> Sheet:
+def several(file: Any) -> Document:
     """The sheet of a file with more than one case or life in it."""
     title = str(getattr(file, "title", "study"))
     points = tuple(
@@ -49,7 +49,7 @@ def several(file: Any) -> Sheet:
     if names:
         ranges = tuple(_range_row(file, name) for name in names)
         blocks.append(Block("variable", ("least", "most"), ranges))
-    return Sheet((title,), {"kind": kind_of(file), "title": title}, (*blocks, *_lives(file)))
+    return Document((title,), {"kind": kind_of(file), "title": title}, (*blocks, *_lives(file)))
 
 
 def _statuses(file: Any) -> Iterator[Row]:
@@ -57,7 +57,7 @@ def _statuses(file: Any) -> Iterator[Row]:
     codes, counts = np.unique(values(file, "status"), return_counts=True)
     missing = str(getattr(file["status"], "missing", "-1: there was none to solve"))
     for code, count in zip(codes, counts, strict=True):
-        name = NOT_SOLVED
+        name = "not solved"
         if np.isfinite(code):
             name = STATUS_NAMES[int(code)] if code >= 0 else missing.partition(": ")[2]
         yield Row(name, "", (int(count),), "status")

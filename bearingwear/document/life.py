@@ -9,22 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.measures import ENDS, Measure
-from bearingwear.results.pair_variables import is_pair
-from bearingwear.results.pair_view import bearings_of
-from bearingwear.results.quantiles import BY_WEAR, band_by_wear
-from bearingwear.results.rows import (
+from bearingwear.document.document import VARIABLES, Block, Row, row_of
+from bearingwear.document.pair import bearings_of
+from bearingwear.document.rows import (
     COUNTED,
-    VARIABLES,
     in_one_unit,
     mean,
     mean_rows,
     meaning,
-    row_of,
     values,
 )
-from bearingwear.results.sheet import Block, Row
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import ENDS, Measure
+from bearingwear.results.pair_variables import is_pair
+from bearingwear.results.quantiles import BY_WEAR, band_by_wear
 from bearingwear.results.units import Rough, display
 from bearingwear.results.variables import RACES
 from bearingwear.scene.scene import COUNTS

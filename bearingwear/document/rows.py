@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from bearingwear.document.document import Block, Row, row_of
 from bearingwear.measures import ENDS, Measure
-from bearingwear.results.sheet import Block, Row
-from bearingwear.results.units import Display, display, scale_of
-from bearingwear.results.variables import CASE, LIFE
+from bearingwear.results.units import scale_of
 from bearingwear.scene.catalogue import identity_line, speed_limit_line
 from bearingwear.scene.scene import COUNTS
 
-VARIABLES = CASE | LIFE
 COUNTED = tuple(name.replace("_and_", " + ") for name in COUNTS)
 
 
@@ -26,22 +24,6 @@ def values(file: Any, name: str, factor: float = 1.0) -> np.ndarray:
     if name not in file.variables:
         return np.array(np.nan)
     return np.ma.filled(np.ma.asarray(file[name][...], dtype=float), np.nan) * factor
-
-
-def row_of(
-    name: str, numbers: Iterable[Any], limit: float | None = None, unit: Display | None = None
-) -> Row:
-    """The row of a variable of a case or life, from values of the file."""
-    known = VARIABLES[name]
-    found = [float(number) for number in numbers]
-    unit = unit or display(known.units, found, [] if limit is None else limit, shown=known.shown)
-    return Row(
-        known.label or name.replace("_", " "),
-        unit.unit,
-        tuple(unit.of(number) for number in found),
-        name,
-        None if limit is None else unit.of(limit),
-    )
 
 
 def meaning(file: Any, name: str) -> str:
@@ -56,7 +38,7 @@ def solved_rows(block: Block) -> Block:
         return not isinstance(value, float) or not np.isnan(value)
 
     rows = tuple(row for row in block.rows if any(map(known, row.values)))
-    return Block(block.title, block.columns, rows, block.lines, block.unit)
+    return replace(block, rows=rows)
 
 
 def in_one_unit(blocks: Iterable[Block]) -> list[Block]:

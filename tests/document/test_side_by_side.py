@@ -6,9 +6,11 @@ import re
 import pytest
 from support import scene_file
 
-from bearingwear.results.rows import side_by_side
-from bearingwear.results.sheet import Block, Row, Sheet
-from bearingwear.results.show import sheet_of_result
+from bearingwear.document.data import as_csv, as_json
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import side_by_side
+from bearingwear.document.show import sheet_of_result
+from bearingwear.document.text import as_text
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.solve import solve
 
@@ -32,11 +34,11 @@ def test_limits_that_differ_stand_beside_the_row():
     (both,) = side_by_side([[one], [other]])
     assert both.columns == ("bearing 1", "bearing 2")
     assert both.rows == (Row("preload", "N", (160.0, 100.0), limits=(48.0, 24.0)),)
-    sheet = Sheet(blocks=(both,))
-    assert sheet.text.endswith("160          100  limits 48, 24")
-    (quantity,) = json.loads(sheet.json)["quantities"]
+    sheet = Document(blocks=(both,))
+    assert as_text(sheet).endswith("160          100  limits 48, 24")
+    (quantity,) = json.loads(as_json(sheet))["quantities"]
     assert quantity["limit"] == {"bearing 1": 48.0, "bearing 2": 24.0}
-    assert sheet.csv.splitlines()[-2:] == [
+    assert as_csv(sheet).splitlines()[-2:] == [
         'bearing,preload,preload,"limit, bearing 1",N,48.0',
         'bearing,preload,preload,"limit, bearing 2",N,24.0',
     ]
@@ -49,6 +51,6 @@ def test_a_spring_pair_has_each_quantity_once():
         "arrangement.external_axial_N": 2.0,
     }
     scene = load_scene(scene_file("gyro_s1"), [f"{key}={value}" for key, value in plain.items()])
-    text = sheet_of_result(solve(scene)).text
+    text = as_text(sheet_of_result(solve(scene)))
     assert len(re.findall("maximum pressure", text)) == 1
     assert re.search(r"bearing 1 +bearing 2\n  residual preload +N +9 +7  limit", text)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bearingwear.results.rows import operation_lines
-from bearingwear.results.sheet import Block, Row, Sheet
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import operation_lines
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene
 
 
-def scene_sheet(scene: Scene) -> Sheet:
+def scene_sheet(scene: Scene) -> Document:
     """The main numbers of a scene."""
     b, m = scene.bearing, scene.materials
     angle = math.radians(b.contact_angle_deg)
@@ -45,4 +45,6 @@ def scene_sheet(scene: Scene) -> Sheet:
         Block("material", ("E, GPa", "H, GPa", "K_s"), materials, given=True),
         Block("end of life, the first of", (), ends, given=True),
     )
-    return Sheet(operation_lines(scene.to_dict()), {"kind": "scene", "scene": scene.name}, blocks)
+    return Document(
+        operation_lines(scene.to_dict()), {"kind": "scene", "scene": scene.name}, blocks
+    )

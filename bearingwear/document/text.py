@@ -1,0 +1,66 @@
+"""A document as text for a terminal."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable
+
+from bearingwear.document.document import Block, Document, row_notes
+from bearingwear.results.units import in_ascii
+
+LABEL_WIDTH, UNIT_WIDTH, VALUE_WIDTH = 28, 11, 13
+WIDTH = 110
+"""Of a line of sentences, and of a table's heads where its columns need no more."""
+
+
+def as_text(document: Document) -> str:
+    """For a person at a terminal."""
+    lines = [part for text in document.heading for part in _wrapped(text)]
+    for block in document.blocks:
+        lines += ["", *(_points(block) if block.axes else _quantities(block))]
+        indent = "  " if block.rows or not block.title else "    "
+        lines += [part for text in block.lines for part in _wrapped(text, indent)]
+    return in_ascii("\n".join(line.rstrip() for line in lines)).strip("\n")
+
+
+def _wrapped(text: str, indent: str = "") -> list[str]:
+    return textwrap.wrap(
+        text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ",
+        break_long_words=False, break_on_hyphens=False,
+    )  # fmt: skip
+
+
+def _quantities(block: Block) -> list[str]:
+    """A line for each quantity."""
+    cells = block.cells
+    longest = max((len(t) for texts in [block.columns, *cells] for t in texts), default=0)
+    label_width = max([LABEL_WIDTH, *(len(row.label) + 2 for row in block.rows)])
+    value_width = max(VALUE_WIDTH, longest + 2)
+
+    def line(label: str, unit: str, texts: Iterable[str]) -> str:
+        columns = "".join(f"{text:>{value_width}}" for text in texts)
+        return f"  {label:<{label_width}}{unit:<{UNIT_WIDTH}}{columns}"
+
+    lines = [line(block.title, block.unit, block.columns)] if block.title else []
+    for row, texts in zip(block.rows, cells, strict=True):
+        text, notes = line(row.label, row.unit, texts), row_notes(row)
+        lines.append(f"{text}  {notes}" if notes else text)
+    return lines
+
+
+def _points(block: Block) -> list[str]:
+    """A line for each point; heads stand on several lines, as their columns are narrow."""
+    heads, points = block.table
+    narrow = [max(12, *(len(text) for text in column)) for column in zip(*points, strict=True)]
+    over = [textwrap.wrap(head, width) for head, width in zip(heads, narrow, strict=True)]
+    height = max(map(len, over), default=0)
+    widths = [
+        max(width, *(len(part) for part in parts), 0)
+        for width, parts in zip(narrow, over, strict=True)
+    ]
+    rows = [[(parts[k : k + 1] or [""])[0] for parts in over] for k in range(height)]
+    title = [f"  {block.title}"] if block.title else []
+    return title + [
+        "  " + "  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True))
+        for row in [*rows, *points]
+    ]

@@ -1,0 +1,81 @@
+"""One document, rendered: text, Markdown, HTML, JSON, CSV, and stored for the page."""
+
+import csv
+import io
+import json
+import math
+import re
+
+import html5lib
+
+from bearingwear.document.data import as_csv, as_json
+from bearingwear.document.document import Block, Document, Row, load_document
+from bearingwear.document.html import as_html
+from bearingwear.document.markdown import as_markdown
+from bearingwear.document.text import as_text
+from bearingwear.results.units import Interval, Rough
+
+LIFE = Row("life", "h", (Rough(3.1415), Interval(1.0, 2.5)), "life", 2.0, "passed")
+POWER = Row("power", "mW", (12.3456, math.nan), "power")
+PRELOAD = Row("preload", "N", (1.0, 2.0), "preload", given=True)
+DOCUMENT = Document(
+    ("a_b: take <5> N", "second line"),
+    {"kind": "x", "scene": "a_b"},
+    (
+        Block("what to take", ("spring", "fixed *"), (LIFE, POWER), ("Between 1 and 2 N/um.",)),
+        Block("why", lines=("It lasts | longest & best.",), place="lead"),
+        Block("map", rows=(PRELOAD, LIFE, POWER), axes=1, place="slider", start="2"),
+    ),
+    ("design",),
+)
+
+
+def test_text_has_a_line_for_each_quantity_and_for_each_point():
+    text = as_text(DOCUMENT)
+    assert text.startswith("a_b: take <5> N\nsecond line\n\n  what to take")
+    assert re.search(r"^  life +h +3\.1 +1 to 2\.5  limit 2, passed$", text, re.M)
+    assert re.search(r"^  power +mW +12\.3 +–$", text, re.M)
+    assert re.search(r"^ +preload \(N\) +life \(h\) +power \(mW\)\n +1 +3\.1 +12\.3\n", text, re.M)
+    assert "  why\n    It lasts | longest & best.\n" in text
+    long = Document(("word " * 40,), {}, (Block("x", lines=("word " * 40,)),))
+    assert max(map(len, as_text(long).splitlines())) <= 110
+
+
+def test_markdown_has_no_markup_of_others():
+    text = as_markdown(DOCUMENT)
+    assert text.startswith("# a_b: take &lt;5&gt; N\n\nsecond line\n\n## what to take\n\n")
+    assert "|  | spring | fixed \\* |  |\n" in text
+    assert "| life (h) | 3.1 | 1 to 2.5 | limit 2, passed |\n" in text
+    assert "It lasts \\| longest &amp; best." in text
+    assert "| preload (N) | life (h) | power (mW) |\n| --- | --- | --- |\n| 1 | 3.1 |" in text
+
+
+def test_html_is_valid_and_trusts_nobody():
+    page = f"<!DOCTYPE html><html><head><title>x</title></head><body>{as_html(DOCUMENT)}</body>"
+    tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(f"{page}</html>")
+    cells = ["".join(node.itertext()) for node in tree.iter("td")]
+    assert cells[:2] == ["3.1", "1 to 2.5"]
+    text = "".join(tree.itertext())
+    assert "take <5> N" in text and "2\N{NO-BREAK SPACE}N/\N{WORD JOINER}µm" in text
+
+
+def test_programs_get_every_number_under_a_key_of_its_own():
+    found = json.loads(as_json(DOCUMENT))
+    assert found["scene"] == "a_b"
+    life, power, *_ = found["quantities"]
+    assert life["values"] == {"spring": 3.1415, "fixed *": [1.0, 2.5]} and life["limit"] == 2.0
+    assert power["values"]["fixed *"] is None
+    (at,) = (one for one in found["quantities"] if one["block"] == "map" and one["name"] == "power")
+    assert at["values"] == {"1": 12.3456, "2": None}
+    rows = list(csv.DictReader(io.StringIO(as_csv(DOCUMENT))))
+    keys = [(row["block"], row["name"], row["column"]) for row in rows]
+    assert len(keys) == len(set(keys))
+    assert ("what to take", "life_low", "fixed *") in keys
+
+
+def test_what_is_stored_comes_back(tmp_path):
+    path = tmp_path / "answer.json"
+    path.write_text(DOCUMENT.stored, encoding="utf-8")
+    read = load_document(path)
+    assert as_text(read) == as_text(DOCUMENT) and as_html(read) == as_html(DOCUMENT)
+    assert read.figures == ("design",) and read.placed("slider")[0].start == "2"
