@@ -24,10 +24,22 @@ __all__ = [
     "save",
     "solve",
     "sweep",
+    "to_ross",
 ]
 
 if TYPE_CHECKING:
-    from bearingwear.api import calibrate, example, life, load, new, plot, save, solve, sweep
+    from bearingwear.api import (
+        calibrate,
+        example,
+        life,
+        load,
+        new,
+        plot,
+        save,
+        solve,
+        sweep,
+        to_ross,
+    )
     from bearingwear.scene.scene import Scene, SceneError
 
 

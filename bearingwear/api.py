@@ -27,9 +27,21 @@ from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.scene.strict_yaml import data_of, yaml_of
 from bearingwear.studies import registry
+from bearingwear.studies.export import to_ross
 from bearingwear.studies.sweep import sweep
 
-__all__ = ["calibrate", "example", "life", "load", "new", "plot", "save", "solve", "sweep"]
+__all__ = [
+    "calibrate",
+    "example",
+    "life",
+    "load",
+    "new",
+    "plot",
+    "save",
+    "solve",
+    "sweep",
+    "to_ross",
+]
 
 if TYPE_CHECKING:
     import xarray as xr

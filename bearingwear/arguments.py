@@ -76,6 +76,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
+    _add_export(command("export", "write the stiffness of bearings over speed: CSV, ROSS's TOML"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
         command("compare", "list what differs between two result files; exit 1 if anything does")
@@ -288,6 +289,62 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         "Further arguments go to Snakemake and stand after a name, as in `bearingwear study all "
         "--configfile other.yaml`."
     )
+
+
+def _add_export(sub: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(sub)
+    sub.add_argument(
+        "--speeds",
+        type=_speeds,
+        required=True,
+        metavar="LOW:HIGH:COUNT",
+        help="of the shaft, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS takes five or "
+        "more",
+    )
+    sub.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="FILE",
+        type=_file_name,
+        help=".csv: 5 x 5 of each bearing; .toml: one bearing as ross.BearingElement.load reads it",
+    )
+    sub.add_argument(
+        "--bearing", type=int, choices=(1, 2), default=1, help="which of a pair; default 1"
+    )
+    sub.add_argument(
+        "--tilt",
+        choices=("held", "released"),
+        default="held",
+        help="of the shaft in the bearing, of which ROSS's bearings know nothing; default held",
+    )
+    sub.add_argument(
+        "--damping", type=_positive, metavar="N_S_M", help="in x, y, z; 0 is assumed if left out"
+    )
+    sub.add_argument("--node", type=int, default=0, metavar="N", help="of the rotor; default 0")
+    sub.add_argument(
+        "--ross",
+        type=int,
+        choices=(2, 3),
+        default=2,
+        help="its major version, which names the speeds; default 2",
+    )
+
+
+def _speeds(text: str) -> list[float]:
+    low, _, rest = text.partition(":")
+    try:
+        if not rest:
+            return [float(one) for one in text.split(",")]
+        high, _, count = rest.partition(":")
+        start, end, n = float(low), float(high), int(count or 8)
+        if not (0.0 <= start < end < math.inf and 2 <= n <= 1000):
+            raise ValueError
+        return [start + (end - start) * k / (n - 1) for k in range(n)]
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"got {text!r}, expected LOW:HIGH:COUNT or numbers that rise, 1000,2000,5000"
+        ) from None
 
 
 def _add_show(sub: argparse.ArgumentParser) -> None:

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.console import one_line
+from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
 from bearingwear.results.replaced import check_output
 from bearingwear.scene.new import OPTIONS
@@ -191,6 +191,26 @@ def recommend(args: argparse.Namespace) -> int:
     if not solved:
         sys.stderr.write(one_line(f"{args.scene}: no life could be solved at any preload"))
     return OK if solved else NOT_SOLVED
+
+
+def export(args: argparse.Namespace) -> int:
+    from bearingwear.atomic import write_text
+    from bearingwear.studies.export import NotExported, StiffnessOverSpeed
+
+    scene, path = _scene(args), Path(args.output)
+    if path.suffix not in (".csv", ".toml"):
+        raise UsageError(f"-o: got {args.output}, expected a name that ends with .csv or .toml")
+    try:
+        found = StiffnessOverSpeed.of(scene, args.speeds)
+    except NotExported as error:
+        sys.stderr.write(one_line(f"{args.scene}: {error}"))
+        return NOT_SOLVED
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)
+    more = args.bearing, args.tilt, args.damping, args.node, args.ross
+    _tell_of_new_folder(path)
+    write_text(path, found.csv if path.suffix == ".csv" else found.toml(name, *more))
+    print(f"{path}: written; {len(args.speeds)} speeds, dynamic stiffness")
+    return OK
 
 
 def show(args: argparse.Namespace) -> int:

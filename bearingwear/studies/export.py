@@ -1,0 +1,217 @@
+"""The stiffness of bearings over speed, for programs of rotor dynamics: CSV, and ROSS's TOML.
+
+ROSS has z along the axis, where this program has X, and x and y across it, here Y and Z. Both turn
+about the axis from the first of these to the second.
+"""
+
+from __future__ import annotations
+
+import csv
+import inspect
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bearingwear.results.variables import DOFS
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.read import Source, as_scene
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.variant import variant
+
+TILTS = ("held", "released")
+"""What is done about tilt, of which ROSS's bearings know nothing: it is held, or no moment is."""
+
+ROSS_NAMES = {2: "frequency", 3: "speed"}
+"""The key of the speeds by ROSS's major version."""
+
+FEWEST_SPEEDS = 5
+"""That ROSS interpolates between."""
+
+_NOTHING = 1e-14  # of the largest stiffness: rounding of what balls in a circle cancel
+_RAD_S = np.pi / 30.0  # of one r/min
+_FROM_ROSS = (1, 2, 0)  # its x, y, z here
+
+
+class NotExported(ValueError):
+    """A bearing whose stiffness at a speed is not known; its text is one line."""
+
+
+@dataclass(frozen=True)
+class StiffnessOverSpeed:
+    """Dynamic stiffness of the bearings of a scene.
+
+    Attributes
+    ----------
+    speeds_rpm : tuple of float
+    matrices : ndarray (speeds, bearings, 5, 5)
+        Each in its own frame, of all in tandem together [N/m, N, N m].
+    """
+
+    scene: Scene
+    speeds_rpm: tuple[float, ...]
+    matrices: np.ndarray
+
+    @classmethod
+    def of(cls, source: Source, speeds_rpm: Sequence[float]) -> StiffnessOverSpeed:
+        """Solve a scene at each speed of the shaft [r/min].
+
+        Raises
+        ------
+        SceneError, NotExported
+            One line: speeds that do not rise, or one at which no stiffness is known.
+        """
+        from bearingwear.solvers.effects.choice import choice
+        from bearingwear.solvers.solve import solve
+
+        scene, speeds = as_scene(source), tuple(map(float, speeds_rpm))
+        if not speeds or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
+            problem = f"got {list(speeds)}, expected numbers that rise"
+            raise SceneError("", problem, source="speeds")
+        found = []
+        if choice(scene).fidelity == "dynamic":
+            problem = "a run in time has no stiffness matrix; set model.fidelity to race_control"
+            raise NotExported(problem)
+        for speed in speeds:
+            result = solve(variant(scene, {"operation.shaft_speed_rpm": speed}))
+            if result.status != "ok":
+                raise NotExported(f"{speed:g} r/min: {result.status}: {result.reason}")
+            found.append(result.values["stiffness_matrix"].reshape(-1, 5, 5))
+        tandem = scene.pair.tandem if scene.pair is not None else (1,)
+        n = np.array(tandem)[: len(found[0]), None, None]
+        return cls(scene, speeds, np.array(found) * n)
+
+    def ross_matrices(self, bearing: int = 1, tilt: str = "held") -> np.ndarray:
+        """Stiffness (speeds, 3, 3) of a bearing by ROSS's x, y, z [N/m].
+
+        Raises
+        ------
+        SceneError
+        """
+        for name, given, allowed in (
+            ("tilt", tilt, TILTS),
+            ("bearing", bearing, range(1, self.matrices.shape[1] + 1)),
+        ):
+            if given not in allowed:
+                problem = f"got {given!r}, expected {' or '.join(map(str, allowed))}"
+                raise SceneError("", problem, source=name)
+        K = self.matrices[:, bearing - 1]
+        shift, turn = K[:, :3, :3], K[:, 3:, 3:]
+        if tilt == "released":
+            shift = shift - K[:, :3, 3:] @ np.linalg.solve(turn, K[:, 3:, :3])
+        shift = shift[:, _FROM_ROSS][:, :, _FROM_ROSS]
+        return np.where(abs(shift) > _NOTHING * abs(shift).max(), shift, 0.0)
+
+    def coefficients(
+        self, bearing: int = 1, tilt: str = "held", damping: float = 0.0
+    ) -> dict[str, list[float]]:
+        """ROSS's coefficients of a bearing by their names [N/m], [N s/m].
+
+        Raises
+        ------
+        SceneError
+            Fewer speeds than ROSS interpolates between, or as `ross_matrices`.
+        """
+        if len(self.speeds_rpm) < FEWEST_SPEEDS:
+            problem = f"got {len(self.speeds_rpm)}, expected for ROSS at least {FEWEST_SPEEDS}"
+            raise SceneError("", problem, source="speeds")
+        K = self.ross_matrices(bearing, tilt)
+        places = ("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1), ("zz", 2, 2)
+        found = {f"k{name}": K[:, i, j].tolist() for name, i, j in places}
+        return found | {f"c{name}": [damping] * len(K) for name in ("xx", "yy", "zz")}
+
+    def effective_arm(self, bearing: int = 1) -> float:
+        """How far from the bearing, along its axis, a force across turns nothing [m].
+
+        Mean over the speeds, towards where its contact lines meet the axis. A node of a rotor
+        there has no coupling of displacement and tilt.
+        """
+        K = self.matrices[:, bearing - 1]
+        return float(np.mean(np.abs(K[:, 1, 4] - K[:, 2, 3]) / (K[:, 1, 1] + K[:, 2, 2])))
+
+    @property
+    def csv(self) -> str:
+        """A line for each speed and bearing, with all 25 numbers in the bearing's own frame."""
+        text = io.StringIO()
+        table = csv.writer(text, lineterminator="\n")
+        names = [f"k_{row}_{column}" for row in DOFS for column in DOFS]
+        table.writerow(["shaft_speed_rpm", "bearing", *names])
+        for speed, each in zip(self.speeds_rpm, self.matrices, strict=True):
+            for k, K in enumerate(each, 1):
+                table.writerow([speed, k, *K.ravel().tolist()])
+        return text.getvalue()
+
+    def toml(
+        self,
+        name: str,
+        bearing: int = 1,
+        tilt: str = "held",
+        damping: float | None = None,
+        node: int = 0,
+        ross: int = 2,
+    ) -> str:
+        """A bearing as `ross.BearingElement.load` reads it."""
+        known = self.coefficients(bearing, tilt, damping or 0.0)
+        known[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * _RAD_S).tolist()
+        given = "none given, 0 assumed" if damping is None else f"{damping:g} N s/m, given"
+        moved = "tilt held" if tilt == "held" else "tilt released: no moment"
+        arm = 1e3 * self.effective_arm(bearing)
+        lines = [
+            f"# {self.scene.name}, bearing {bearing}: dynamic stiffness at {len(self.speeds_rpm)} "
+            "speeds, rad/s, N/m; z axial",
+            f"# {moved}; a node {arm:.4g} mm from the bearing, where its contact lines meet the",
+            "# axis, has no coupling of displacement and tilt",
+            f"# damping: {given}; names of ROSS {ross}",
+            f"[BearingElement_{name}]",
+            f"n = {node}",
+            f'tag = "{name}"',
+            *(f"{key} = {values}" for key, values in known.items()),
+        ]
+        return "\n".join(lines) + "\n"
+
+
+def to_ross(
+    scene: Source,
+    speeds_rpm: Sequence[float],
+    node: int = 0,
+    *,
+    bearing: int = 1,
+    tilt: str = "held",
+    damping: float = 0.0,
+) -> Any:
+    """A bearing of a scene as an element of ROSS, which has to be installed.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+    speeds_rpm : sequence of float
+        Five or more, rising [r/min]; ROSS interpolates between them.
+    node : int
+        Of ROSS's rotor.
+    bearing : int
+        Of a pair 1 or 2.
+    tilt : {"held", "released"}
+        Its nodes pass on no moment: the tilt is held, or free to follow.
+    damping : float
+        In x, y and z [N s/m]; the program knows none.
+
+    Returns
+    -------
+    ross.BearingElement
+
+    Raises
+    ------
+    SceneError, NotExported
+        Both are ValueErrors of one line.
+    ImportError
+    """
+    from ross import BearingElement
+
+    known: dict[str, Any] = dict(
+        StiffnessOverSpeed.of(scene, speeds_rpm).coefficients(bearing, tilt, damping)
+    )
+    taken = inspect.signature(BearingElement.__init__).parameters
+    name = next(name for name in ROSS_NAMES.values() if name in taken)
+    return BearingElement(n=node, **known, **{name: np.array(speeds_rpm, dtype=float) * _RAD_S})
