@@ -171,14 +171,6 @@ class Plan:
         """Files that together hold every case of a scene."""
         return list(self.chunks(scene)) or self.cases(scene)
 
-    def dynamic_cases(self, *scenes: str) -> list[str]:
-        """Files of the cases solved dynamically, of the given scenes or of all."""
-        return [
-            f"results/{scene}/dynamic/{case_id}.nc"
-            for scene in scenes or self.dynamic
-            for case_id in self.dynamic[scene].cases()
-        ]
-
     def dynamics(self) -> list[str]:
         """Files that hold all cases of a scene solved dynamically."""
         return [f"results/{scene}/dynamic.nc" for scene in self.dynamic]

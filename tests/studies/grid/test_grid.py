@@ -196,10 +196,8 @@ def dynamic_config(**changes):
 
 def test_plan_of_what_is_solved_in_time():
     plan = Plan.from_config(CONFIG)
-    assert len(plan.dynamic_cases("gyro_s1")) == 12
-    assert plan.dynamic_cases("turbine") == [
-        "results/turbine/dynamic/constant_force-mu0.090-loss0.00.nc"
-    ]
+    assert len(plan.dynamic["gyro_s1"].cases()) == 12
+    assert list(plan.dynamic["turbine"].cases()) == ["constant_force-mu0.090-loss0.00"]
     assert plan.compared == ["gyro_s1"]  # the turbine has no steady state to be compared with
     figures = figures_of(plan)
     assert "results/gyro_s1/figures/dynamic.png" in figures
