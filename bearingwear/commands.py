@@ -180,7 +180,7 @@ def recommend(args: argparse.Namespace) -> int:
     from bearingwear.studies.life_scene import life_scene
 
     scene = life_scene(args.scene, args.set)
-    from bearingwear.studies.design.new_and_worn import recommended_sheet
+    from bearingwear.studies.design.document import recommended_sheet
     from bearingwear.studies.sampling import usable_cores
 
     def tell(text: str) -> None:

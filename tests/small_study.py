@@ -78,8 +78,8 @@ def make_small_study(folder: Path) -> None:
             step("studies.grid.answer.lives_answer", LIVES_ANSWER, lives=[lives]),
             step(f"{chosen}.recommend.small_map", *small_map, scene=scene, settings=settings),
             step(f"{chosen}.draw.draw_design", *figure[3], **design),
-            step(f"{chosen}.tables.tables", *texts(), **design),
-            step(f"{chosen}.answer.design_answer", f"{CHOICE}/answer.json", **design),
+            step(f"{chosen}.document.tables", *texts(), **design),
+            step(f"{chosen}.document.design_answer", f"{CHOICE}/answer.json", **design),
         ):
             assert status == 0
 

@@ -26,13 +26,13 @@ from bearingwear.scene.records import parts
 from bearingwear.solvers.effects.criterion import criteria_of_case, end_attribute
 from bearingwear.solvers.state import OF_EACH_CONTACT, State
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
+from bearingwear.studies.design.document import SHORT_TABLE
 from bearingwear.studies.design.figures import LETTERS
 from bearingwear.studies.design.map import POINT, gone_through
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.words import (
     LIMIT_WORDS,
     RECOMMENDED_WORDS,
-    SHORT_TABLE,
     limit_text,
 )
 from bearingwear.studies.grid.figures import END_MARKS

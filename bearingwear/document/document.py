@@ -44,7 +44,8 @@ class Row(NamedTuple):
     @property
     def head(self) -> str:
         """Its label with the unit in brackets."""
-        return f"{self.label} ({in_print(self.unit)})" if self.unit else self.label
+        label = self.label.strip()
+        return f"{label} ({in_print(self.unit)})" if self.unit else label
 
 
 @dataclass(frozen=True)
@@ -115,14 +116,16 @@ class Block:
 class Document:
     """Heading lines, the first its title; facts for programs; blocks, and names of figures.
 
-    On a page facts name the `scene`, its `bearing`, the `subject` of the document for the
-    navigation, and its `rank`: of several documents the least leads.
+    A page shows it in the navigation by its `subject`; of several, the one of the least `rank`
+    leads. Its facts then name the `scene` and its `bearing`.
     """
 
     heading: tuple[str, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     blocks: tuple[Block, ...] = ()
     figures: tuple[str, ...] = ()
+    subject: str = ""
+    rank: int = 0
 
     @property
     def title(self) -> str:
@@ -170,8 +173,8 @@ def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
         return value.text
     if not isinstance(value, float):
         return str(value)
-    if given:
-        return f"{value:.6g}"
+    if given and math.isfinite(value):
+        return f"{value:.7g}"
     return digits(value, unit)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from html import escape
 
 from bearingwear.document.document import Block, Document
@@ -24,9 +25,7 @@ def block_html(block: Block, name: str = "") -> str:
         The `id` of its table.
     """
     if not block.rows:
-        said = "".join(f"<dd>{_plain(text)}</dd>" for text in block.lines)
-        title = f"<dt>{_plain(block.title)}</dt>" if block.title else ""
-        return f"<dl>{title}{said}</dl>"
+        return sentences_html([block])
     heads, lines = block.table
     sortable = ' class="sortable"' if heads[0] else ""
     known = f' id="{escape(name)}"' if name else ""
@@ -45,6 +44,15 @@ def block_html(block: Block, name: str = "") -> str:
         f'<div class="wide" role="region" aria-label="{label}" tabindex="0">{table}\n'
         f"</tbody></table></div>\n{notes}"
     )
+
+
+def sentences_html(blocks: Iterable[Block]) -> str:
+    """Sentences of some blocks below their titles, as one list."""
+    parts = []
+    for block in blocks:
+        parts += [f"<dt>{_plain(block.title)}</dt>"] if block.title else []
+        parts += [f"<dd>{_plain(text)}</dd>" for text in block.lines]
+    return f"<dl>{''.join(parts)}</dl>" if parts else ""
 
 
 def _plain(text: str) -> str:

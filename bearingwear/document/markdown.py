@@ -38,4 +38,7 @@ def _parts(block: Block) -> list[str]:
         heads, lines = block.table
         cells = [[*map(plain_text, line)] for line in lines]
         table = [markdown_table(" | ".join(map(plain_text, heads)), cells)]
-    return [*title, *table, *map(plain_text, block.lines)]
+    said = [*map(plain_text, block.lines)]
+    if not block.rows and len(said) > 1:
+        said = ["\n".join(f"- {text}" for text in said)]
+    return [*title, *table, *said]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from bearingwear.document.rows import COUNTED, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
 from bearingwear.results.quantiles import (
+    BY_WEAR,
     GIVEN,
     KIND,
     NO_QUANTILES,
@@ -22,6 +23,7 @@ from bearingwear.results.quantiles import (
     RECOMMENDED,
     SEE,
     TAKEN,
+    band_by_wear,
     causes_told,
     spreads_of,
     uncertainties_at,
@@ -89,13 +91,7 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
             missing += 1
             continue
         rows += [Row(label)] if label else []
-        every = [found[way].rows for way in COUNTS]
-        rows += [
-            Row(
-                name, "h", tuple(_rough(one.get(name, math.nan)) for one in every), _life_name(name)
-            )
-            for name in dict.fromkeys(name for one in every for name in one)
-        ]
+        rows += spread_rows([found[way].rows for way in COUNTS])
     where = "" if missing == len(lives) else f" for the other {missing}"
     taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
     lines = [*filter(None, [causes_told(scene)]), *taken] if rows else []
@@ -103,7 +99,22 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
     return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), tuple(lines))]
 
 
-def _rough(value: Any) -> Any:
+def spread_rows(spreads: Sequence[Mapping[str, Any]]) -> list[Row]:
+    """A row for each of `Spread.rows`, of several lives."""
+    return [
+        Row(name, "h", tuple(rough_value(one.get(name)) for one in spreads), _life_name(name))
+        for name in dict.fromkeys(name for one in spreads for name in one)
+    ]
+
+
+def by_wear_row(scene: Mapping[str, Any], lives: Iterable[float]) -> tuple[Row, ...]:
+    """Between which hours lives lie by what is unknown of wear alone, if that is stated."""
+    bands = [band_by_wear(scene, life)[0] for life in lives]
+    values = tuple(band or math.nan for band in bands)
+    return (Row(BY_WEAR, "h", values, "life_by_wear_alone"),) if any(bands) else ()
+
+
+def rough_value(value: Any) -> Any:
     """Hours as two digits; other cells as they are."""
     value = math.nan if value is None else value
     return Rough(value) if isinstance(value, float) else value

@@ -16,12 +16,13 @@ import xarray as xr
 from markupsafe import Markup
 
 from bearingwear.document.bearing_line import bearing_line
+from bearingwear.document.document import Document, load_document
+from bearingwear.document.html import block_html, sentences_html
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
 from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.markup import to_html
 from bearingwear.page.scenes import key_rows, scene_differences
 from bearingwear.plotting.drawing import scene_of
-from bearingwear.results.answer import Answer, load_answer
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import display, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
@@ -68,9 +69,9 @@ class Section:
 
 @dataclass
 class Answered:
-    """An answer with the figures and the texts that belong to it."""
+    """The answer of a study, with the figures and the texts that belong to it."""
 
-    answer: Answer
+    answer: Document
     drawn: list[Drawing]
     texts: list[Path]
 
@@ -95,7 +96,7 @@ def page(
     docs : iterable of path
         Documents to link.
     answers : iterable of path
-        What studies answer (`results.answer`, .json); the one of the least rank leads. Markdown
+        What studies answer (`Document.stored`, .json); the one of the least rank leads. Markdown
         and figures in folders beside one belong to it.
     data : mapping, optional
         Files behind each figure, by its path.
@@ -119,7 +120,7 @@ def page(
         _environment()
         .from_string(_TEMPLATE.read_text(encoding="utf-8"))
         .render(
-            headline=answered[0].headline if answered else "A study of friction and wear",
+            headline=answered[0].title if answered else "A study of friction and wear",
             answers=answered,
             sections=list(scenes.values()),
             across=across,
@@ -164,6 +165,8 @@ def _environment() -> jinja2.Environment:
         finalize=_unbroken,
     )
     environment.globals.update(
+        block=lambda block, name="": Markup(block_html(block, name)),
+        sentences=lambda blocks: Markup(sentences_html(blocks)),
         link=_link,
         named=_named,
         line=bearing_line,
@@ -200,14 +203,15 @@ def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answere
     found = []
     for file in files:
         if file.suffix == ".json":
-            answer = load_answer(file)
+            answer = load_document(file)
             beside = [path for path in files if path.parent.parent == file.parent]
             texts = [path for path in beside if path.suffix == ".md"]
             drawn = [
                 figure
                 for figure in figures
-                if figure.path in beside
-                or (figure.path.stem in answer.figures and answer.scene in figure.path.parts)
+                for path in [figure.path]
+                if path in beside
+                or (path.stem in answer.figures and answer.facts["scene"] in path.parts)
             ]
             found.append(Answered(answer, drawn, texts))
     return sorted(found, key=lambda one: one.answer.rank)

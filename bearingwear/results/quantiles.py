@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -225,21 +225,6 @@ def _point(scene: Mapping[str, Any], method: str, friction: float | None = None)
         "friction": scene["friction"] | mu,
         "wear": wear,
     }
-
-
-def spread_cells(spreads: Sequence[Spread | None]) -> dict[str, list[str]]:
-    """A row of a table for each of `Spread.rows`, by its label; a cell for each life [h]."""
-    every = [one.rows if one else {} for one in spreads]
-    return {
-        f"{name.strip()} (h)": [_cell(one.get(name, math.nan)) for one in every]
-        for name in dict.fromkeys(name for one in every for name in one)
-    }
-
-
-def _cell(value: Interval | float | str) -> str:
-    if isinstance(value, Interval):
-        return value.text
-    return value if isinstance(value, str) else Rough(value).text
 
 
 def spread_at(one: xr.Dataset) -> Spread | None:

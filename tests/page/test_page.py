@@ -24,10 +24,10 @@ from small_study import (
 )
 from support import step
 
+from bearingwear.document.document import load_document
 from bearingwear.page import figures
 from bearingwear.page.markup import to_html
 from bearingwear.page.scenes import scene_differences
-from bearingwear.results.answer import load_answer
 from bearingwear.results.netcdf import load
 from bearingwear.studies.launch import own_page
 
@@ -208,27 +208,27 @@ def test_a_heavy_figure_is_a_bitmap(small_project, made, monkeypatch):
 def test_the_choice_leads_and_the_lives_follow(small_project, whole):
     tree = parsed(whole)
     choice, lives = (
-        load_answer(small_project / path) for path in (f"{CHOICE}/answer.json", LIVES_ANSWER)
+        load_document(small_project / path) for path in (f"{CHOICE}/answer.json", LIVES_ANSWER)
     )
     (headline,) = tree.iter("h1")
-    assert words(headline) == choice.headline
-    assert lives.headline in [words(node) for node in tree.iter("h2")]
+    assert words(headline) == choice.title
+    assert lives.title in [words(node) for node in tree.iter("h2")]
     said = words(tree)
     for one in (choice, lives):
-        for question, sentences in (*one.points, *one.notes):
+        for question, sentences in ((b.title, b.lines) for b in one.blocks if not b.rows):
             first = " ".join(sentences[0].replace(" um ", " µm ").split())
             assert question in said and first in said
-        for table in one.tables:
-            for row in table.rows:
+        for table in (block for block in one.blocks if block.rows):
+            for row in table.table[1]:
                 assert all(" ".join(cell.split()) in said for cell in row)
     # which bearing stands before the headline, in words
-    assert said.index("9 balls of 2 mm") < said.index(choice.headline, 200)
+    assert said.index("9 balls of 2 mm") < said.index(choice.title, 200)
 
 
 def test_lives_alone_lead(made):
     tree = check_self_contained(made(answers=[LIVES_ANSWER]))
     (headline,) = tree.iter("h1")
-    assert words(headline) == load_answer(Path(LIVES_ANSWER)).headline
+    assert words(headline) == load_document(Path(LIVES_ANSWER)).title
 
 
 def test_a_study_alone(made):
@@ -295,8 +295,8 @@ def test_words_are_explained_and_keys_are_words(whole):
         ("study.nc", "not netCDF"),
         ("summary.md", None),
         ("answer.json", "{"),
-        ("answer.json", '{"tables": [], "headline": "x"}'),
-        ("answer.json", '{"tables": [1]}'),
+        ("answer.json", '{"blocks": [], "headline": "x"}'),
+        ("answer.json", '{"blocks": [1]}'),
         ("answer.json", "[]"),
     ],
 )

@@ -12,7 +12,7 @@ import netCDF4
 import pytest
 from support import ROOT, scene_file
 
-from bearingwear.results.answer import Answer
+from bearingwear.document.document import Block, Document
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.choice import NotAvailable, choice
 
@@ -135,15 +135,13 @@ def test_an_edited_page_draws_nothing_anew(solved):
 def test_a_design_study_comes_into_the_page(solved):
     folder = solved.root / "results/gyro_s1/design"
     folder.mkdir(parents=True)
-    answer = Answer(
-        scene="gyro_s1",
-        bearing="a bearing",
-        rank=0,
-        title="choice",
-        headline="Take a spring.",
-        points=[("Why", ["It lasts."])],
+    answer = Document(
+        ("Take a spring.",),
+        {"scene": "gyro_s1", "bearing": "a bearing"},
+        (Block("Why", lines=("It lasts.",), place="lead"),),
+        subject="choice",
     )
-    (folder / "answer.json").write_text(answer.as_json(), encoding="utf-8")
+    (folder / "answer.json").write_text(answer.stored, encoding="utf-8")
     page = solved.root / "results/report/index.html"
     assert solved.run("results/report/index.html").status == 0
     assert "<h1>Take a spring.</h1>" in page.read_text(encoding="utf-8")

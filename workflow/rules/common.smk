@@ -11,7 +11,7 @@ from snakemake.io import report as in_report
 
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
-from bearingwear.results.answer import load_answer
+from bearingwear.document.document import load_document
 from bearingwear.scene.read import as_data
 from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.repair import survey

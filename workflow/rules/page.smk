@@ -67,5 +67,5 @@ onsuccess:
         for study in STUDIES.values():
             for path in study.page_answers():
                 if path.endswith(".json"):
-                    print(load_answer(Path(path)).headline, file=sys.stderr)
+                    print(load_document(Path(path)).title, file=sys.stderr)
         print(f"page: {PAGE}", file=sys.stderr)

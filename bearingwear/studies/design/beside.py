@@ -12,20 +12,17 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words, methods, scene_of
-from bearingwear.results.answer import AnswerTable
+from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.pair_variables import method_words
-from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant
-from bearingwear.studies.dataset import LOSS_BASIS, counted
+from bearingwear.studies.dataset import LOSS_BASIS
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
-from bearingwear.studies.design.words import LIMIT_WORDS, brief_cells, brief_units
+from bearingwear.studies.design.words import LIMIT_WORDS
 from bearingwear.studies.life_scene import life_scene
 
 _KIND = "beside"
@@ -84,65 +81,6 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
     if found.attrs["scene"] != recommendation.attrs["scene"]:
         raise CaseFileError(f"{path}: not of the scene of the recommendation")
     return found
-
-
-def beside_table(beside: xr.Dataset, recommendation: xr.Dataset) -> AnswerTable:
-    """Lives at the recommended preloads, as studied and with other assumptions."""
-    basis = counted(recommendation)
-    units = brief_units(beside, recommendation)
-    rows = [
-        [
-            words,
-            method_words(scene_of(recommendation), method),
-            digits(float(one["life"].isel(loss_basis=basis))),
-            *brief_cells(units, one),
-            passed(one),
-        ]
-        for words, case in [("as above", recommendation), *assumptions_of(beside)]
-        for method, one in methods(case)
-        if int(one["status"]) >= 0
-    ]
-    return AnswerTable(
-        title="What other assumptions change, at these preloads",
-        columns=[
-            "assumed",
-            "preload method",
-            "life (h)",
-            *(unit.label(label) for label, unit in units),
-            "limits passed",
-        ],
-        rows=rows,
-        shown=True,
-    )
-
-
-def beside_told(beside: xr.Dataset, recommendation: xr.Dataset, method: int) -> list[str]:
-    """Under which assumptions the recommended method is not the better one, or passes a limit."""
-    basis = counted(recommendation)
-    turned, beyond, unknown, same = [], [], [], []
-    for words, case in assumptions_of(beside):
-        lives = case["life"].isel(loss_basis=basis).values
-        taken = case.isel(preload_method=method)
-        limits = passed(taken)
-        if int(taken["status"]) != OK:
-            unknown.append(words)
-        elif np.nanargmax(lives) != method:
-            turned.append(words)
-        elif limits != NONE_PASSED:
-            beyond.append(f"{words} ({limits})")
-        else:
-            same.append(words)
-    flag = int(recommendation["preload_method"][method])
-    name = method_words(scene_of(recommendation), PRELOAD_METHODS[flag]).capitalize()
-    said = (
-        ("The other method lasts longer with {}.", turned),
-        (f"{name} passes a limit with {{}}.", beyond),
-        ("No life was found with {}.", unknown),
-    )
-    exceptions = [text.format("; ".join(found)) for text, found in said if found]
-    rest = "every other" if exceptions else "every"
-    hold = [f"{name} stays the better method within its limits under {rest} assumption below."]
-    return [*exceptions, *(hold if same else [])]
 
 
 def assumptions_of(beside: xr.Dataset) -> list[tuple[str, xr.Dataset]]:

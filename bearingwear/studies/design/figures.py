@@ -27,11 +27,8 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
     ALL_INPUTS,
     RECOMMENDED,
-    band_by_wear,
-    spread_at,
-    spread_text,
 )
-from bearingwear.results.units import Rough, digits, display
+from bearingwear.results.units import display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import (
@@ -41,14 +38,11 @@ from bearingwear.studies.design.choice import (
     front,
     limit_margins,
     limits_of,
-    preload_text,
     stiffness_of,
 )
 from bearingwear.studies.design.map import WORN_GROOVE
-from bearingwear.studies.design.recommend import best_method
-from bearingwear.studies.design.show import methods_told, verdict_told
-from bearingwear.studies.design.verdict import NEITHER_LONGER
-from bearingwear.studies.design.words import LIMIT_WORDS, NONE_BECAUSE, without_limits
+from bearingwear.studies.design.sentences import headline
+from bearingwear.studies.design.words import LIMIT_WORDS
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
@@ -128,7 +122,7 @@ def design_figure(
         *(_letter_keys(design) if area else ()),
         *failed_keys(failed),
     ]
-    frame(figure, design_message(recommendation, uncertainty), handles, columns=3)
+    frame(figure, headline(recommendation, design), handles, columns=3)
     return figure
 
 
@@ -288,39 +282,3 @@ def _letter_keys(design: xr.Dataset) -> list[Any]:
         ),
         key("the scene", color="C1", linestyle="none", marker="o", markerfacecolor="none"),
     ]
-
-
-def design_message(recommendation: xr.Dataset, uncertainty: xr.Dataset | None = None) -> str:
-    """What the design study answers, in a sentence."""
-    scene = scene_of(recommendation)
-    name = scene["name"]
-    k = best_method(recommendation)
-    if not limits_of(recommendation).given:
-        return f"{name}: {without_limits(recommendation.attrs[NONE_BECAUSE])[0]}"
-    if k is None:
-        return f"{name}: no preload keeps to all limits"
-    basis = counted(recommendation)
-    method, chosen = methods(recommendation)[k]
-    chosen = chosen.isel(loss_basis=basis)
-    band, _ = band_by_wear(scene, float(chosen["life"]))
-    spread = f" (by wear {band.text} h)" if band else ""
-    if uncertainty is not None:
-        flag = int(chosen["preload_method"])
-        one = at_recommended(uncertainty, flag).isel(loss_basis=basis)
-        spread = f" ({spread_text(spread_at(one))})"
-    within = " within the limits" if limits_of(recommendation).given else ""
-    held_by = LIMIT_WORDS[ACTIVE[int(chosen["active_limit"])]]
-    if int(recommendation["verdict"]) == NEITHER_LONGER:
-        both = " and ".join(
-            f"{word} at {preload_text(of)} N {digits(float(of['life'][basis]))} h"
-            for word, (_, of) in zip(
-                methods_told(recommendation), methods(recommendation), strict=True
-            )
-        )
-        return f"{name}: {verdict_told(recommendation)} ({both}{spread})"
-    hours = Rough(chosen["life"]).text
-    groove = ", grooves as they wear" if int(chosen["groove"]) == WORN_GROOVE else ""
-    return (
-        f"{name}: {method_words(scene, method)} at {preload_text(chosen)} N lasts longest{within}, "
-        f"{hours} h{spread}, counting {in_words(COUNTS[basis])}{groove}; held by {held_by}"
-    )

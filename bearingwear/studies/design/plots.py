@@ -29,7 +29,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
 from bearingwear.studies.design.figures import LOSS_DASHES
 from bearingwear.studies.design.map_figure import MAPPED, map_overview
-from bearingwear.studies.design.show import methods_told
+from bearingwear.studies.design.sentences import method_names
 from bearingwear.studies.design.uncertainty_figure import (
     draw_cumulated,
     preload_drawn,
@@ -119,7 +119,7 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
             panel.barh(at, np.nan_to_num(life), color=COLOURS[name], height=0.5)
             said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
             panel.text(0.0, at + 0.32, said, va="bottom", fontsize=7)
-        panel.set_yticks(range(len(rows)), methods_told(recommendation))
+        panel.set_yticks(range(len(rows)), method_names(recommendation))
         panel.set_ylim(-0.5, len(rows) - 0.1)
         panel.set_xlabel("wear life (h)")
         panel.set_title(f"counting {in_words(way)}")

@@ -28,7 +28,7 @@ from bearingwear.studies.uncertainty.plan import UncertaintyPlan
 _SAMPLED = Path("config/uncertainty.yaml")
 _SMALL = "results/{scene}/preload"
 
-SHEETS = {"recommendation": "bearingwear.studies.design.show:recommendation_sheet"}
+SHEETS = {"recommendation": "bearingwear.studies.design.document:recommendation_sheet"}
 """What `bearingwear show` says of the kinds of files that this study makes."""
 
 PLOTS = {
@@ -251,6 +251,6 @@ def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
     """Tables, and the answer."""
     paths = ("map.csv", "design.md")
     return [
-        table_step(paths, "tables.tables", name="tables", inputs=inputs, result="design, table"),
-        step("answer", "answer.json", "answer.design_answer", inputs=answered),
+        table_step(paths, "document.tables", name="tables", inputs=inputs, result="design, table"),
+        step("answer", "answer.json", "document.design_answer", inputs=answered),
     ]

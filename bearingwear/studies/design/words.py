@@ -4,10 +4,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-import xarray as xr
-
 from bearingwear.measures import LIMITED, Measure
-from bearingwear.results.units import Display, display, in_print
+from bearingwear.results.units import in_print
 
 LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "nothing: life is longest there",
@@ -49,30 +47,6 @@ RECOMMENDED_WORDS = {
     for k, name in enumerate(one.extremes)
 } | _AT_END
 """Quantities beside a recommended life, and how they are shown where the unit does not say."""
-
-
-SHORT_TABLE = [one for one in LIMITED.values() if one.brief]
-"""Measures in short tables, each by the worst of its kinds; the residual preload follows them."""
-
-
-def brief_units(*found: xr.Dataset) -> list[tuple[str, Display]]:
-    """Labels of the quantities in short tables, and the units for all that is found."""
-    units = [
-        (one.short, display(one.si_unit, *map(one.worst, found), shown=one.shown_as))
-        for one in SHORT_TABLE
-    ]
-    ((name, (label, _)),) = _AT_END.items()
-    return [*units, (label, display("N", *(each[name] for each in found)))]
-
-
-def brief_numbers(one: xr.Dataset) -> list[xr.DataArray]:
-    """Their values [SI] in a map, or at a point of it."""
-    return [*(each.worst(one) for each in SHORT_TABLE), one["residual_preload_at_end"]]
-
-
-def brief_cells(units: list[tuple[str, Display]], one: xr.Dataset) -> list[str]:
-    """Their values at a point, as shown."""
-    return [unit.text(number) for (_, unit), number in zip(units, brief_numbers(one), strict=True)]
 
 
 NONE_BECAUSE = "none_because"

@@ -9,10 +9,11 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, mu_is, percent_in_text, scene_of
-from bearingwear.results.answer import Answer, AnswerTable
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
     QUOTED_SHARE,
@@ -20,10 +21,9 @@ from bearingwear.results.quantiles import (
     Spread,
     causes_told,
     load_quantiles,
-    spread_cells,
     spreads_of,
 )
-from bearingwear.results.units import digits, in_print, span
+from bearingwear.results.units import Rough, in_print, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 
@@ -34,12 +34,11 @@ RANK = 1
 
 
 def lives_answer(lives: Sequence[Path], uncertainty: Sequence[Path] = ()) -> str:
-    """Step: the answer of the study, as JSON, about its first scene."""
+    """Step: the answer of the study, about its first scene, as the page reads it."""
     known = [load_quantiles(path) for path in uncertainty]
     read = [loaded(path, interpolated_step=()) for path in lives]
     first = scene_of(read[0])
-    found = answer([life for one in read for life in lives_of(one, known)], first)
-    return found.as_json()
+    return answer([life for one in read for life in lives_of(one, known)], first).stored
 
 
 class MethodLife(NamedTuple):
@@ -102,7 +101,7 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
     return found
 
 
-def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Answer:
+def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
     """The answer of a study with at least one life.
 
     Two methods whose lives differ by less than their estimated numerical errors together count as
@@ -127,27 +126,16 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Answer:
     if others:
         points.append(("On the other bearings", _elsewhere(others)))
     preload = scene["operation"]["preload_N"]
-    here.sort(key=lambda life: life.friction)
-    spreads = spread_cells([life.spread for life in here])
-    rows = [
-        _row(life, {label: cells[k] for label, cells in spreads.items()})
-        for k, life in enumerate(here)
-    ]
-    table = AnswerTable(
-        title=f"Lives of {name} at a preload of {preload:g} N",
-        columns=list(rows[0]),
-        rows=[list(row.values()) for row in rows],
-        note=_note(here, scene),
-    )
-    return Answer(
-        scene=name,
-        bearing=bearing_line(scene),
+    return Document(
+        (_headline(f"{name} at {preload:g} N", here, contests),),
+        {"scene": name, "bearing": bearing_line(scene)},
+        (
+            *(Block(title, lines=tuple(said), place="lead") for title, said in points),
+            _lives(f"Lives of {name} at a preload of {preload:g} N", here, scene),
+        ),
+        ("wear_life",),
+        subject=f"Lives at {preload:g} N",
         rank=RANK,
-        title=f"Lives at {preload:g} N",
-        headline=_headline(f"{name} at {preload:g} N", here, contests),
-        points=points,
-        tables=[table],
-        figures=["wear_life"],
     )
 
 
@@ -287,19 +275,26 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def _row(life: MethodLife, spread: Mapping[str, str]) -> dict[str, str]:
-    """A life, its spread and its end."""
-    counts = life.counts
+def _lives(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Block:
+    """A line for each life, with its spread and its end."""
+    known = sorted(lives, key=lambda life: life.friction)
+    counts = known[0].counts
     other = next(way for way in COUNTS if way != counts)
-    return {
-        "friction": f"{life.friction:g}",
-        "preload method": in_words(life.method),
-        "life (h)": digits(life.counted),
-        **spread,
-        f"life if {WORDS[other]} count (h)": digits(life.hours[other]),
-        "ended by": life.end,
-        "numerical error": percent_in_text(life.error),
-    }
+    rows = (
+        Row("friction", "", tuple(life.friction for life in known), "friction", given=True),
+        Row("preload method", "", tuple(in_words(life.method) for life in known)),
+        Row("life", "h", tuple(life.counted for life in known), "life"),
+        *spread_rows([life.spread.rows if life.spread else {} for life in known]),
+        Row(
+            f"life if {WORDS[other]} count",
+            "h",
+            tuple(life.hours[other] for life in known),
+            f"life.{other}",
+        ),
+        Row("ended by", "", tuple(life.end for life in known), "end_criterion"),
+        Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in known)),
+    )
+    return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2, place="lead")
 
 
 def _hours(values: Iterable[float]) -> str:

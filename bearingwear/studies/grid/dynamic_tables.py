@@ -1,19 +1,26 @@
 """The tables that set cases solved dynamically beside the steady ones."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.markdown import markdown_table
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
-from bearingwear.results.units import Display, digits, display
+from bearingwear.results.units import Display, display
+from bearingwear.results.variables import RACES
 from bearingwear.studies.dataset import both_ways
 from bearingwear.studies.grid.tables import AXES, cases_csv, over_all_balls
 
 _RATE, _PERCENT = display("m3 s-1"), display("1", shown="%")
+ALL_SOLVED = "Nothing: every case was solved and verified both ways."
+CAGE_WORDS = (
+    " Those solved dynamically also wear in the pockets of the cage. Where the land does not wear, "
+    "the cage did not reach it in the turns averaged."
+)
 LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
 
 
@@ -42,76 +49,59 @@ def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
 
 def _text(both: xr.Dataset) -> str:
     power = display("W", both["total_qv.steady"], both["total_qv.dynamic"])
-    parts = [
-        f"# {scene_of(both)['name']}: solved dynamically, beside the steady state",
-        "## QV and preload",
-        _table(
-            both,
-            [
-                (f"{power.label('QV')}, steady", _number(both, "total_qv.steady", power)),
-                ("dynamic", _number(both, "total_qv.dynamic", power)),
-                ("dynamic over steady", _ratio(both, "total_qv")),
-                ("residual preload (N), steady", _number(both, "residual_preload.steady")),
-                ("dynamic", _number(both, "residual_preload.dynamic")),
-            ],
+    ratio = _values(both["total_qv.dynamic"] / both["total_qv.steady"])
+    preload = display("N")
+    of_wear = "The mean of all balls." + CAGE_WORDS * ("cage_wear_rate" in both)
+    still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged."
+    blocks = (
+        _block(
+            "QV and preload",
+            _row(both, "QV, steady", "total_qv.steady", power),
+            _row(both, "dynamic", "total_qv.dynamic", power),
+            Row("dynamic over steady", "", tuple(_formed(x, ".4f") for x in ratio)),
+            _row(both, "residual preload, steady", "residual_preload.steady", preload),
+            _row(both, "dynamic", "residual_preload.dynamic", preload),
+            both=both,
+            lines=("QV is that of the whole bearing.",),
         ),
-        "QV is that of the whole bearing.",
-        f"## {_RATE.label('Wear rates')}",
-        _table(both, _wear_rates(both)),
-        "The mean of all balls. Those solved dynamically also wear in the pockets of the cage. "
-        "Where the land does not wear, the cage did not reach it in the turns averaged."
-        if "cage_wear_rate" in both
-        else "The mean of all balls.",
-        "## How settled the means are",
-        _table(
-            both,
-            [
-                ("turns simulated", _number(both, "simulated_turns")),
-                ("averaged over", _number(both, "evaluated_turns")),
-                (
-                    "drift of QV per turn (%)",
-                    _number(both, "qv_drift_per_turn", _PERCENT, form="+z.3f"),
-                ),
-                (
-                    "drift of the wear of all parts per turn (%)",
-                    _number(both, "wear_rate_drift_per_turn", _PERCENT, form="+z.3f"),
-                ),
-            ],
+        _block("Wear rates", *_wear_rates(both), both=both, lines=(of_wear,)),
+        _block(
+            "How settled the means are",
+            _row(both, "turns simulated", "simulated_turns"),
+            _row(both, "averaged over", "evaluated_turns"),
+            _row(both, "drift of QV per turn", "qv_drift_per_turn", _PERCENT, form="+z.3f"),
+            _row(
+                both, "drift of the wear of all parts per turn", "wear_rate_drift_per_turn",
+                _PERCENT, form="+z.3f",
+            ),
+            both=both,
+            lines=tuple(_unsettled(both)) or (still,),
         ),
-        "\n".join(_unsettled(both))
-        or f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged.",
-        "## Not solved",
-        "\n".join(_unsolved(both)) or "Nothing: every case was solved and verified both ways.",
-    ]
-    return "\n\n".join(parts) + "\n"
+        Block("Not solved", lines=tuple(_unsolved(both)) or (ALL_SOLVED,)),
+    )  # fmt: skip
+    title = f"{scene_of(both)['name']}: solved dynamically, beside the steady state"
+    return as_markdown(Document((title,), blocks=blocks))
 
 
-def _wear_rates(both: xr.Dataset) -> list[tuple[str, Callable]]:
-    """Columns of the wear of each part, both ways."""
-    ways = (("steady", ".steady"), ("dynamic", ".dynamic"))
-    parts: list[tuple[str, str, str, int | None]]
-    parts = [(f"one ball, {words}", "ball_wear_rate", way, None) for words, way in ways]
+def _wear_rates(both: xr.Dataset) -> list[Row]:
+    """Wear of each part, both ways."""
+    ways = ("steady", "dynamic")
+    parts: list[tuple[str, str, int | None]]
+    parts = [(f"one ball, {way}", f"ball_wear_rate.{way}", None) for way in ways]
     parts += [
-        (f"{race} race, {words}", "race_wear_rate", way, k)
-        for k, race in enumerate(("inner", "outer"))
-        for words, way in ways
+        (f"{race} race, {way}", f"race_wear_rate.{way}", k)
+        for k, race in enumerate(RACES)
+        for way in ways
     ]
-    parts += [("cage pockets", "cage_wear_rate", "", None)]
-    parts += [("cage land", "cage_land_wear_rate", "", None)]
-    return [
-        (label, _number(both, name + way, _RATE, race))
-        for label, name, way, race in parts
-        if name + way in both
-    ]
+    parts += [("cage pockets", "cage_wear_rate", None), ("cage land", "cage_land_wear_rate", None)]
+    return [_row(both, label, name, _RATE, race) for label, name, race in parts if name in both]
 
 
-def _table(both: xr.Dataset, columns: list[tuple[str, Callable]]) -> str:
-    """A row for each case; a column from a function of its place in the grid."""
-    header = " | ".join(["preload method", "friction", "loss (µm)", *(name for name, _ in columns)])
-    return markdown_table(
-        header,
-        [[*words, *(text(index) for _, text in columns)] for words, index in _points(both)],
-    )
+def _block(title: str, *rows: Row, both: xr.Dataset, lines: tuple[str, ...]) -> Block:
+    """A line for each case."""
+    names, mus, losses = zip(*(words for words, _ in _points(both)), strict=True)
+    axes = (Row("preload method", "", names), Row("friction", "", mus), Row("loss", "um", losses))
+    return Block(title, rows=(*axes, *rows), axes=len(axes), lines=lines)
 
 
 def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
@@ -122,30 +112,29 @@ def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
                 yield [in_words(name), f"{mu:g}", f"{loss:g}"], (i, j, k)
 
 
-def _number(
+def _row(
     both: xr.Dataset,
+    label: str,
     name: str,
     unit: Display | None = None,
     race: int | None = None,
     form: str = "",
-) -> Callable[[tuple[int, ...]], str]:
-    """Text of a variable at a place in the grid, with three digits or in a form; a dash where it
-    is not known."""
+) -> Row:
+    """A variable in all cases, with three digits or in a form."""
+    unit = unit or display("1")
     if name not in both:
-        return lambda index: "–"
-    values = both[name] if race is None else both[name].isel(race=race)
-    numbers = (unit.of(values) if unit else values).transpose(*AXES).values
-
-    def text(index: tuple[int, ...]) -> str:
-        known = form and np.isfinite(numbers[index])
-        return f"{numbers[index]:{form}}" if known else digits(numbers[index])
-
-    return text
+        return Row(label, unit.unit, ("–",) * sum(1 for _ in _points(both)), name)
+    numbers = _values(unit.of(both[name] if race is None else both[name].isel(race=race)))
+    found = tuple(_formed(x, form) for x in numbers) if form else tuple(numbers)
+    return Row(label, unit.unit, found, name if race is None else f"{name}.{RACES[race]}")
 
 
-def _ratio(both: xr.Dataset, name: str) -> Callable[[tuple[int, ...]], str]:
-    ratio = both[f"{name}.dynamic"] / both[f"{name}.steady"]
-    return _number(xr.Dataset({name: ratio}), name, form=".4f")
+def _values(variable: xr.DataArray) -> list[float]:
+    return variable.transpose(*AXES).values.ravel().tolist()
+
+
+def _formed(value: float, form: str) -> str:
+    return f"{value:{form}}" if np.isfinite(value) else "–"
 
 
 def _unsettled(both: xr.Dataset) -> Iterator[str]:
@@ -156,15 +145,15 @@ def _unsettled(both: xr.Dataset) -> Iterator[str]:
             for words, index in _points(both):
                 if abs(drift[index]) > LARGEST_DRIFT:
                     case, change = _case_in_words(words), f"{100 * drift[index]:+.2g} %"
-                    yield f"- {case}: {what} still drifts by {change} over the turns averaged"
+                    yield f"{case}: {what} still drifts by {change} over the turns averaged"
 
 
 def _unsolved(both: xr.Dataset) -> Iterator[str]:
     for words, index in _points(both):
-        for way, said in (("steady", "steady"), ("dynamic", "dynamic")):
+        for way in ("steady", "dynamic"):
             status = int(both[f"status.{way}"].transpose(*AXES).values[index])
             if status != OK:
-                yield f"- {_case_in_words(words)}, {said}: {in_words(STATUS_NAMES[status])}"
+                yield f"{_case_in_words(words)}, {way}: {in_words(STATUS_NAMES[status])}"
 
 
 def _case_in_words(words: list[str]) -> str:

@@ -10,7 +10,8 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.data import dataset_csv
-from bearingwear.document.markdown import markdown_table, plain_text
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, scene_of
@@ -22,7 +23,7 @@ from bearingwear.results.quantiles import (
     spread_text,
     spreads_of,
 )
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import Display, display
 from bearingwear.results.variables import of_all_balls
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
@@ -80,71 +81,65 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     `known` are files of the study of uncertainty, if there are any.
     """
     scene = scene_of(study)
+    unsolved = tuple(_unsolved(study)) or ("Nothing: every case was solved and verified.",)
+    heading = (scene["name"], scene.get("description", ""))
+    blocks = (_wear(study), _lives(lives, scene, known), Block("Not solved", lines=unsolved))
+    return as_markdown(Document(heading, blocks=blocks))
+
+
+def _wear(study: xr.Dataset) -> Block:
+    """QV and residual preload at the first and the last loss."""
     losses = study["ball_diameter_loss"].values
-    first, last = f"{losses[0]:g} µm", f"{losses[-1]:g} µm"
-    power = display("W", study["total_qv"].isel(ball_diameter_loss=[0, -1]))
-    wear = [
-        [
-            in_words(name),
-            f"{mu:g}",
-            *(power.text(state["total_qv"].sel(friction=mu)[k]) for k in (0, -1)),
-            *(digits(float(state["residual_preload"].sel(friction=mu)[k])) for k in (0, -1)),
-        ]
+    points = [
+        (in_words(name), float(mu), state.sel(friction=mu))
         for name, state in methods(study)
         for mu in study["friction"].values
     ]
-    life, spreads = _lives(lives, scene, known)
-    parts = [
-        f"# {scene['name']}",
-        plain_text(scene.get("description", "")),
-        "## What wear does",
-        markdown_table(
-            f"preload method | friction | {power.label('QV')} at " + first + " | at " + last
-            + " | residual preload (N) at " + first + " | at " + last,
-            wear,
-        ),
-        "QV is that of the whole bearing.",
-        "## Wear life",
-        markdown_table(
-            "preload method | friction | life (h), ball alone | its spread | balls and races "
-            "| its spread | ended by | at a loss of (µm) | interpolated against solved",
-            life,
-        ),
+    power = display("W", study["total_qv"].isel(ball_diameter_loss=[0, -1]))
+
+    def at(label: str, name: str, unit: Display, k: int) -> Row:
+        numbers = tuple(float(unit.of(state[name][k])) for _, _, state in points)
+        return Row(f"{label} at {losses[k]:g} µm", unit.unit, numbers, f"{name}.{losses[k]:g}")
+
+    rows = (
+        Row("preload method", "", tuple(name for name, *_ in points)),
+        Row("friction", "", tuple(mu for _, mu, _ in points), given=True),
+        *(at("QV", "total_qv", power, k) for k in (0, -1)),
+        *(at("residual preload", "residual_preload", display("N"), k) for k in (0, -1)),
+    )
+    return Block("What wear does", rows=rows, axes=2, lines=("QV is that of the whole bearing.",))
+
+
+def _lives(lives: xr.Dataset, scene: Mapping[str, Any], known: Sequence[xr.Dataset]) -> Block:
+    """Every life, its spread if that is known, and its end."""
+    ends = lives["end_criterion"].attrs["flag_meanings"].split()
+    points = [
+        (name, float(mu), of_method.sel(friction=mu))
+        for name, of_method in methods(lives)
+        for mu in lives["friction"].values
+    ]
+    ones = [one for *_, one in points]
+    spreads: list[Spreads] = [spreads_of(known, scene, name, mu) or {} for name, mu, _ in points]
+    rows = [
+        Row("preload method", "", tuple(in_words(name) for name, *_ in points)),
+        Row("friction", "", tuple(mu for _, mu, _ in points), given=True),
+    ]
+    for k, (way, words) in enumerate(zip(COUNTS, ("ball alone", "balls and races"), strict=True)):
+        hours = tuple(float(one["life"][k]) for one in ones)
+        rows.append(Row(f"life, {words}", "h", hours, f"life.{way}"))
+        rows.append(Row("its spread", "", tuple(spread_text(one.get(way)) for one in spreads)))
+    routes = (float(one["life_route_difference"][-1]) for one in ones)
+    rows += [
+        Row("ended by", "", tuple(_end(ends[int(one["end_criterion"])]) for one in ones)),
+        Row("at a loss of", "um", tuple(float(_LOSS.of(one["loss_at_end"])) for one in ones)),
+        Row("interpolated against solved", "", tuple(map(_percent, routes))),
+    ]
+    said = (
         _not_compared(lives),
         causes_told(scene) if any(spreads) else "",
         f"Where no spread is computed, {SEE}." if not all(spreads) else "",
-        "## Not solved",
-        "\n".join(_unsolved(study)) or "Nothing: every case was solved and verified.",
-    ]  # fmt: skip
-    return "\n\n".join(part for part in parts if part) + "\n"
-
-
-def _lives(
-    lives: xr.Dataset, scene: Mapping[str, Any], known: Sequence[xr.Dataset]
-) -> tuple[list[list[str]], list[Spreads]]:
-    """A row for each life, and its quantiles, if they are known."""
-    ends = lives["end_criterion"].attrs["flag_meanings"].split()
-    life, spreads = [], []
-    for name, of_method in methods(lives):
-        for mu in lives["friction"].values:
-            one = of_method.sel(friction=mu)
-            spread = spreads_of(known, scene, name, mu) or {}
-            spreads.append(spread)
-            life.append(
-                [
-                    in_words(name),
-                    f"{mu:g}",
-                    *(
-                        cell
-                        for hours, way in zip(one["life"].values, COUNTS, strict=True)
-                        for cell in (digits(float(hours)), spread_text(spread.get(way)))
-                    ),
-                    _end(ends[int(one["end_criterion"])]),
-                    _LOSS.text(one["loss_at_end"]),
-                    _percent(float(one["life_route_difference"][-1])),
-                ]
-            )
-    return life, spreads
+    )
+    return Block("Wear life", rows=tuple(rows), axes=2, lines=tuple(filter(None, said)))
 
 
 def _end(name: str) -> str:
@@ -174,6 +169,6 @@ def _unsolved(study: xr.Dataset) -> Iterator[str]:
         for index in np.argwhere(state["status"].values != OK):
             one = state["status"][tuple(index)]
             yield (
-                f"- {in_words(name)}, friction {float(one['friction']):g}, "
+                f"{in_words(name)}, friction {float(one['friction']):g}, "
                 f"loss {float(one['ball_diameter_loss']):g} µm: {in_words(STATUS_NAMES[int(one)])}"
             )

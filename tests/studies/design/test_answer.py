@@ -7,13 +7,13 @@ import pytest
 from small_study import CHOICE
 from support import step
 
-from bearingwear.results.answer import load_answer
+from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import Rough, digits
-from bearingwear.studies.design.answer import preload_answer
-from bearingwear.studies.design.beside import beside_told
+from bearingwear.studies.design.document import preload_document
 from bearingwear.studies.design.plan import DesignPlan
+from bearingwear.studies.design.sentences import what_others_change
 from bearingwear.studies.design.verdict import NEITHER_LONGER
 from bearingwear.studies.design.words import NO_LIMIT, NONE_BECAUSE
 
@@ -43,17 +43,22 @@ def files(small_project, tmp_path_factory):
 
 
 def told(answer):
-    points = {question: " ".join(said) for question, said in (*answer.points, *answer.notes)}
-    return {name: text.replace("\N{NO-BREAK SPACE}", " ") for name, text in points.items()}
+    texts = {b.title: " ".join(b.lines) for b in answer.blocks if not b.rows}
+    return {name: text.replace("\N{NO-BREAK SPACE}", " ") for name, text in texts.items()}
+
+
+def tables(answer):
+    """Tables by their place; the one that is folded is of how far the choice holds."""
+    return {b.place: b for b in answer.blocks if b.rows and b.title != "at that preload"}
 
 
 def test_the_answer_is_that_of_the_files(files, tmp_path):
     path = tmp_path / "answer.json"
-    assert step("studies.design.answer.design_answer", path, **files) == 0
-    answer, found = load_answer(path), load(files["recommendation"])
+    assert step("studies.design.document.design_answer", path, **files) == 0
+    answer, found = load_document(path), load(files["recommendation"])
     spring, fixed = (float(life) for life in found["life"].isel(loss_basis=1))
     preload = float(found["preload"][0])
-    assert answer.headline == f"mine: take a spring of {preload:g} N (constant force)"
+    assert answer.title == f"mine: take a spring of {preload:g} N (constant force)"
     said = told(answer)
     assert said["What it gives"].startswith(f"{Rough(spring).text} h of life, counting balls")
     assert f"the {Rough(fixed).text} h of fixed position" in said["What it gives"]
@@ -63,21 +68,27 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     )
     assert "order of magnitude" in said["How sure"]
     assert "Temperature is left out" in said["Warnings, at their worst"]
-    first, other, slider, room = answer.tables
-    assert dict((row[0], row[1]) for row in first.rows)["life (h)"] == digits(spring)
+    found_in = tables(answer)
+    slider, room = found_in["slider"], found_in[""].table[1]
+    first = {line[0]: line[1] for line in found_in["lead"].table[1]}
+    assert first["life, ball + races (h)"] == digits(spring)
     # with nothing assumed otherwise the lives are those above
-    assert [row[2:] for row in other.rows[2:4]] == [row[2:] for row in other.rows[:2]]
-    lives = {(row[0], row[1]): row[2] for row in other.rows}
+    other = found_in["open"].table[1]
+    assert [row[2:] for row in other[2:4]] == [row[2:] for row in other[:2]]
+    lives = {(row[0], row[1]): row[2] for row in other}
     assert lives["a warm inner ring", "fixed position"] != digits(fixed)
-    assert slider.slider and slider.start in [row[0] for row in slider.rows]
-    assert len(slider.rows) == 2 * load(files["design"]).sizes["preload"]
-    assert ["axial stiffness of the arrangement (N/µm)", "–", "3"] in [row[:3] for row in room.rows]
+    values = slider.table[1]
+    assert slider.start in [row[0] for row in values]
+    assert len(values) == 2 * load(files["design"]).sizes["preload"]
+    assert ["axial stiffness of the arrangement (N/µm)", "–", "3"] in [row[:3] for row in room]
 
 
 def test_a_limit_that_is_passed_is_named(files):
-    slider = preload_answer(load(files["design"]), load(files["recommendation"])).tables[1]
+    slider = tables(preload_document(load(files["recommendation"]), load(files["design"])))[
+        "slider"
+    ]
     design, limit = load(files["design"]), 3.0e6
-    for row in slider.rows:
+    for row in slider.table[1]:
         one = design.sel(preload=float(row[0])).isel(friction=0, shaft_speed=0)
         one = one.isel(preload_method=int(row[1] == "fixed position"))
         soft = float(one["system_axial_stiffness"]) < limit
@@ -87,9 +98,9 @@ def test_a_limit_that_is_passed_is_named(files):
 def test_neither_lasts_longer(files):
     found = load(files["recommendation"])
     found["verdict"][...] = NEITHER_LONGER
-    answer = preload_answer(load(files["design"]), found)
-    assert answer.headline.startswith("mine: neither method lasts longer; take a spring of")
-    assert " or a fixed position preloaded with " in answer.headline
+    answer = preload_document(found, load(files["design"]))
+    assert answer.title.startswith("mine: neither method lasts longer; take a spring of")
+    assert " or a fixed position preloaded with " in answer.title
     assert "a change of 5 % in one assumption" in told(answer)["How sure"]
 
 
@@ -100,16 +111,16 @@ def test_an_answer_at_the_end_of_the_map_says_so(files):
     found["active_limit"][...] = ends.index("end_of_range")
     for end, word in (("min", "least"), ("max", "largest")):
         found["preload"][...] = float(getattr(design["preload"], end)())
-        answer = preload_answer(design, found)
-        assert answer.headline.endswith(f", the {word} preload tried")
+        answer = preload_document(found, design)
+        assert answer.title.endswith(f", the {word} preload tried")
     found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
-    answer = preload_answer(design, found.assign(life=np.nan * found["life"]))
-    assert answer.headline == "mine: no limit was given; take as little preload as you dare"
+    answer = preload_document(found.assign(life=np.nan * found["life"]), design)
+    assert answer.title == "mine: no limit was given; take as little preload as you dare"
     assert "Name what the machine needs" in told(answer)["What a limit does"]
-    assert answer.tables[0].slider
+    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["slider"]
     found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "no life could be solved"})
-    answer = preload_answer(design, found.assign(life=np.nan * found["life"]))
-    assert answer.headline == "mine: no limit was given; no life could be solved"
+    answer = preload_document(found.assign(life=np.nan * found["life"]), design)
+    assert answer.title == "mine: no limit was given; no life could be solved"
 
 
 def test_hours_of_a_calibrated_scene_are_stated(files):
@@ -120,7 +131,7 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
     said = []
     for by in ({}, {"calibrated": {"tests": "mine.csv", "sha256": 64 * "0", "rows": 2}}):
         found.attrs["scene"] = json.dumps(scene | by)
-        said.append(told(preload_answer(design, found))["How sure"])
+        said.append(told(preload_document(found, design))["How sure"])
     life = float(found["life"].isel(loss_basis=1).max())
     ends = [Rough(life * 1.5**z).text for z in (-1.6449, 1.6449)]
     assert all(
@@ -135,8 +146,8 @@ def test_a_sudden_fall_of_the_life_is_in_the_headline(files):
     preload = float(found["preload"][0])
     for name, value in (("preload", 0.99 * preload), ("life", 0.01)):
         found[f"cliff_{name}"][0] = value
-    answer = preload_answer(load(files["design"]), found)
-    headline = answer.headline.replace("\N{NO-BREAK SPACE}", " ")
+    answer = preload_document(found, load(files["design"]))
+    headline = answer.title.replace("\N{NO-BREAK SPACE}", " ")
     assert headline.endswith("; with 1 % less it lasts 0.01 h")
     said = told(answer)["What limits it"]
     assert "1 % less, the life falls to 0.01 h" in said
@@ -148,15 +159,15 @@ def test_no_preload_within_the_limits(files):
     found["preload"][...] = np.nan
     why = {"constant_force": "axial stiffness at least 900 N/µm, at best 5 at 20 N"}
     found.attrs["none_because"] = json.dumps(why)
-    answer = preload_answer(load(files["design"]), found)
-    assert answer.headline == "mine: no preload keeps to all limits"
+    answer = preload_document(found, load(files["design"]))
+    assert answer.title == "mine: no preload keeps to all limits"
     assert "at best 5 at 20 N" in told(answer)["What is not possible"]
-    assert answer.tables[0].slider
+    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["slider"]
 
 
 def test_what_other_assumptions_change_is_told(files):
     found, beside = load(files["recommendation"]), load(files["beside"])
-    assert beside_told(beside, found, 0) == [
+    assert what_others_change(beside, found, 0) == [
         "Constant force passes a limit with a warm inner ring "
         "(axial stiffness of the arrangement).",
         "Constant force stays the better method within its limits "
@@ -164,13 +175,13 @@ def test_what_other_assumptions_change_is_told(files):
     ]
     beside["life"][1, 1] = 2.0 * beside["life"][1, 0]
     beside["system_axial_stiffness"][0, 0] = 2.9e6
-    said = beside_told(beside, found, 0)
+    said = what_others_change(beside, found, 0)
     assert said == [
         "The other method lasts longer with a warm inner ring.",
         "Constant force passes a limit with nothing (axial stiffness of the arrangement).",
     ]
     beside["status"][0, 0] = 1
-    assert "No life was found with nothing." in beside_told(beside, found, 0)
+    assert "No life was found with nothing." in what_others_change(beside, found, 0)
 
 
 def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_path, capsys):
@@ -181,7 +192,7 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
     other.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
     for given, why in ((path, "not of the scene"), (files["design"], "not a file of the kind")):
         out = tmp_path / "answer.json"
-        run = "studies.design.answer.design_answer"
+        run = "studies.design.document.design_answer"
         assert step(run, out, **files | {"beside": given}) == 2
         said = capsys.readouterr().err
         assert str(given) in said and why in said and said.count("\n") == 1
@@ -227,9 +238,9 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     # 4.1 N in place of 7 N: half as long again
     assert float(median.sel(probability=0.5)) > 1.3 * float(at_own.sel(probability=0.5).squeeze())
     answer = tmp_path / "answer.json"
-    run = "studies.design.answer.design_answer"
+    run = "studies.design.document.design_answer"
     assert step(run, answer, **files, spread=path) == 0
-    rows = {row[0]: row[1:] for row in load_answer(answer).tables[0].rows}
+    rows = {row[0]: row[1:] for row in tables(load_document(answer))["lead"].table[1]}
     mine = json.loads(spread.attrs["scene"])
     known = spreads_of([spread], mine, "constant_force", 0.08, RECOMMENDED)["ball_and_races"]
     assert rows["90 % of bearings (h)"][0] == known.bearings.text
@@ -250,5 +261,5 @@ def test_where_no_preload_is_taken_no_life_is_sampled(files, small_project, tmp_
     assert step(run, path, settings={"samples": 16, "seed": 1}, **given) == 0
     assert load(path).sizes["preload_method"] == 0
     given = {"design": files["design"], "recommendation": none, "spread": path}
-    assert step("studies.design.answer.design_answer", answer, **given) == 0
-    assert load_answer(answer).headline == "mine: no preload keeps to all limits"
+    assert step("studies.design.document.design_answer", answer, **given) == 0
+    assert load_document(answer).title == "mine: no preload keeps to all limits"

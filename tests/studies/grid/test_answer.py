@@ -11,7 +11,7 @@ from small_study import FOLDER, LIVES_ANSWER
 from support import step
 
 from bearingwear.cli import main
-from bearingwear.results.answer import load_answer
+from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.units import digits
 from bearingwear.scene.scene import PRELOAD_METHODS
@@ -98,12 +98,12 @@ CONSTANT, FIXED = PRELOAD_METHODS
 )
 def test_the_answer_in_words(lives, headline, sentence):
     found = answer(lives, SCENE)
-    assert found.headline == headline
-    said = [plain(text) for _, texts in found.points for text in texts]
+    assert found.title == headline
+    said = [plain(text) for _, texts in points(found) for text in texts]
     assert any(sentence in text for text in said), said
-    cells = [cell for table in found.tables for row in table.rows for cell in row]
+    cells = [cell for line in table_of(found).table[1] for cell in line]
     assert not any("nan" in text.split() for text in (*said, *cells))
-    assert len(found.tables[0].rows) == len([one for one in lives if one.scene == "a"])
+    assert len(table_of(found).table[1]) == len([one for one in lives if one.scene == "a"])
 
 
 def test_lives_of_zero_are_no_contest():
@@ -117,8 +117,8 @@ def test_lives_of_zero_are_no_contest():
         ]
 
     both, one = answer(lives(0.0, 0.0), SCENE), answer(lives(0.0, 2.0), SCENE)
-    assert both.headline == "s at 7 N: neither preload method can be used"
-    assert [plain(text) for text in one.points[0][1]] == [
+    assert both.title == "s at 7 N: neither preload method can be used"
+    assert [plain(text) for text in points(one)[0][1]] == [
         "Both methods at the 7 N of the scene, with Hertzian grooves; at a preload recommended for "
         "each of them the order may differ.",
         "Fixed position outlasts constant force: it alone is within the limits when new at "
@@ -160,31 +160,40 @@ def sure(small_project, tmp_path):
 
 def row_of(found, method, friction):
     """Cells of a life by the names of their columns."""
-    (table,) = found.tables
-    (row,) = [one for one in table.rows if one[:2] == [friction, method]]
-    return dict(zip(table.columns, row, strict=True))
+    heads, lines = table_of(found).table
+    (row,) = [one for one in lines if one[:2] == [friction, method]]
+    return dict(zip(heads, row, strict=True))
+
+
+def points(found):
+    return [(block.title, block.lines) for block in found.blocks if not block.rows]
+
+
+def table_of(found):
+    (table,) = (block for block in found.blocks if block.rows)
+    return table
 
 
 def answered(lives, spread=()):
     path = lives.parent / "answer.json"
     run = "studies.grid.answer.lives_answer"
     assert step(run, path, lives=[lives], uncertainty=spread) == 0
-    return load_answer(path)
+    return load_document(path)
 
 
 def test_the_answer_is_that_of_the_file(small_project):
     lives = lives_of(load(small_project / FOLDER / "wear_life.nc"))
     low = {life.method: life.counted for life in lives if life.friction == 0.02}
     ratio = low["constant_force"] / low["fixed_position"]
-    found = load_answer(small_project / LIVES_ANSWER)
-    said = plain(" ".join(text for _, texts in found.points for text in texts))
+    found = load_document(small_project / LIVES_ANSWER)
+    said = plain(" ".join(text for _, texts in points(found) for text in texts))
     assert f"Constant force outlasts fixed position: {ratio:.2g} times as long at µ = 0.02" in said
     assert "gyroscopic slip share up to 50 % at µ = 0.02" in said
-    assert "No spread computed" in plain(found.tables[0].note)
+    assert "No spread computed" in plain(table_of(found).lines[0])
     for one in lives:
         row = row_of(found, one.method.replace("_", " "), f"{one.friction:g}")
         assert row["life (h)"] == digits(one.counted) and "L10 (h)" not in row
-    assert "9 balls of 2 mm" in plain(found.bearing)
+    assert "9 balls of 2 mm" in plain(found.facts["bearing"])
 
 
 def test_lives_stand_with_their_spread(small_project, sure, capsys):
@@ -238,7 +247,7 @@ def test_no_spread_is_invented(small_project, sure, capsys):
     other.to_netcdf(path)
     found = answered(lives, [path])
     assert "90 % of bearings (h)" not in row_of(found, "constant force", "0.08")
-    assert "No spread computed, the command bearingwear uncertainty" in found.tables[0].note
+    assert "No spread computed, the command bearingwear uncertainty" in table_of(found).lines[0]
     folder = small_project / FOLDER
     assert "L10" not in (folder / "tables" / "summary.md").read_text()
     for place in (lives, folder / "wear_life.nc"):

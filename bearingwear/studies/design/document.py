@@ -1,0 +1,371 @@
+"""The document of a recommendation: the preload to take, what holds it, how far that holds.
+
+`show`, `recommend`, the page's answer and design.md are this one document.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.document.bearing_line import bearing_line
+from bearingwear.document.data import dataset_csv, flag_names
+from bearingwear.document.document import Block, Document, Row, quantity_row
+from bearingwear.document.markdown import as_markdown
+from bearingwear.document.rows import COUNTED
+from bearingwear.document.study import by_wear_row, spread_rows
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.measures import LIMITED
+from bearingwear.plotting.drawing import in_words, methods, scene_of
+from bearingwear.results.netcdf import load
+from bearingwear.results.pair_variables import method_words
+from bearingwear.results.quantiles import (
+    RECOMMENDED,
+    Spread,
+    causes_told,
+    load_quantiles,
+    spreads_of,
+)
+from bearingwear.results.units import Rough, in_ascii
+from bearingwear.results.warnings import WARNING, warning_lines, warnings_in
+from bearingwear.scene.scene import COUNTS, Scene
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
+from bearingwear.studies.design.choice import ACTIVE, limits_of
+from bearingwear.studies.design.draw import design_files
+from bearingwear.studies.design.figures import at_scene
+from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.recommend import best_method, mapped
+from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
+from bearingwear.studies.design.sampled import sampled_blocks
+from bearingwear.studies.design.sentences import (
+    by_ball_track,
+    by_life,
+    headline,
+    how_sure,
+    method_names,
+    room_rows,
+    sentence,
+    what_is_not_possible,
+    what_it_gives,
+    what_limits_it,
+    what_others_change,
+    what_would_change_it,
+)
+from bearingwear.studies.design.verdict import VERDICTS
+from bearingwear.studies.design.words import (
+    GROOVE_WORDS,
+    HERTZIAN_LIFE_WORDS,
+    NONE_BECAUSE,
+    RECOMMENDED_WORDS,
+    held_words,
+    limit_text,
+)
+from bearingwear.studies.pool import Tell
+
+SHORT_TABLE = [one for one in LIMITED.values() if one.brief]
+"""Measures in short tables, each by the worst of its kinds; the residual preload follows them."""
+
+AT_END = "residual_preload_at_end"
+
+ROOM_COLUMNS = ("from", "now", "to")
+ROOM_WORDS = (
+    "Between these values the same method lasts longer. A dash: no change as far as lives were "
+    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. With a "
+    "limit moved the preloads are chosen anew; otherwise they stay as above. Both lives are "
+    "inversely proportional to the wear coefficient."
+)
+
+
+def design_answer(
+    design: Path,
+    recommendation: Path,
+    uncertainty: Path | None = None,
+    beside: Path | None = None,
+    spread: Path | None = None,
+) -> str:
+    """Step: which preload to take, as the page reads it.
+
+    Parameters
+    ----------
+    design, recommendation, uncertainty : path
+        As of `design_files`.
+    beside : path, optional
+        Lives at the recommended preloads with other assumptions (`lives_beside`).
+    spread : path, optional
+        Quantiles of lives at the recommended preloads, in place of `uncertainty`.
+    """
+    files = design_files(design, recommendation, uncertainty)
+    others = None if beside is None else load_beside(beside, files.recommendation)
+    sampled = files.uncertainty if spread is None else load_quantiles(spread)
+    return preload_document(files.recommendation, files.design, sampled, others).stored
+
+
+def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) -> tuple[str, str]:
+    """Step: the whole map as CSV, and which preload to take as Markdown."""
+    files = design_files(design, recommendation, uncertainty)
+    heads = ("preload_method", "friction", "shaft_speed (rpm)", "preload (N)")
+    made = preload_document(files.recommendation, files.design, files.uncertainty)
+    return dataset_csv(files.design, dict(zip(MAP_AXES, heads, strict=True))), as_markdown(made)
+
+
+def recommendation_sheet(file: Any) -> Document:
+    """What `show` says of an open file of a recommendation."""
+    return preload_document(load(file.filepath()))
+
+
+def recommended_sheet(
+    scene: Scene,
+    limits: DesignLimits,
+    source: str = "scene",
+    workers: int = 1,
+    tell: Tell | None = None,
+) -> tuple[Document, bool]:
+    """The preload to take at the scene's own friction and speed, found in seconds.
+
+    And whether any life was solved at all.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a steady state and an end of life.
+    limits : DesignLimits
+    source : str
+        What error messages name.
+    workers, tell
+        As of `recommend.mapped`.
+    """
+    limits.check(scene, source)
+    axes = axes_around(scene, [scene.friction.coefficient], source, COARSE)
+    design, found = mapped(scene, axes, limits, workers, tell, quick=bool(limits.given))
+    # a map with limits has few lives: those that the search needed
+    made = preload_document(found, None if limits.given else design)
+    return made, bool((design["status"] == OK).any())
+
+
+def preload_document(
+    found: xr.Dataset,
+    design: xr.Dataset | None = None,
+    uncertainty: xr.Dataset | None = None,
+    beside: xr.Dataset | None = None,
+) -> Document:
+    """Which preload to take for a scene.
+
+    Parameters
+    ----------
+    found : Dataset
+        The recommendation.
+    design : Dataset, optional
+        The map that it was found on.
+    uncertainty : Dataset, optional
+        Quantiles of the lives at the recommended preloads.
+    beside : Dataset, optional
+        Lives there with other assumptions.
+    """
+    scene, given = scene_of(found), limits_of(found).given
+    limits = [in_ascii(limit_text(name, value)) for name, value in given.items()]
+    facts = {
+        "kind": "recommendation",
+        "scene": scene["name"],
+        "bearing": bearing_line(scene),
+        "limits": limits,
+        NONE_BECAUSE: json.loads(found.attrs.get(NONE_BECAUSE, "{}")),
+        "verdict": VERDICTS[int(np.nan_to_num(found["verdict"]))],
+        "warnings": [line.removeprefix(WARNING) for line in warning_lines(found.attrs)],
+    }
+    where = (
+        f"at {scene['operation']['shaft_speed_rpm']:g} r/min, "
+        f"friction {scene['friction']['ball_race']:g}"
+    )
+    basis, known = counted(found), by_life(found)
+    spread = _spreads(found, uncertainty)
+    blocks = [*_points(found, beside, spread)]
+    blocks += [_recommended(found, spread), _new_and_worn(found)] if known else []
+    blocks += [] if beside is None else [_beside(beside, found, basis)]
+    blocks += [] if design is None else [_over_preload(design, found, basis)]
+    blocks += _room(found) if known else []
+    blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
+    blocks += [] if design is None else [_statuses(design)]
+    return Document(
+        (headline(found, design), where),
+        facts,
+        tuple(blocks),
+        ("design", "map", "uncertainty"),
+        subject="The preload to take",
+    )
+
+
+def _spreads(found: xr.Dataset, uncertainty: xr.Dataset | None) -> dict[str, Spread | None]:
+    """Of the life at the recommended preload of each method, where it was sampled."""
+    scene, way = scene_of(found), COUNTS[counted(found)]
+    known = [] if uncertainty is None else [uncertainty]
+    mu = scene["friction"]["ball_race"]
+    return {
+        method: (spreads_of(known, scene, method, mu, RECOMMENDED) or {}).get(way)
+        for method, _ in methods(found)
+    }
+
+
+def _points(
+    found: xr.Dataset, beside: xr.Dataset | None, spread: Mapping[str, Spread | None]
+) -> list[Block]:
+    """What it gives, what limits it, what would change it, how sure; limits and warnings."""
+    best, given = best_method(found), limits_of(found).given
+    said: list[tuple[str, list[str], str]] = []
+    if best is not None:
+        others = [] if beside is None else what_others_change(beside, found, best)
+        said = [
+            ("What it gives", [what_it_gives(found)], "lead"),
+            ("What limits it", what_limits_it(found), "lead"),
+            ("What would change it", [what_would_change_it(found), *others], "lead"),
+            ("How sure", how_sure(found, spread), "lead"),
+        ]
+    missing = "What is not possible" if given else "What a limit does"
+    limits = "; ".join(limit_text(name, value) for name, value in given.items())
+    warned = [sentence(f"{one['sentence']}; {one['advice']}") for one in warnings_in(found.attrs)]
+    said += [
+        (missing, what_is_not_possible(found), "lead"),
+        ("Limits, from new to the end of life", [sentence(limits)] if given else [], "more"),
+        ("Warnings, at their worst", warned, "more"),
+    ]
+    return [Block(title, lines=tuple(lines), place=place) for title, lines, place in said if lines]
+
+
+def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Block:
+    """The preload to take by each method, and the bearing with it."""
+    basis, each = counted(found), [one for _, one in methods(found)]
+    lives = found["life"].values
+    held = [
+        held_words(ACTIVE[int(one["active_limit"])], lambda name, one=one: float(one[name]))  # type: ignore[misc]
+        for one in each
+    ]
+    grooves = flag_names(found["groove"])
+    rows = [
+        Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
+        Row("held by", "", tuple(held), "active_limit"),
+        Row(f"life, {COUNTED[basis]}", "h", _floats(lives[:, basis]), "life"),
+        *(spread_rows([one.rows if one else {} for one in spread.values()])),
+        *(() if any(spread.values()) else by_wear_row(scene_of(found), _floats(lives[:, basis]))),
+        Row(
+            f"life, {COUNTED[1 - basis]}", "h", _floats(lives[:, 1 - basis]),
+            f"life.{COUNTS[1 - basis]}",
+        ),
+        Row("  its groove", "", tuple(GROOVE_WORDS[name] for name in grooves), "groove"),
+    ]  # fmt: skip
+    if "worn" in grooves:
+        hertzian = _floats(found["hertzian_life"].values[:, basis])
+        rows.append(Row(f"  {HERTZIAN_LIFE_WORDS}", "h", hertzian, "hertzian_life"))
+    errors = tuple(Rough(100.0 * e) for e in found["life_error_estimate"].values[:, basis])
+    rows.append(Row("  its numerical error", "%", errors, "life_error_estimate"))
+    for name, (label, shown) in RECOMMENDED_WORDS.items():
+        if np.isfinite(found[name]).any():  # of a rotor without mass, no frequency
+            rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
+    notes = (causes_told(scene_of(found)),) if any(spread.values()) else ()
+    return Block("recommended", tuple(method_names(found)), tuple(rows), notes, place="lead")
+
+
+def _floats(values: Any) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)
+
+
+def _new_and_worn(found: xr.Dataset) -> Block:
+    """Of the recommended bearings, when new and at the end of life."""
+    columns = {
+        f"{words}, {when}": (lambda name, one=one, at=at: float(one[f"{name}_at_{at}"]))
+        for words, (_, one) in zip(method_names(found), methods(found), strict=True)
+        if one["status"] == OK
+        for when, at in (("new", "start"), ("worn", "end"))
+    }
+    of = columns.values()
+    rows = [quantity_row("residual preload", "N", (each("residual_preload") for each in of))]
+    rows += [
+        quantity_row(
+            one.short, one.si_unit, (one.critical(each)[0] for each in of), one.key, one.shown_as
+        )
+        for one in SHORT_TABLE
+    ]
+    return Block("at that preload", tuple(columns), tuple(rows), place="open")
+
+
+def _brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
+    """Life, the worst of each measure of short tables, and the limits passed, at some points."""
+    life = Row("life", "h", tuple(float(one["life"][basis]) for one in points), "life")
+    rows = [
+        quantity_row(one.short, one.si_unit, map(one.worst, points), one.key, one.shown_as)
+        for one in SHORT_TABLE
+    ]
+    end = quantity_row(RECOMMENDED_WORDS[AT_END][0], "N", [one[AT_END] for one in points], AT_END)
+    return [life, *rows, end, Row("limits passed", "", tuple(map(passed, points)))]
+
+
+def _over_preload(design: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
+    """Every preload of the map, by each method, at the scene's friction and speed."""
+    preloads = design["preload"].values
+    points = [
+        (float(preload), method, one.isel(preload=k))
+        for k, preload in enumerate(preloads)
+        for method, one in methods(at_scene(design))
+    ]
+    best = best_method(found)
+    taken = scene_of(design)["operation"]["preload_N"] if best is None else found["preload"][best]
+    names = tuple(method_words(scene_of(design), method) for _, method, _ in points)
+    rows = [
+        Row("preload", "N", tuple(preload for preload, _, _ in points), "preload", given=True),
+        Row("preload method", "", names, "preload_method"),
+        *_brief_rows([one for _, _, one in points], basis),
+    ]
+    return Block(
+        "Life and limits over the preload",
+        rows=tuple(rows),
+        axes=2,
+        place="slider",
+        start=f"{preloads[np.abs(preloads - float(taken)).argmin()]:g}",
+    )
+
+
+def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
+    """Lives at the recommended preloads, as studied and with other assumptions."""
+    points = [
+        (words, method_words(scene_of(found), method), one)
+        for words, case in [("as above", found), *assumptions_of(beside)]
+        for method, one in methods(case)
+        if int(one["status"]) >= 0
+    ]
+    rows = [
+        Row("assumed", "", tuple(words for words, _, _ in points)),
+        Row("preload method", "", tuple(name for _, name, _ in points), "preload_method"),
+        *_brief_rows([one for _, _, one in points], basis),
+    ]
+    title = "What other assumptions change, at these preloads"
+    return Block(title, rows=tuple(rows), axes=2, place="open")
+
+
+def _room(found: xr.Dataset) -> list[Block]:
+    """How far each assumption may move before the other method is better."""
+    rows, lines = tuple(room_rows(found)), (ROOM_WORDS, *by_ball_track(found))
+    return [Block("how far the choice holds", ROOM_COLUMNS, rows, lines)] if rows else []
+
+
+def _statuses(design: xr.Dataset) -> Block:
+    """How many lives and states the map took, and what was not solved."""
+    codes, counts = np.unique(design["status"].values, return_counts=True)
+    worn = int((design["groove"] == WORN_GROOVE).sum())
+    followed = f"in {worn} of them followed as they wear, in the others" if worn else "all"
+    solves, failed = (int(design[name].sum()) for name in ("solves", "failed_solves"))
+    said = (
+        f"{design['status'].size} lives over preload, method, friction and speed, made of {solves} "
+        f"steady states, of which {failed} were not found. Their grooves are {followed} Hertzian.",
+        "A life that was not solved keeps its status and is never chosen.",
+    )
+    rows = (
+        Row("status", "", tuple(in_words(STATUS_NAMES[int(k)]) for k in codes)),
+        Row("lives", "", tuple(map(int, counts)), "lives"),
+    )
+    known = len(codes) == 1 and codes[0] == OK
+    return Block("The map", rows=() if known else rows, axes=1, lines=said[: 2 - known])

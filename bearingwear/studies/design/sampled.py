@@ -1,0 +1,117 @@
+"""How sure lives at some preloads are, and which uncertain value decides."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from bearingwear.document.data import flag_names
+from bearingwear.document.document import Block, Row
+from bearingwear.document.study import rough_value, spread_rows
+from bearingwear.plotting.drawing import in_words, methods, scene_of
+from bearingwear.results.quantiles import (
+    ALL_BUT_WEAR,
+    ALL_INPUTS,
+    BEARINGS_BETWEEN,
+    causes_told,
+    spread_at,
+)
+from bearingwear.results.units import Rough, key_in_words
+from bearingwear.scene.scene import COUNTS, PARAMETERS
+from bearingwear.scene.uncertain import Distribution, is_same_for_batch
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
+
+INDEX_WORDS = (
+    "Total Sobol index of log life: the share of its variance that goes with the value, its "
+    "interactions counted. Preload as recommended; the distributions are stated in the scene. A "
+    "distribution without its own centre has the scene's value there."
+)
+
+
+def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
+    """How sure the lives are, and which uncertain value decides."""
+    if not uncertainty.sizes["preload_method"]:  # no preload is recommended
+        return []
+    indices = [_indices(uncertainty)] if "total_index" in uncertainty else []
+    return [_quantiles(uncertainty), *indices]
+
+
+def _quantiles(uncertainty: xr.Dataset) -> Block:
+    points = [
+        (in_words(name), where, in_words(way), of_method.isel(preload_choice=c, loss_basis=k))
+        for name, of_method in methods(uncertainty)
+        for c, where in enumerate(flag_names(uncertainty["preload_choice"]))
+        for k, way in enumerate(COUNTS)
+    ]
+    ones = [one for *_, one in points]
+    found = [spread_at(one.sel(uncertain_inputs=ALL_INPUTS)) for one in ones]
+    stated = [spread_at(one.sel(uncertain_inputs=ALL_BUT_WEAR)) for one in ones]
+    rows = [
+        Row("method", "", tuple(name for name, *_ in points), "preload_method"),
+        Row("preload", "", tuple(where for _, where, *_ in points), "preload_choice"),
+        Row("counting", "", tuple(way for *_, way, _ in points), "counts"),
+        Row("preload", "N", tuple(float(one["preload"]) for one in ones), "preload"),
+        Row("nominal life", "h", tuple(Rough(one["nominal_life"]) for one in ones), "nominal_life"),
+        *spread_rows([one.rows if one else {} for one in found]),
+        Row(
+            f"{BEARINGS_BETWEEN}, wear coefficient and hardness as stated", "h",
+            tuple(rough_value(one and one.bearings) for one in stated), "life_wear_as_stated",
+        ),
+        Row("lives solved", "%", tuple(100.0 * float(one["solved_share"]) for one in ones)),
+        Row("of", "", tuple(int(one["evaluations"]) for one in ones), "evaluations"),
+    ]  # fmt: skip
+    said = (
+        f"{int(uncertainty.attrs['samples'])} base samples, seed "
+        f"{int(uncertainty.attrs['seed'])}. {causes_told(scene_of(uncertainty))}",
+        *_with_grooves(uncertainty),
+    )
+    return Block("How sure the life is", rows=tuple(rows), axes=3, lines=said)
+
+
+def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
+    """How many lives follow their grooves, and how well the others are known."""
+    followed, error = uncertainty["followed_lives"], uncertainty["groove_error"]
+    if not bool((followed > 0).any()):
+        return []
+    return [
+        f"Grooves are followed as they wear in {int(followed.sum())} of the sampled lives. The "
+        "others are scaled by an interpolated ratio, with an rms error of at most "
+        f"{100.0 * float(error.max()):.2g} % on lives left out of its fit."
+    ]
+
+
+def _indices(uncertainty: xr.Dataset) -> Block:
+    """A line for each uncertain value, and columns for each method."""
+    basis, names = counted(uncertainty), quantities_of(uncertainty)
+    given = scene_of(uncertainty)["uncertainty"]
+    same = [is_same_for_batch(name, Distribution(**given[name])) for name in names]
+    rows = [
+        Row("value", "", tuple(key_in_words(name)[0] for name in names)),
+        Row("distribution", "", tuple(distribution_text(given[name]) for name in names)),
+        Row("differs from each to each", "", tuple("batch" if s else "bearing" for s in same)),
+    ]
+    used = []
+    for method, of_method in methods(uncertainty):
+        one = of_method.sel(preload_choice=preload_drawn(of_method)).isel(loss_basis=basis)
+        words = in_words(method)
+        within = tuple(map(float, one["class_index"].values))
+        rows.append(Row(f"{words}, within its kind", "", within, f"class_index.{method}"))
+        for inputs, more in ((ALL_INPUTS, ""), (ALL_BUT_WEAR, ", wear as stated")):
+            at = one.sel(uncertain_inputs=inputs)
+            known = zip(at["total_index"].values, at["total_index_error"].values, strict=True)
+            texts = tuple(f"{a:.3f} ± {b:.3f}".replace("nan", "–") for a, b in known)
+            rows.append(Row(f"{words}{more}", "", texts, f"total_index.{method}{more}"))
+        used.append(f"{100 * float(one['index_share']):.4g} % ({words})")
+    said = (
+        INDEX_WORDS,
+        f"Of the base samples, {', '.join(used)} could be used for the indices: all their lives "
+        "solved, and longer than zero.",
+    )
+    return Block("What decides", rows=tuple(rows), axes=1, lines=said)
+
+
+def distribution_text(given: dict[str, float | str]) -> str:
+    """A distribution in words: `normal, standard deviation 0.35`."""
+    needs, takes = PARAMETERS[str(given["distribution"])]
+    parts = [f"{in_words(part)} {given[part]:g}" for part in (*takes, *needs) if part in given]
+    return ", ".join([str(given["distribution"]), *parts])

@@ -1,0 +1,269 @@
+"""What to say of a recommendation in sentences: which preload to take, and how far that holds."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.document.data import flag_names
+from bearingwear.document.document import Row
+from bearingwear.measures import ENDS, LIMITED
+from bearingwear.plotting.drawing import methods, percent_in_text, scene_of
+from bearingwear.results.pair_variables import is_pair, method_words
+from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
+from bearingwear.results.units import Rough, digits, in_print
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.dataset import counted
+from bearingwear.studies.design.beside import NONE_PASSED, assumptions_of, passed
+from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
+from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
+from bearingwear.studies.design.words import (
+    ASSUMED_WORDS,
+    END_KEY,
+    LIMIT_KEY,
+    NONE_BECAUSE,
+    TRACK_WORDS,
+    limit_text,
+    without_limits,
+)
+
+TAKE = {
+    "constant_force": "a spring of {} N (constant force)",
+    "fixed_position": "a fixed position preloaded with {} N",
+    "spring pair": "a spring pair at {} N",
+    "rigid pair": "a rigid pair preloaded with {} N",
+}
+"""How a preload is applied, in the words of the headline, by method or pair."""
+
+_HELD = {
+    "none": "No limit decides: the life is longest there.",
+    "end_of_range": "The map ends there; a longer life may lie beyond it.",
+    "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
+    "end_of_life": "No limit decides: at other preloads something else ends the life sooner.",
+    "impractical": "With a preload of a longer life nobody would build or run the bearing.",
+    "cliff": "The life falls suddenly beside it.",
+}
+"""Why no other preload has a longer life, where no limit decides."""
+
+NO_CLOCK = (
+    "Compare lives with each other, and promise no hours: a life is inversely proportional to the "
+    "wear coefficient, which is known to an order of magnitude at best."
+)
+
+CALIBRATED = (
+    "Wear and friction come from {rows} tests ({tests}): the interval of the hours is what they "
+    "leave unknown, with the scatter between bearings."
+)
+
+COUNTED_WORDS = ("the balls alone", "balls and races")
+"""What wear counts, in the order of `COUNTS`."""
+
+
+def sentence(text: str) -> str:
+    """A text with a capital and a full stop."""
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def by_life(found: xr.Dataset) -> list[tuple[str, xr.Dataset, float]]:
+    """Each method that has a preload, and its life [h]; the longest first."""
+    basis = counted(found)
+    known = [(name, one, float(one["life"].isel(loss_basis=basis))) for name, one in methods(found)]
+    return sorted((each for each in known if math.isfinite(each[2])), key=lambda each: -each[2])
+
+
+def method_names(found: xr.Dataset) -> list[str]:
+    """What holds the preload, along the methods of a file."""
+    return [method_words(scene_of(found), name) for name, _ in methods(found)]
+
+
+def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
+    """Which preload to take; a map says at which end of it that is."""
+    scene, lives = scene_of(found), by_life(found)
+    name = scene["name"]
+    if not limits_of(found).given:
+        return f"{name}: {without_limits(found.attrs[NONE_BECAUSE])[0]}"
+    if not lives:
+        return f"{name}: no preload keeps to all limits"
+    taken = [
+        TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
+        for method, one, _ in lives
+    ]
+    if int(found["verdict"]) == NEITHER_LONGER:
+        return f"{name}: neither method lasts longer; take {' or '.join(taken)}"
+    one, end = lives[0][1], ""
+    preload, below = float(one["preload"]), float(one["cliff_preload"])
+    if ACTIVE[int(one["active_limit"])] == "end_of_range":
+        middle = scene["operation"]["preload_N"] if design is None else design["preload"].mean()
+        end = f", the {'least' if preload < float(middle) else 'largest'} preload tried"
+    if math.isfinite(below):
+        near = percent_in_text(abs(below / preload - 1.0))
+        life = Rough(one["cliff_life"]).text
+        end = f"; with {near} {'less' if below < preload else 'more'} it lasts {life} h"
+    return f"{name}: take {taken[0]}{end}"
+
+
+def what_it_gives(found: xr.Dataset) -> str:
+    """The life, beside that of the other method."""
+    lives, pair = by_life(found), is_pair(scene_of(found))
+    life = lives[0][2]
+    said = f"{Rough(life).text} h of life, counting {COUNTED_WORDS[counted(found)]}"
+    if len(lives) > 1:
+        other, twin, less = lives[1]
+        ratio = life / less if less else math.inf
+        more = f"{percent_in_text(ratio - 1.0)} more than"
+        times = more if ratio < 1.1 else f"{ratio:.2g} times"
+        words = f"{'a ' * pair}{method_words(scene_of(found), other)}"
+        said += f": {times} the {Rough(less).text} h of {words} at {preload_text(twin)} N"
+    return f"{said}."
+
+
+def what_limits_it(found: xr.Dataset) -> list[str]:
+    """What keeps the preload from one with a longer life, and how near the life falls."""
+    one = by_life(found)[0][1]
+    name, given = ACTIVE[int(one["active_limit"])], limits_of(found).given
+    text = _HELD.get(name) or (
+        f"A preload with a longer life would pass a limit: {limit_text(name, given[name])}."
+    )
+    return [text, *map(sentence, _cliffs(found))]
+
+
+def _cliffs(found: xr.Dataset) -> list[str]:
+    """How near a sudden fall of the life is to each recommended preload."""
+    said = []
+    for name, (_, one) in zip(method_names(found), methods(found), strict=True):
+        columns = ("preload", "cliff_preload", "cliff_life", "clear_preload", "clear_life")
+        preload, below, life, clear, kept = (float(one[column]) for column in columns)
+        if not math.isfinite(below):
+            continue
+        near = percent_in_text(abs(below / preload - 1.0))
+        side = "less" if below < preload else "more"
+        fall = f"the life falls to {Rough(life).text} h" if life > 0.0 else "there is no life"
+        text = f"{name}: at {below:.7g} N, {near} {side}, {fall}"
+        if math.isfinite(clear):
+            text += f"; {clear:.7g} N keeps 5 % away from it and lasts {Rough(kept).text} h"
+        said.append(text)
+    return said
+
+
+def assumption_words(name: str) -> tuple[str, str]:
+    """Label and unit of an assumption."""
+    if name in ASSUMED_WORDS:
+        return ASSUMED_WORDS[name], ""
+    if name.startswith(LIMIT_KEY):
+        one = LIMITED[name.removeprefix(LIMIT_KEY)]
+        return one.words, one.unit
+    one = ENDS[name.removeprefix(END_KEY)]
+    return f"end: {one.words}", one.unit
+
+
+def room_rows(found: xr.Dataset) -> list[Row]:
+    """How far each assumption may move: from, now and to, as shown."""
+    rows = []
+    for k, name in enumerate(flag_names(found["assumption"])):
+        label, unit = assumption_words(name)
+        ends = (float(found[column][k]) for column in ("holds_from", "assumed", "holds_to"))
+        rows.append(Row(label, unit, tuple(100.0 * v if unit == "%" else v for v in ends), name))
+    return rows
+
+
+def what_would_change_it(found: xr.Dataset) -> str:
+    """Which assumption reverses the choice of the method."""
+    lives = by_life(found)
+    if len(lives) < 2:
+        return "The other method has no preload within the limits."
+    said = []
+    for row in room_rows(found):
+        low, now, high = row.values
+        ends = [
+            f"{way} {digits(end)}"
+            for way, end in (("below", low), ("above", high))
+            if math.isfinite(end)
+        ]
+        if ends:
+            unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
+            label = row.label.replace("end: ", "an end of life by ")
+            said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
+    if not said:
+        return "No limit, end of life or friction tried makes the other method better."
+    other = method_words(scene_of(found), lives[1][0]).capitalize()
+    return f"{other} is the better method with {'; '.join(said)}."
+
+
+def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
+    """Under which assumptions the recommended method is not the better one, or passes a limit."""
+    basis = counted(found)
+    turned, beyond, unknown, same = [], [], [], []
+    for words, case in assumptions_of(beside):
+        lives = case["life"].isel(loss_basis=basis).values
+        limits = passed(case.isel(preload_method=method))
+        if limits.startswith("not solved"):
+            unknown.append(words)
+        elif np.nanargmax(lives) != method:
+            turned.append(words)
+        elif limits != NONE_PASSED:
+            beyond.append(f"{words} ({limits})")
+        else:
+            same.append(words)
+    flag = int(found["preload_method"][method])
+    name = method_words(scene_of(found), PRELOAD_METHODS[flag]).capitalize()
+    said = (
+        ("The other method lasts longer with {}.", turned),
+        (f"{name} passes a limit with {{}}.", beyond),
+        ("No life was found with {}.", unknown),
+    )
+    exceptions = [text.format("; ".join(each)) for text, each in said if each]
+    rest = "every other" if exceptions else "every"
+    hold = [f"{name} stays the better method within its limits under {rest} assumption below."]
+    return [*exceptions, *(hold if same else [])]
+
+
+def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
+    """What the verdict, the spread of the life and its numerical error say."""
+    scene = scene_of(found)
+    method, one, life = by_life(found)[0]
+    error = float(one["life_error_estimate"].isel(loss_basis=counted(found)))
+    said = []
+    if int(found["verdict"]) == NEITHER_LONGER:
+        said.append(
+            f"Neither method can be said to last longer: a change of {100 * CLAIMED:g} % in one "
+            "assumption, or the other ball track, would reverse the order."
+        )
+    if mine := spread[method]:
+        said.append(f"{mine.sentence}, over all that is uncertain.")
+    else:
+        band, taken = band_by_wear(scene, life)
+        if band:
+            by_table = f" ({taken})" if taken else ""
+            said.append(f"{BEARINGS_BETWEEN} last {band.text} h by wear alone{by_table}.")
+    by = scene.get("calibrated")
+    said += [CALIBRATED.format(**by) if by else NO_CLOCK, *by_ball_track(found)]
+    if math.isfinite(error):
+        said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
+    return said
+
+
+def by_ball_track(found: xr.Dataset) -> list[str]:
+    """Which method is the better by each track of a ball, where grooves are followed."""
+    lives = found["life_by_ball_track"].values
+    if len(lives) < 2 or not np.isfinite(lives).all():
+        return []
+    told = [
+        f"{' and '.join(map(digits, column))} h with balls that wear {TRACK_WORDS[track]}"
+        for track, column in zip(flag_names(found["ball_track"]), lives.T.tolist(), strict=True)
+    ]
+    return [f"{' and '.join(method_names(found))} last {', '.join(told)}.".capitalize()]
+
+
+def what_is_not_possible(found: xr.Dataset) -> list[str]:
+    """Why no preload is recommended, a sentence for each method without one."""
+    because = found.attrs.get(NONE_BECAUSE, "{}")
+    if not limits_of(found).given:
+        return list(filter(None, without_limits(because)[1:]))
+    return [
+        f"No preload by {method_words(scene_of(found), method)} keeps to all limits: {why}."
+        for method, why in json.loads(because).items()
+    ]
