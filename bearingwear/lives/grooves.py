@@ -20,8 +20,8 @@ from bearingwear.solvers.worn.solver import Worn
 
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
-STEP = 0.08  # deepest wear of a step, over the gap A a^2
-QUICK_STEP = 2.0 * STEP
+STEP = 0.16  # deepest wear of a step, over the gap A a^2
+QUICK_STEP = 1.5 * STEP
 """Of a quick life, over the gap; with it go `FEWER_CELLS`."""
 ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
 _SHORT = 0.3  # of the step before
@@ -78,6 +78,8 @@ class Grooves:
             losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.sides)
             return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
         self.solves += 1
+        for side in self.sides:
+            side.bearing.on_the_way = on_the_way
         conditions = tuple(map(Worn.condition, worn))
         rough = ON_THE_WAY_BALANCED if on_the_way else None
         found = self.bearings.solve(conditions, tolerance=rough)

@@ -16,7 +16,7 @@ from bearingwear.kernels.linear import solve_in_place
 
 MARGIN = 1  # cells around those with load that are at hand too
 MOST_WRITTEN = 500  # cells at hand that a matrix is written for
-ROOMY = 1.6  # times as many cells at hand as needed are too many
+ROOMY = 1.2  # times as many cells at hand as needed are too many
 PATCH = 2  # cells on each side of one, of which `nearby` is found
 DOMINANT = 0.95  # largest share of a cell in `nearby` that the cells about it may have together
 

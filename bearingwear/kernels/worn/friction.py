@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
 from bearingwear.kernels.contact.film_friction import add_even_part, area_shares, even_dissipation
-from bearingwear.kernels.contact.friction import friction_capacity
+from bearingwear.kernels.contact.friction import force_slope, friction_capacity
 from bearingwear.kernels.contact.points import contact_points, most_points
 from bearingwear.kernels.contact.profile import contact_load, profile
 from bearingwear.kernels.contact.slip import (
@@ -23,7 +23,11 @@ from bearingwear.kernels.contact.slip import (
     slip_map,
     surface_height,
 )
-from bearingwear.kernels.contact.traction import traction_slope
+from bearingwear.kernels.contact.traction import (
+    store_slopes,
+    store_traction_slopes,
+    traction_slope,
+)
 from bearingwear.kernels.linear import copy, solve_in_place
 from bearingwear.kernels.status import NOT_CONVERGED, OK
 from bearingwear.kernels.steady.balance import (
@@ -32,11 +36,12 @@ from bearingwear.kernels.steady.balance import (
     subtract_gradient,
     subtract_projected,
 )
-from bearingwear.kernels.steady.level_solver import DESCENT, HALVINGS, NEWTON_STEPS, STALLED
+from bearingwear.kernels.steady.level_solver import DESCENT, NEWTON_STEPS, STALLED
 
 FRICTION_LEFT = 1e-12  # as a share of the friction forces, where Newton ends [1]
-LEVELS = 5  # of v_r, each
-LEVEL_RATIO = 4.0  # times the next, where Newton fails from the last motion
+LEVELS = (2, 5)  # of v_r, each
+LEVEL_RATIO = 4.0  # times the next, where Newton fails from the last motion; fewer are tried first
+TRIES = 6  # along a step, of half the length each
 OF_UNWORN, OF_WORN = range(2)
 # Rows of the cells written down: place x/a, share of the load, height and place across [m], number
 # of the cell along the major axis, share of the friction, how many cells there are.
@@ -60,7 +65,9 @@ class FrictionWork(NamedTuple):
     part_hessian: np.ndarray
     L: np.ndarray  # (4, 4)
     residual: np.ndarray  # (4,)
-    jacobian: np.ndarray  # (4, 4)
+    jacobian: np.ndarray  # (4, 4) with the points of the ellipse held
+    moving: np.ndarray  # (4, 4) what is added to it as these follow the motion, by earlier steps
+    earlier: np.ndarray  # residual (4,) and, below, jacobian before a step
     matrix: np.ndarray
     step: np.ndarray
     trial: np.ndarray
@@ -81,9 +88,10 @@ def friction_work(rule, n, m_cells):
         t=np.empty(k), weight=np.empty(k), h=np.empty(k), width=np.zeros(k),
         across=np.zeros(m), share=np.ones(m), gradient=np.empty(5), hessian=np.empty((5, 5)),
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
-        residual=np.empty(4), jacobian=np.empty((4, 4)), matrix=np.empty((4, 4)),
-        step=np.empty(4), trial=np.empty(4), ones=ones, halves=np.full(2, 0.5),
-        h_along=np.empty(n), cells=np.zeros((2, 2, 7, n * m_cells)), rounded=np.zeros(2),
+        residual=np.empty(4), jacobian=np.empty((4, 4)), moving=np.zeros((4, 4)),
+        earlier=np.empty((5, 4)), matrix=np.empty((4, 4)), step=np.empty(4), trial=np.empty(4),
+        ones=ones, halves=np.full(2, 0.5), h_along=np.empty(n),
+        cells=np.zeros((2, 2, 7, n * m_cells)), rounded=np.zeros(2),
     )  # fmt: skip
 
 
@@ -189,6 +197,61 @@ def loaded_cells(cells):
     )
 
 
+@jit(fastmath=REORDER_SUMS)
+def cell_slopes(a, c, v_r, cells):
+    """Sums of `ellipse_slope` over cells and their mirror images.
+
+    Its loop over the points across would be too short for vector instructions.
+
+    Returns
+    -------
+    gradient, by_c_1, by_others, traction : tuples of 5, 4, 6 and 5 floats
+        As `store_slopes` and `store_traction_slopes` take them.
+    """
+    v_r2 = v_r * v_r
+    c_1, c_0, c_h, c_x = c
+    g_1 = g_0 = g_h = g_x = g_t = 0.0
+    p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
+    s_0 = s_h = s_x = s_1 = 0.0
+    t_1 = t_0 = t_x = t_t = 0.0
+    for k in range(cells.shape[1]):
+        h, x, y = cells[CELL_HEIGHT, k], a * cells[CELL_X, k], cells[CELL_WIDTH, k]
+        load = 0.5 * cells[CELL_FRICTION, k]
+        v2, gyroscopic, spin = c_0 + c_h * h + c_x * x, c_1 * h, c_x * y
+        f, p_11, p_12, p_22 = force_slope(load, gyroscopic - spin, v2, v_r2)
+        m_f, m_11, m_12, m_22 = force_slope(load, gyroscopic + spin, v2, v_r2)
+        upper, lower = f * (gyroscopic - spin), m_f * (gyroscopic + spin)
+        f1, f1y, f2 = upper + lower, (upper - lower) * y, (f + m_f) * v2
+        q_11, q_12, q_22 = p_11 + m_11, p_12 + m_12, p_22 + m_22
+        q_11y, q_12y = (p_11 - m_11) * y, (p_12 - m_12) * y
+        by_x, across_by_x = q_22 * x - q_12y, q_12 * x - q_11y
+        g_t += f1
+        g_1 += f1 * h
+        g_0 += f2
+        g_h += f2 * h
+        g_x += f2 * x - f1y
+        p_00 += q_22
+        p_0h += q_22 * h
+        p_hh += q_22 * h * h
+        p_0x += by_x
+        p_hx += by_x * h
+        p_xx += by_x * x - q_12y * x + q_11 * y * y
+        s_0 += q_12 * h
+        s_h += q_12 * h * h
+        s_x += across_by_x * h
+        s_1 += q_11 * h * h
+        t_t += q_11
+        t_1 += q_11 * h
+        t_0 += q_12
+        t_x += across_by_x
+    return (
+        (g_1, g_0, g_h, g_x, g_t),
+        (s_1, s_0, s_h, s_x),
+        (p_00, p_0h, p_0x, p_hh, p_hx, p_xx),
+        (t_1, t_0, s_0, t_x, t_t),
+    )
+
+
 @jit
 def worn_slope(k, contact, R, c, v_r, rule, work):
     """Gradient and second derivatives of the friction potential of a worn contact, into `work`."""
@@ -205,16 +268,15 @@ def worn_slope(k, contact, R, c, v_r, rule, work):
         )  # fmt: skip
     rounded = math.hypot(v_r, work.rounded[k])
     for worn in range(2):
-        t, _, friction, h, width, _ = loaded_cells(work.cells[k, worn])
-        traction_slope(
-            contact, c, contact.mu, rounded, t, friction, h, width, work.ones, work.halves,
-            work.part_gradient, work.part_hessian,
-        )  # fmt: skip
-        sign = 1.0 if worn == OF_WORN else -1.0
+        cells = work.cells[k, worn, :, : int(work.cells[k, worn, CELL_COUNT, 0])]
+        scale = contact.mu * contact.Q * (1.0 if worn == OF_WORN else -1.0)
+        g, s, p, t = cell_slopes(contact.a, c, rounded, cells)
+        store_slopes(scale, g[:4], s, p, work.part_gradient, work.part_hessian)
+        store_traction_slopes(scale, g[4], t, work.part_gradient, work.part_hessian)
         for i in range(5):
-            work.gradient[i] += sign * work.part_gradient[i]
+            work.gradient[i] += work.part_gradient[i]
             for j in range(5):
-                work.hessian[i, j] += sign * work.part_hessian[i, j]
+                work.hessian[i, j] += work.part_hessian[i, j]
 
 
 @jit
@@ -246,6 +308,22 @@ def worn_friction_balance(g, op, D, seat, v_r, rule, work, u, out):
 
 
 @jit
+def improve_moving(work, damping):
+    """What the last step shows of `moving`: Broyden's update beside the mean jacobian."""
+    size = 0.0
+    for j in range(4):
+        work.step[j] *= damping
+        size += work.step[j] * work.step[j]
+    for i in range(4):
+        unexplained = work.residual[i] - work.earlier[0, i]
+        for j in range(4):
+            mean = 0.5 * (work.jacobian[i, j] + work.earlier[1 + i, j])
+            unexplained -= (mean + work.moving[i, j]) * work.step[j]
+        for j in range(4):
+            work.moving[i, j] += unexplained * work.step[j] / size
+
+
+@jit
 def friction_newton(g, op, D, seat, v_r, rule, work, u):
     """The ball's motion with the loads held, by damped Newton; u is improved in place.
 
@@ -259,31 +337,43 @@ def friction_newton(g, op, D, seat, v_r, rule, work, u):
     capacity = friction_capacity(mu_i, mu_o, seat.inner.Q, seat.outer.Q)
     F_i, F_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, u, out)
     size = balance_share(D, r, capacity, out)
+    learned = True  # whether `moving` may be what leads the wrong way
     for _ in range(NEWTON_STEPS):
         if size <= FRICTION_LEFT:
             return OK, F_i, F_o
-        copy(work.jacobian, work.matrix)
         for i in range(4):
-            work.step[i] = -work.residual[i]
-        if not solve_in_place(work.matrix, work.step, 4):
-            return NOT_CONVERGED, F_i, F_o
+            work.step[i], work.earlier[0, i] = -out[i], out[i]
+            for j in range(4):
+                work.earlier[1 + i, j] = work.jacobian[i, j]
+                work.matrix[i, j] = work.jacobian[i, j] + work.moving[i, j]
         damping, found, new = 1.0, False, size
         T_i, T_o = F_i, F_o
-        for _ in range(HALVINGS):
+        if solve_in_place(work.matrix, work.step, 4):
+            for _ in range(2 if learned else TRIES):
+                for i in range(4):
+                    work.trial[i] = u[i] + damping * work.step[i]
+                T_i, T_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, work.trial, out)
+                new = balance_share(D, r, capacity, out)
+                if new < (1.0 - DESCENT * damping) * size or new <= FRICTION_LEFT:
+                    found = True
+                    break
+                damping *= 0.5
+                if size <= STALLED:
+                    break
+        if found:
+            if size > STALLED:
+                improve_moving(work, damping)
+                learned = True
+            copy(work.trial, u)
+            size, F_i, F_o = new, T_i, T_o
+        elif learned and size > STALLED:
+            learned = False
+            work.moving[:, :] = 0.0
+            copy(work.earlier[0], out)
             for i in range(4):
-                work.trial[i] = u[i] + damping * work.step[i]
-            T_i, T_o = worn_friction_balance(g, op, D, seat, v_r, rule, work, work.trial, out)
-            new = balance_share(D, r, capacity, out)
-            if new < (1.0 - DESCENT * damping) * size or new <= FRICTION_LEFT:
-                found = True
-                break
-            damping *= 0.5
-            if size <= STALLED:
-                break
-        if not found:
+                copy(work.earlier[1 + i], work.jacobian[i])
+        else:
             break
-        copy(work.trial, u)
-        size, F_i, F_o = new, T_i, T_o
     return (OK if size <= STALLED else NOT_CONVERGED), F_i, F_o
 
 
@@ -294,10 +384,13 @@ def settled_motion(g, op, D, seat, rule, work, u):
     found = friction_newton(g, op, D, seat, op.v_r, rule, work, u)
     if found[0] == OK:
         return found
-    copy(kept, u)
-    for level in range(LEVELS, -1, -1):
-        v_r = op.v_r * LEVEL_RATIO**level
-        found = friction_newton(g, op, D, seat, v_r, rule, work, u)
+    for levels in LEVELS:
+        copy(kept, u)
+        for level in range(levels, -1, -1):
+            v_r = op.v_r * LEVEL_RATIO**level
+            found = friction_newton(g, op, D, seat, v_r, rule, work, u)
+        if found[0] == OK:
+            break
     return found
 
 

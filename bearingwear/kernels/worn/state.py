@@ -28,7 +28,7 @@ MOST_POOR = 20  # of them that leave much, though the derivatives are new: the s
 MOST_POOR_IN_BANDS = 3  # likewise; `relaxed_seat` knows which way the axis turns
 PLACES_TRIED = 5  # along a step with new derivatives
 SLOW_BALANCE = 0.3  # share of what was left, above which a step calls for derivatives found anew
-WORN_BALANCE = 1e-8  # force left, as a share of the load [1]
+WORN_BALANCE = 1e-8  # force left, as a share of the load, of states that are kept [1]
 PITCH_WEIGHT = 0.1  # that of the pitch left [1/rad]
 QUOTIENT_PLACE = 3e-6  # of the approach: derivatives are found with; near a fold they turn fast
 LONGEST_MOVE = 0.5  # of the approach, in one step
@@ -62,6 +62,7 @@ class StateWork(NamedTuple):
     matrix: np.ndarray  # (4, 4)
     active: np.ndarray  # (4,) which of the unknowns there are
     u: np.ndarray  # (4,) motion at the place tried [rad/s]
+    balance: float  # largest force left, as a share of the load [1]
 
 
 @jit
@@ -75,6 +76,7 @@ def state_work():
         matrix=np.zeros((UNKNOWNS, UNKNOWNS)),
         active=np.ones(UNKNOWNS, dtype=np.bool_),
         u=np.zeros(4),
+        balance=WORN_BALANCE,
     )
 
 
@@ -269,7 +271,7 @@ def balanced_seat(bearing, races, reference, rule, work, state, seat, u):
     poor, most_poor = 0, MOST_POOR_IN_BANDS if state.active[3] else MOST_POOR
     for _ in range(MOST_SEATS):
         size = largest(state.left)
-        if seat.status != OK or size <= WORN_BALANCE:
+        if seat.status != OK or size <= state.balance:
             return seat
         fresh = state.slope[0, 0] == 0.0
         if fresh and not find_slope(bearing, races, reference, rule, work, state, seat, u):
@@ -309,7 +311,7 @@ def relaxed_seat(bearing, races, reference, rule, work, state, seat, u):
     turn, low, high = TURN_BY_HAND, 0.0, math.inf  # from the start, and bracket of the end
     start, at = seat.beta, 0.0
     for _ in range(MOST_TURNS):
-        if seat.status != OK or abs(pitch(u) - seat.beta) * PITCH_WEIGHT <= WORN_BALANCE:
+        if seat.status != OK or abs(pitch(u) - seat.beta) * PITCH_WEIGHT <= state.balance:
             break
         if way * (pitch(u) - seat.beta) > 0.0:
             low = at

@@ -52,6 +52,7 @@ LONGEST_AHEAD = 2.0  # of a step, beyond which none is foretold by the one befor
 _MOST_WIDENINGS = 6
 _RACE, _NOT_RACE = 2, [0, 1, 3]  # of the unknowns, the axial place of the race; and the others
 _NO_MOVES = np.empty((0, 4)), np.empty((0, 2, 4))
+ROUGH = 1e-5  # balance of a state on the way, which shows how fast its wear goes and nothing else
 SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the way itself
 
 
@@ -86,7 +87,7 @@ class WornBearing:
         wander: float = 0.1,
         films: WornFilms | None = None,
     ):
-        self.films = films
+        self.films, self.on_the_way = films, False
         self.problem, self.case, self.loss, self.cell_numbers = problem, case, loss, cells
         self.bands, self.wander = bands, wander
         self.D = problem.g.D0 - loss
@@ -143,7 +144,7 @@ class WornBearing:
         return WornDepths(ball, np.zeros_like(self.arc), np.zeros_like(self.latitude))
 
     def solve(self, wear: WornDepths, problem: ThrustProblem | None = None) -> WornPoint:
-        """Steady state with some wear, from the last one solved."""
+        """Steady state with some wear, from the last one solved; on the way a rough one."""
         p = problem or self.problem
         D = p.g.D0 - self.loss - wear.ball
         kept = self.seat, self.u
@@ -172,7 +173,7 @@ class WornBearing:
             self.at_cells(self.bare(wear, k), k, races[k].x, force.alpha, p.g)
             for k, force in enumerate(forces if self.films else ())
         ]
-        if not self.check.passes(p, races, seat, slip, u, D, bare):
+        if not self.on_the_way and not self.check.passes(p, races, seat, slip, u, D, bare):
             return WornPoint(code.UNVERIFIED, wear, p)
         r = p.g.R_o + seat.X2
         return WornPoint(
@@ -234,6 +235,7 @@ class WornBearing:
         In each the ball goes half of the way of the race.
         """
         held = not p.preload.constant_force
+        state = self.state._replace(balance=ROUGH) if self.on_the_way else self.state
         way = p.preload.delta_a - self.seat.delta_a if held else 0.0
         kept = [race.pressure.copy() for race in races]
         for moves in (1, 8) if way != 0.0 else (1,):
@@ -246,7 +248,7 @@ class WornBearing:
                 there = p.preload._replace(delta_a=delta_a)
                 seat = worn_state(
                     p.bearing(D)._replace(preload=there), races, self.reference, p.rule, work,
-                    self.state, seat._replace(delta_a=delta_a, X1=X1), u, *_NO_MOVES,
+                    state, seat._replace(delta_a=delta_a, X1=X1), u, *_NO_MOVES,
                 )  # fmt: skip
                 if seat.status != code.OK:
                     break

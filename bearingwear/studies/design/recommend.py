@@ -165,7 +165,7 @@ def mapped(
         made = [part_of(scene, *part, slip_limit, list(islice(points, count))) for part in parts]
         design = whole_map(made, limits.given)
         if quick:
-            design.attrs[QUICK] = "a guide: 3e-3 of the life, 2 % of the stiffness"
+            design.attrs[QUICK] = "a guide: 7e-3 of the life, 2 % of the stiffness"
         return design, recommendation(scene, design, each, tell)
 
 

@@ -11,7 +11,7 @@ from support import scene_file
 from bearingwear.cli import main
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.life import life
-from bearingwear.lives.many import QUICK_STEP, first_met, lives_by_end, worn_life
+from bearingwear.lives.many import first_met, lives_by_end, worn_life
 from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import load_scene
@@ -159,7 +159,6 @@ def test_scenes_that_follow_no_groove_have_the_hertzian_one(scene):
 
 def test_quick_lives_are_those_of_life(scene):
     """Fewer cells and longer steps: 3e-3 of the life, and 2 % of the least stiffness."""
-    assert QUICK_STEP < 0.2
     for method in METHODS:
         at = held_by(scene, method, 7.0)
         quick, whole = (followed_point(at, 0.12, q) for q in (True, False))
