@@ -17,9 +17,10 @@ from bearingwear.results.quantiles import CONFIDENCE, INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
+from bearingwear.studies.distributions import values_at
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
-from bearingwear.studies.uncertainty.sample import lives, values_at, wear_factor
+from bearingwear.studies.uncertainty.sample import lives, wear_factor
 
 PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
 """Of quantiles over the bearings of a batch."""

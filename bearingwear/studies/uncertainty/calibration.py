@@ -34,9 +34,10 @@ from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.distributions import value_at
+from bearingwear.studies.perturbed import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
-from bearingwear.studies.uncertainty.perturbed import perturbed, with_wear
 from bearingwear.studies.uncertainty.plan import with_usual_spread
 from bearingwear.studies.uncertainty.posterior import (
     LogModel,
@@ -47,7 +48,7 @@ from bearingwear.studies.uncertainty.posterior import (
     posterior,
     probabilities,
 )
-from bearingwear.studies.uncertainty.sample import lives, value_at
+from bearingwear.studies.uncertainty.sample import lives
 
 _NODES, _CHECKED = 9, 4
 """Points over ln mu at which lives are solved: for the interpolation, and to see its error."""

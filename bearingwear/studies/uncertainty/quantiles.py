@@ -24,6 +24,7 @@ from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.recommend import recommended_for
+from bearingwear.studies.distributions import value_at
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (
@@ -42,7 +43,6 @@ from bearingwear.studies.uncertainty.sample import (
     PART_KIND,
     lives,
     sample,
-    value_at,
     with_preload,
 )
 from bearingwear.studies.uncertainty.variables import (

@@ -5,7 +5,6 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from SALib.sample import sobol as sobol_sample
-from scipy import stats
 
 from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.many import HertzianLives
@@ -23,14 +21,14 @@ from bearingwear.results.quantiles import PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Distribution, Scene, key_of_scene
-from bearingwear.scene.uncertain import friction_correlation, uncertain_key
+from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
+from bearingwear.studies.distributions import values_at
+from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.pool import Tell, told_in_lines
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
-from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
 
 PART_KIND = "sampled lives"
@@ -43,48 +41,6 @@ SAMPLED = table(
     Variable("life", LOSS_BASIS.dims, "h", "wear life", scale=HOURS_PER_SECOND),
 )
 """What is found at sampled values."""
-
-
-def distribution(scene: Scene, name: str) -> Any:
-    """The distribution of an uncertain value, as `scipy.stats` has it."""
-    given: Distribution = (scene.uncertainty or {})[name]
-    if given.distribution == "uniform":
-        assert given.low is not None and given.high is not None
-        return stats.uniform(given.low, given.high - given.low)
-    if given.distribution == "normal":
-        mean = scene.nominal(name) if given.mean is None else given.mean
-        return stats.norm(mean, given.standard_deviation)
-    median = scene.nominal(name) if given.median is None else given.median
-    assert given.factor is not None
-    return stats.lognorm(np.log(given.factor), scale=median)
-
-
-def possible(scene: Scene, name: str) -> tuple[float, float]:
-    """Least and largest value that a scene may have there."""
-    part = key_of_scene(uncertain_key(name, scene.bearing.race_material))
-    return (0.0, np.inf) if part is None else part.key.ends
-
-
-def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
-    """Quantiles of an uncertain value, its distribution cut off where it would be impossible."""
-    found = distribution(scene, name)
-    below, upto = found.cdf(possible(scene, name))
-    return found.ppf(below + (upto - below) * np.asarray(probability))
-
-
-def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np.ndarray:
-    """Values (n, names) of uncertain values at independent probabilities (n, names).
-
-    A wear coefficient that goes with friction takes of its own what friction leaves open.
-    """
-    friction, rho = friction_correlation(scene.uncertainty or {})
-    if rho and {friction, "wear_coefficient"} <= set(names):
-        mu, wear = names.index(friction), names.index("wear_coefficient")
-        deviate = stats.norm.ppf(probability[:, [mu, wear]]) @ (rho, math.sqrt(1.0 - rho * rho))
-        probability = probability.copy()
-        probability[:, wear] = stats.norm.cdf(deviate)
-    columns = [value_at(scene, name, probability[:, k]) for k, name in enumerate(names)]
-    return np.stack(columns, axis=-1) if columns else probability
 
 
 def problem(scene: Scene) -> dict[str, Any]:

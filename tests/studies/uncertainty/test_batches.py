@@ -19,6 +19,7 @@ from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.uncertain import UNCERTAIN, Distribution, is_same_for_batch
 from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import (
@@ -32,7 +33,6 @@ from bearingwear.studies.uncertainty.batches import (
 )
 from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
 from bearingwear.studies.uncertainty.indices import class_indices
-from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.quantiles import own_quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample
 

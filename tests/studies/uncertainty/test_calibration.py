@@ -18,10 +18,10 @@ from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
+from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.calibration import calibrated
 from bearingwear.studies.uncertainty.calibration_tests import bearing_tests
-from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.quantiles import own_quantiles
 
 SPREAD = {

@@ -18,9 +18,9 @@ from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
+from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.indices import indices
-from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.quantiles import own_quantiles, quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample, sample_part
 

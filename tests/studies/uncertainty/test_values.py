@@ -13,10 +13,11 @@ from bearingwear.cli import main
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
+from bearingwear.studies.distributions import value_at
+from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.sampling import Sampling
-from bearingwear.studies.uncertainty.perturbed import perturbed
 from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene
-from bearingwear.studies.uncertainty.sample import sample, value_at
+from bearingwear.studies.uncertainty.sample import sample
 
 SPREAD = {"distribution": "lognormal", "factor": 1.3}
 GOES_WITH = SPREAD | {"friction_correlation": 0.6}
