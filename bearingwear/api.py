@@ -31,6 +31,7 @@ from bearingwear.studies.export import to_ross
 from bearingwear.studies.sweep import sweep
 
 __all__ = [
+    "cage",
     "calibrate",
     "example",
     "life",
@@ -146,6 +147,53 @@ def life(
     from bearingwear.lives.life import life as lived
 
     return _made(lived(checked, fidelity, progress), checked)
+
+
+def cage(
+    scene: Source,
+    runs: int = 200,
+    within: float = 0.1,
+    seed: int = 1,
+    life: bool = False,
+    workers: int = 1,
+    path: str | os.PathLike[str] | None = None,
+) -> xr.Dataset:
+    """Motions of a scene's cage and what they wear, by an ensemble of runs: `bearingwear cage`.
+
+    Parameters
+    ----------
+    scene : path, dict or Scene
+        With a cage. What is drawn stands under `uncertainty` and `cage_uncertainty`.
+    runs : int
+        At the most.
+    within : float
+        Half of the 90 % interval of the mean work in a turn, over it, at which no more are run.
+    seed : int
+    life : bool
+        Whether to follow the cage's wear to its end, by ensembles along the way.
+    workers : int
+        Processes; they change nothing but the time.
+    path : path, optional
+        File to write, from which a killed call goes on.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `run`, what each has; `share` of each motion; `mean_*` over all runs and over those of
+        a motion (`group`), with intervals; of a life, `life`, `hours` and `node_*`.
+
+    Raises
+    ------
+    SceneError
+        A ValueError of one line.
+    """
+    from bearingwear.scene.checking import record
+    from bearingwear.studies.cage.found import cage_found
+    from bearingwear.studies.cage.plan import Ensemble
+
+    plan = record(Ensemble, {"runs": runs, "within": within, "seed": seed}, "cage")
+    file = None if path is None else Path(path)
+    return labelled(cage_found(as_scene(scene), plan, life, workers, path=file))
 
 
 def calibrate(scene: Source, tests: str | Path, workers: int = 1) -> Calibration:

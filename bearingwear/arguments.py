@@ -72,6 +72,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_calibrate(
         command("calibrate", "fit friction and wear coefficients to tests; write a scene of them")
     )
+    _add_cage(command("cage", "count a cage's motions and what they wear, by an ensemble of runs"))
     recommend = command("recommend", "recommend a preload by each method, within limits")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
@@ -104,6 +105,35 @@ def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
         help="the scene to write; a file .nc beside it holds before and after",
     )
     _add_formats(calibrate)
+
+
+def _add_cage(cage: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(cage)
+    cage.add_argument("--runs", type=int, metavar="N", help="most runs; default 200")
+    cage.add_argument(
+        "--within",
+        type=_share,
+        metavar="SHARE",
+        help="half of the 90 %% interval of the mean work, over it, at which no more are run; "
+        "default 0.1",
+    )
+    cage.add_argument("--seed", type=int, metavar="N", help="of what is drawn; default 1")
+    cage.add_argument(
+        "--turns",
+        dest="most_turns",
+        type=int,
+        metavar="N",
+        help="shaft turns at which a run ends that has not settled; default 150",
+    )
+    cage.add_argument(
+        "--life",
+        action="store_true",
+        help="follow the cage's wear to its end, by ensembles that are written beside the file",
+    )
+    cage.add_argument(
+        "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
+    )
+    _add_formats(cage).add_argument("--quiet", action="store_true", help="print nothing")
 
 
 def _add_step(step: argparse.ArgumentParser) -> None:

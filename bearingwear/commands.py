@@ -158,6 +158,33 @@ def uncertainty(args: argparse.Namespace) -> int:
     return OK
 
 
+def cage(args: argparse.Namespace) -> int:
+    scene = _scene(args)
+    from bearingwear.scene.checking import record
+    from bearingwear.studies.cage.found import cage_found
+    from bearingwear.studies.cage.plan import Ensemble
+    from bearingwear.studies.sampling import usable_cores
+
+    names = ("runs", "within", "seed", "most_turns")
+    given = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
+    plan = record(Ensemble, given, "cage")
+    _tell_of_new_folder(args.output)
+
+    def tell(text: str) -> None:
+        _tell(f"{args.scene}: {text}")
+
+    found = cage_found(scene, plan, args.life, usable_cores(), tell, args.output)
+    if not args.quiet:
+        from bearingwear.document.show import sheet
+        from bearingwear.studies import registry
+
+        _print_sheet(sheet(args.output, registry("SHEETS")), args)
+    if (found["status"] == 0).any():
+        return OK
+    sys.stderr.write(one_line(f"{args.scene}: no run of the cage could be solved"))
+    return NOT_SOLVED
+
+
 def calibrate(args: argparse.Namespace) -> int:
     from bearingwear.scene.read import load_scene
     from bearingwear.studies.sampling import usable_cores

@@ -1,6 +1,6 @@
 """How a cage moves, by the tolerance of a step: `python benchmarks/cage_motions.py`.
 
-First a whirl of gyro_s1's weightless cage, started as `whirling` in the study of cages: power and
+First a whirl of gyro_s1's weightless cage, which starts close to its land, going round: power and
 rate over fifteen turns. Then how long the cage hangs on its balls where the shaft lies, from the
 usual start and from starts a nanometre apart: a whirl has begun where normal force times slip in
 the pockets stays above 15 mW for four turns; a cage that hangs has 3 to 5 mW. Two minutes.
@@ -12,7 +12,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.scene.variant import variant
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of
-from bearingwear.studies.cage.run import start_state
+from bearingwear.studies.cage.run import CageStart, placed
 
 SCENE = "config/scenes/gyro_s1.yaml"
 GRAVITY = {"operation.gravity_m_s2": [0.0, 0.0, -9.81]}
@@ -23,10 +23,8 @@ WHIRL, LASTING = 15e-3, 4  # [W], turns
 def whirl(friction: float, tolerance: float) -> tuple[float, float]:
     """Power in the pockets [W] and whirl over the shaft's rate, over turns 15 to 30."""
     scene = variant(SCENE, {"friction.cage": friction})
-    state = start_state(scene, "whirling")
-    assert state is not None
     system = DynamicSystem.of(scene, start_of(scene).u)
-    system.unpack(state["state"], state["time"])
+    placed(system, CageStart(offset=0.95, whirl=0.6875, lag=0.0))
     assert system.advance(15 * system.turn, tolerance).status == OK
     pockets = slice(system.layout.pockets, system.layout.land)
     before, place = system.y[pockets].sum(), []

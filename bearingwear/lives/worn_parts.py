@@ -23,6 +23,16 @@ class WornLayout:
         self.size = 3 * n + 4
 
 
+def cage_surfaces(scene: Scene) -> tuple[float, float]:
+    """Area of the wall of one pocket, and of the guiding surface of a cage [m2]."""
+    cage, MM = scene.cage, parameters.MM
+    assert cage is not None
+    r_i, r_o = 0.5 * cage.inner_diameter_mm * MM, 0.5 * cage.outer_diameter_mm * MM
+    pocket = (scene.bearing.ball_diameter_mm + cage.pocket_clearance_mm) * MM
+    guiding = r_i if cage.guiding_race == "inner" else r_o
+    return math.pi * pocket * (r_o - r_i), 2.0 * math.pi * guiding * cage.width_mm * MM
+
+
 class WornParts:
     """Wear of the balls, grooves and cage of a scene.
 
@@ -60,11 +70,7 @@ class WornParts:
         cage, p = self.scene.cage, self.layout
         if cage is None:
             return math.nan, math.nan
-        D0, MM = self.scene.bearing.ball_diameter_mm * parameters.MM, parameters.MM
-        r_i, r_o = 0.5 * cage.inner_diameter_mm * MM, 0.5 * cage.outer_diameter_mm * MM
-        wall = math.pi * (D0 + cage.pocket_clearance_mm * MM) * (r_o - r_i)
-        guiding = r_i if cage.guiding_race == "inner" else r_o
-        surface = 2.0 * math.pi * guiding * cage.width_mm * MM
+        MM, (wall, surface) = parameters.MM, cage_surfaces(self.scene)
         pocket = 2.0 * worn[p.pocket].mean() / (cage.worn_share * wall)
         land = 2.0 * worn[p.land] / (cage.worn_share * surface)
         ball = (self.fresh + worn[p.diameter]).max()

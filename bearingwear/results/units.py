@@ -30,6 +30,7 @@ SCALES: dict[str, tuple[_Scale, ...]] = {
     "%/turn": (_Scale("%/turn", 100.0),),
     "1": (_Scale("", 1.0),),
     "Hz": (_Scale("Hz", 1.0),),
+    "J": (_Scale("uJ", 1e6), _Scale("mJ", 1e3), _Scale("J", 1.0)),
     "N m": (_Scale("uN m", 1e6), _Scale("mN m", 1e3), _Scale("N m", 1.0)),
     "N m rad-1": (_Scale("N m/rad", 1.0),),
     "N m-1": (_Scale("N/um", 1e-6),),
@@ -148,7 +149,7 @@ def span(values: Iterable[float]) -> str:
 
 def in_print(unit: str) -> str:
     """A unit with its proper characters, in one piece: `N/um` as `N/µm`."""
-    text = re.sub(r"u(?=[mNs])", "µ", unit).replace("m3", "m³").replace("degree", "°")
+    text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("m3", "m³").replace("degree", "°")
     return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 

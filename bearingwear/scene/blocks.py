@@ -121,6 +121,10 @@ class Material:
     )
 
 
+GUIDES = ("outer", "inner", "ball")
+"""What may guide a cage."""
+
+
 @keyed
 class Cage:
     """A cage with cylindrical radial pockets."""
@@ -128,7 +132,7 @@ class Cage:
     material: str = setting("Material of the cage", pattern=NAME, allowed=MATERIAL)
     guiding_race: str = setting(
         "What guides the cage, the land of a race or the balls",
-        choices=("outer", "inner", "ball"),
+        choices=GUIDES,
         default="outer",
     )
     restitution: float = setting(
@@ -154,10 +158,15 @@ class Cage:
     )
     worn_share: float = setting(
         "Share of pocket walls and guiding surface over which wear spreads evenly, assumed,"
-        " dynamic life only",
+        " lives of cages only",
         "1",
         "[0.001, 1]",
         default=1.0,
+    )
+    film: Film | None = setting(
+        "A solid film on the walls of the pockets and the guiding surface, seen by `bearingwear "
+        "cage` alone, none if left out",
+        default=None,
     )
 
 

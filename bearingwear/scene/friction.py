@@ -20,10 +20,14 @@ class Film:
 
     thickness_um: float = setting("Thickness of the film when new", "um", _THICKNESS)
     wear_coefficient: float | None = setting(
-        "Wear coefficient of the film, that of friction.film if left out", "1", _SHARE, default=None
+        "Wear coefficient of the film, that of friction.film if left out (of a cage, its own)",
+        "1",
+        _SHARE,
+        default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of friction.film, or of what lies below, if left out",
+        "Hardness of the film, that of friction.film, or of what lies below, if left out (of a "
+        "cage, its own)",
         "GPa",
         "[0.001, 100]",
         default=None,

@@ -34,6 +34,7 @@ from bearingwear.scene.records import NAME, Part, keyed, part_at, setting, whole
 from bearingwear.scene.uncertain import (
     PARAMETERS,
     UNCERTAIN,
+    UNCERTAIN_CAGE,
     WORN,
     Distribution,
     check_uncertainty,
@@ -125,6 +126,13 @@ class Scene:
         each="Distribution of one value of the scene",
         default=None,
     )
+    cage_uncertainty: Mapping[str, Distribution] | None = setting(
+        "Distributions of values of the cage for `bearingwear cage`, which assumes some if this is "
+        "left out (none at {})",
+        names=tuple(UNCERTAIN_CAGE),
+        each="Distribution of one value of the cage",
+        default=None,
+    )
     calibrated: Calibrated | None = setting(
         "By which tests `bearingwear calibrate` found friction and wear coefficients", default=None
     )
@@ -135,8 +143,9 @@ class Scene:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "materials", MappingProxyType(dict(self.materials)))
-        if self.uncertainty is not None:
-            object.__setattr__(self, "uncertainty", MappingProxyType(dict(self.uncertainty)))
+        for name in ("uncertainty", "cage_uncertainty"):
+            if (given := getattr(self, name)) is not None:
+                object.__setattr__(self, name, MappingProxyType(dict(given)))
         _check_materials(self)
         _check_balls(self)
         _check_rings(self)
@@ -185,7 +194,7 @@ class Scene:
         """The scene without its cage, and without the limits of its wear."""
         end = self.wear.end_of_life
         wear = replace(self.wear, end_of_life=end and end.without_cage)
-        return replace(self, cage=None, wear=wear)
+        return replace(self, cage=None, cage_uncertainty=None, wear=wear)
 
     def with_(self, changes: Mapping[str, Any]) -> Scene:
         """The scene with some of its values replaced, checked anew.

@@ -29,6 +29,18 @@ UNCERTAIN = {
 """Keys of a scene that may be uncertain, and the block each stands in. `wear_scatter` is no key:
 the wear of a bearing over that of its batch, 1 for the bearing that the scene describes."""
 
+UNCERTAIN_CAGE = {
+    "cage": "friction",
+    "pocket_clearance_mm": "cage",
+    "guide_clearance_mm": "cage",
+    "imbalance_um": "cage",
+    "gravity_angle_deg": "",
+    "wear_coefficient": "",
+}
+"""Values of a cage that may be uncertain, as `UNCERTAIN`. `gravity_angle_deg` is that between
+gravity and the shaft, in a random direction about it; `wear_coefficient` that of the cage, or of
+its film. Lives of bearings do not see them."""
+
 SAME_FOR_BATCH = (
     "brinell_hardness_GPa",
     "wear_coefficient",
@@ -161,28 +173,37 @@ def check_uncertainty(scene: Scene) -> None:
             raise SceneError(
                 f"{key}.distribution", f"got {given.distribution}, expected lognormal", (key,)
             )
-        needs, takes = PARAMETERS[given.distribution]
-        for part in _PARAMETER_NAMES:
-            value = getattr(given, part)
-            if value is None and part in needs:
-                raise SceneError(
-                    f"{key}.{part}",
-                    f"got nothing; the distribution {given.distribution} needs it",
-                    (key,),
-                )
-            if value is not None and part not in needs + takes:
-                raise SceneError(
-                    f"{key}.{part}",
-                    f"got {value:g} with the distribution {given.distribution}, "
-                    f"expected {', '.join(needs + takes)}",
-                    (key,),
-                )
-        if given.low is not None and given.high is not None and given.low >= given.high:
-            raise SceneError(
-                f"{key}.high", f"got {given.high:g}, expected a number > {given.low:g}", (key,)
-            )
+        _check_parameters(key, given)
         if given.friction_correlation is not None:
             _check_correlation(scene, name, given.friction_correlation)
+    for name, given in (scene.cage_uncertainty or {}).items():
+        if scene.cage is None:
+            raise SceneError(f"cage_uncertainty.{name}", "got it without a cage", ("cage",))
+        _check_parameters(f"cage_uncertainty.{name}", given)
+
+
+def _check_parameters(key: str, given: Distribution) -> None:
+    """Refuse a distribution that lacks a parameter, or has one too many."""
+    needs, takes = PARAMETERS[given.distribution]
+    for part in _PARAMETER_NAMES:
+        value = getattr(given, part)
+        if value is None and part in needs:
+            raise SceneError(
+                f"{key}.{part}",
+                f"got nothing; the distribution {given.distribution} needs it",
+                (key,),
+            )
+        if value is not None and part not in needs + takes:
+            raise SceneError(
+                f"{key}.{part}",
+                f"got {value:g} with the distribution {given.distribution}, "
+                f"expected {', '.join(needs + takes)}",
+                (key,),
+            )
+    if given.low is not None and given.high is not None and given.low >= given.high:
+        raise SceneError(
+            f"{key}.high", f"got {given.high:g}, expected a number > {given.low:g}", (key,)
+        )
 
 
 def _check_correlation(scene: Scene, name: str, value: float) -> None:

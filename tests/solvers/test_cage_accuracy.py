@@ -5,7 +5,7 @@ import pytest
 from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.system import DynamicSystem
 from bearingwear.solvers.start import start_of
-from bearingwear.studies.cage.run import start_state
+from bearingwear.studies.cage.run import CageStart, placed
 
 STATED = 0.1  # error of the wear of a cage with one motion
 FINE = 1e-4  # tolerance of a reference: 1e-5 gives 0.2 % less (benchmarks/cage_motions.py)
@@ -18,9 +18,8 @@ def pocket_power(scene):
 
     def found(changes):
         whirling = scene("gyro_s1", {"friction.cage": 0.05} | changes)
-        start = start_state(whirling, "whirling")
         system = DynamicSystem.of(whirling, start_of(whirling).u)
-        system.unpack(start["state"], start["time"])
+        placed(system, CageStart(offset=0.95, whirl=0.6875, lag=0.0))
         pockets = slice(system.layout.pockets, system.layout.land)
         tolerance, work = whirling.model.dynamic_tolerance, []
         for _ in range(2):

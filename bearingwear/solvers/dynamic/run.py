@@ -21,7 +21,7 @@ from bearingwear.solvers.effects.motion import is_found_periodic
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import Start, start_of
 
-_LARGEST_RESIDUAL = 1e-6  # of the contact load; the solver leaves less
+LARGEST_UNBALANCED = 1e-6  # of the contact load; the solver leaves less
 LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verified run
 TIGHTEST_RUN = 1e-9  # no run is tightened further from here
 MOSTLY_LONGEST = 4.0  # times the fewest steps: with fewer the longest is shortened as well
@@ -167,13 +167,13 @@ def run_of(
         values |= histories(scene, run.recorder.history, run.done)
     values |= {"final_state": final_state, "final_time": system.time}
     residual, account = values["equilibrium_residual"], values["energy_account_error"]
-    if residual <= _LARGEST_RESIDUAL and abs(account) <= LARGEST_ACCOUNT:
+    if residual <= LARGEST_UNBALANCED and abs(account) <= LARGEST_ACCOUNT:
         values |= dynamic_error_estimates(scene, run, start, slow, last.turns, motion)
     else:
         values["status"] = system.diagnose(code.UNVERIFIED)
     attrs |= {
         "residual": (
-            f"normal balance {residual:.1e} of the contact load, allowed {_LARGEST_RESIDUAL:.0e}; "
+            f"normal balance {residual:.1e} of the contact load, allowed {LARGEST_UNBALANCED:.0e}; "
             f"energy account {account:.1e} of the heat, allowed {LARGEST_ACCOUNT:.0e}"
         ),
         "settled": settled_sentence(last) if motion is None else periodic_sentence(motion, last),

@@ -36,6 +36,7 @@ FAR_FROM_LAND = 200.0  # turns: a cage that drifts to its land more slowly count
 RIDING = 0.02  # of its clearance: a cage that comes so close on the mean rides on its land
 FEWEST_OF_TREND = 3  # turns, or passings of a periodic motion
 _SIGNIFICANT = 3.0  # standard errors of a slope
+TREND_OF_TORQUE = 5  # column of `Trend`: the shaft's torque, summed over the instants of a turn
 SHORT = 16  # turns of the run for each that is run again
 RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ in cost
 

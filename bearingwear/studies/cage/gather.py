@@ -1,4 +1,4 @@
-"""Gathers the motions of all cages of a map."""
+"""Gathers the ensembles of all cages of a map."""
 
 from __future__ import annotations
 
@@ -7,24 +7,43 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from bearingwear.results.netcdf import load
 from bearingwear.results.variable import Variable
+from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.variant import variant
 from bearingwear.studies.cage.plan import CagePlan
-from bearingwear.studies.dataset import coordinate, stacked
+from bearingwear.studies.dataset import attrs, coordinate, stacked
 
-CAGE_AXES = (
-    Variable("cage_friction", ("cage_friction",), "1", "Coulomb coefficient of pockets and land"),
-    Variable("pocket_clearance", ("pocket_clearance",), "m", "diametral clearance of the pockets"),
-    Variable("guide_clearance", ("guide_clearance",), "m", "diametral clearance of the land"),
-    Variable("gravity", ("gravity",), "m s-2", "gravity across the shaft"),
-)
+MAP_KIND = "cage map"
+
+CAGE_AXES = {
+    "gravity_m_s2": (Variable("gravity", ("gravity",), "m s-2", "gravity across the shaft"), 1.0),
+    "guiding_race": (
+        Variable("guide", ("guide",), "", "what guides the cage", "i1", flags=GUIDES),
+        None,
+    ),
+    "imbalance_um": (Variable("imbalance", ("imbalance",), "m", "imbalance of the cage"), 1e-6),
+    "pocket_clearance_mm": (
+        Variable("pocket_clearance", ("pocket_clearance",), "m", "diametral pocket clearance"),
+        1e-3,
+    ),
+    "guide_clearance_mm": (
+        Variable("guide_clearance", ("guide_clearance",), "m", "diametral clearance of the land"),
+        1e-3,
+    ),
+    "cage_friction": (
+        Variable("cage_friction", ("cage_friction",), "1", "friction of pockets and land"),
+        1.0,
+    ),
+}
+"""Dimensions of a map and their factors to SI, by the axes of its plan; codes have none."""
 
 
-def gathered_motions(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]) -> xr.Dataset:
-    """Step: the motions of all cages, over friction, clearances, gravity and start.
+def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]) -> xr.Dataset:
+    """Step: the ensembles of all cages.
 
     Parameters
     ----------
@@ -37,20 +56,18 @@ def gathered_motions(scene: Path, paths: Sequence[Path], plan: Mapping[str, Any]
     """
     checked = CagePlan(**plan)
     parts = [load(path) for path in paths]
-    together = stacked(parts, checked.shape)
-    axes = (
-        checked.cage_friction,
-        [1e-3 * c for c in checked.pocket_clearance_mm],
-        [1e-3 * c for c in checked.guide_clearance_mm],
-        checked.gravity_m_s2,
-    )
-    for axis, values in zip(CAGE_AXES, axes, strict=True):
-        together = together.assign_coords(coordinate(axis, list(values)))
+    shape = {CAGE_AXES[name][0].name: len(values) for name, values in checked.axes.items()}
+    together = stacked(parts, shape, leave_out=("run", "value", "across"))
+    counts = np.reshape([part.sizes["run"] for part in parts], tuple(shape.values()))
+    together = together.assign(runs=(tuple(shape), counts, attrs("runs of the ensemble", "1")))
+    for name, given in checked.axes.items():
+        axis, factor = CAGE_AXES[name]
+        codes = [GUIDES.index(one) if factor is None else factor * one for one in given]
+        together = together.assign_coords(coordinate(axis, codes))
+    changed = variant(scene, checked.changes)
     together.attrs = dict(parts[0].attrs) | {
-        "title": "Motions of cages",
-        "kind": "cage_map",
-        "scene": json.dumps(variant(scene, checked.changes).to_dict()),
-        "turns": checked.turns,
-        "stretch_turns": checked.stretch_turns,
+        "title": f"Map of cages of {changed.name}",
+        "kind": MAP_KIND,
+        "scene": json.dumps(changed.to_dict()),
     }
     return together

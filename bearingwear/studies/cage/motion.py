@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-MOTIONS = ("floats", "hangs", "turns_with_the_balls", "whirls", "irregular")
-FLOATS, HANGS, WITH_BALLS, WHIRLS, IRREGULAR = range(len(MOTIONS))
+MOTIONS = ("floats", "hangs", "turns_with_the_balls", "whirls", "irregular", "jams")
+FLOATS, HANGS, WITH_BALLS, WHIRLS, IRREGULAR, JAMS = range(len(MOTIONS))
 
 ONE_SIDED = 0.5
 """Mean place over the root mean square of the distance from which on a cage hangs."""
@@ -62,8 +63,8 @@ def path_of(place: np.ndarray, turns: float, power: float, ball_ratio: float) ->
     return CagePath(centre, offset, scatter, whirl, motion)
 
 
-def begins(motions: list[int]) -> int:
-    """From which stretch on the motion is the last one."""
-    return len(motions) - next(
-        (k for k, motion in enumerate(reversed(motions)) if motion != motions[-1]), len(motions)
-    )
+def is_drifting(values: Sequence[float], allowed: float) -> bool:
+    """Whether successive values rise, or fall, all the way by more than a share of the last."""
+    steps = np.diff(values)
+    one_way = bool((steps > 0.0).all() or (steps < 0.0).all())
+    return one_way and abs(values[-1] - values[0]) > allowed * abs(values[-1])

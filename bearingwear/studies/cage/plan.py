@@ -1,4 +1,4 @@
-"""The cages that the study solves: config/cage.yaml, checked.
+"""The cages that the study maps: config/cage.yaml, checked; and the size of an ensemble.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any, NamedTuple
 
+from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import NAME, keyed, setting
 from bearingwear.scene.variant import variant
@@ -16,35 +18,77 @@ from bearingwear.studies.axis import RisingAxis, check_rising
 
 CAGE_FILE = "config/cage.yaml"
 
-CAGE_STARTS = ("below", "leaning", "whirling")
-"""Where a cage starts: half a clearance below the axis and at rest, as a solve does; at 95 % of its
-clearance and going round with the balls; there, and going round at the mean rate of balls and
-shaft."""
+STRETCH = 10
+"""Shaft turns over which a motion is named."""
+
+FEWEST = 20
+"""Runs of an ensemble before it may stop."""
+
+
+@keyed
+class Ensemble:
+    """Runs of one cage, each with a draw of its own."""
+
+    runs: int = setting("Most runs", minimum=FEWEST, default=200)
+    within: float = setting(
+        "Half of the 90 % interval of the work in a turn, over its mean, at which no more are run",
+        "1",
+        "(0, 1)",
+        default=0.1,
+    )
+    seed: int = setting("Seed of the draws", minimum=0, default=1)
+    least_turns: int = setting(
+        f"Shaft turns of a run at the least, a multiple of {STRETCH}", "1", minimum=30, default=30
+    )
+    most_turns: int = setting(
+        "Shaft turns at which a run ends that has not settled", "1", minimum=30, default=150
+    )
+
+    worn_um: tuple[float, float] = setting(
+        "Depth worn off the walls of the pockets and off the guiding surface",
+        "um",
+        minimum=0,
+        default=(0.0, 0.0),
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("least_turns", "most_turns"):
+            if (turns := getattr(self, name)) % STRETCH:
+                raise SceneError(name, f"got {turns}, expected a multiple of {STRETCH}")
+        if self.least_turns > self.most_turns:
+            raise SceneError(
+                "most_turns", f"got {self.most_turns}, expected at least {self.least_turns}"
+            )
 
 
 class CagePoint(NamedTuple):
-    """A cage of the map."""
+    """A cage of the map, by the names of `CagePlan`."""
 
-    friction: float
+    gravity_m_s2: float
+    guiding_race: str
+    imbalance_um: float
     pocket_clearance_mm: float
     guide_clearance_mm: float
-    gravity_m_s2: float
+    cage_friction: float
 
     @property
     def name(self) -> str:
         return (
-            f"mu{self.friction:g}-pocket{self.pocket_clearance_mm:g}"
-            f"-guide{self.guide_clearance_mm:g}-g{self.gravity_m_s2:g}"
+            f"g{self.gravity_m_s2:g}-{self.guiding_race}-imbalance{self.imbalance_um:g}"
+            f"-pocket{self.pocket_clearance_mm:g}-guide{self.guide_clearance_mm:g}"
+            f"-mu{self.cage_friction:g}"
         )
 
     @property
     def changes(self) -> dict[str, Any]:
         """Keys of a scene that make it this cage."""
         return {
-            "friction.cage": self.friction,
+            "operation.gravity_m_s2": [0.0, 0.0, -self.gravity_m_s2],
+            "cage.guiding_race": self.guiding_race,
+            "cage.imbalance_um": self.imbalance_um,
             "cage.pocket_clearance_mm": self.pocket_clearance_mm,
             "cage.guide_clearance_mm": self.guide_clearance_mm,
-            "operation.gravity_m_s2": [0.0, 0.0, -self.gravity_m_s2],
+            "friction.cage": self.cage_friction,
         }
 
 
@@ -56,75 +100,47 @@ class CagePlan:
     changes: Mapping[str, Any] = setting(
         "Keys of the scene to set", name="set", default_factory=dict
     )
-    cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
-    pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
-    guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")
     gravity_m_s2: tuple[float, ...] = setting(
         "Weights, gravity along -Z", "m/s2", minimum=0, least=1
     )
-    starts: tuple[str, ...] = setting(
-        "Where the cage starts", choices=CAGE_STARTS, least=1, default=CAGE_STARTS
+    guiding_race: tuple[str, ...] = setting(
+        "What guides the cage", choices=GUIDES, least=1, default=("outer",)
     )
-    turns: int = setting("Shaft turns of a run", "1", minimum=6, default=150)
-    stretch_turns: int = setting(
-        "Shaft turns over which a motion is told, a divisor of turns", "1", minimum=3, default=10
+    imbalance_um: tuple[float, ...] = setting(
+        "Distances of the centre of mass", "um", minimum=0, least=1, default=(0.0,)
     )
-    evaluated_stretches: int = setting(
-        "Stretches at the end over which wear and whirl are averaged", "1", minimum=1, default=5
-    )
+    pocket_clearance_mm: RisingAxis = setting("Diametral clearances of the pockets", "mm")
+    guide_clearance_mm: RisingAxis = setting("Diametral clearances of the land", "mm")
+    cage_friction: RisingAxis = setting("Coulomb coefficients of pockets and land", "1")
+    ensemble: Ensemble = setting("The ensemble of each", default_factory=Ensemble)
 
     def __post_init__(self) -> None:
-        try:
-            check_rising(self.gravity_m_s2)
-        except ValueError as error:
-            raise SceneError("gravity_m_s2", str(error)) from None
-        if self.turns % self.stretch_turns:
-            raise SceneError(
-                "stretch_turns", f"got {self.stretch_turns}, expected a divisor of {self.turns}"
-            )
-        most = self.turns // self.stretch_turns
-        if self.evaluated_stretches > most:
-            raise SceneError(
-                "evaluated_stretches", f"got {self.evaluated_stretches}, expected at most {most}"
-            )
+        for name in ("gravity_m_s2", "imbalance_um"):
+            try:
+                check_rising(getattr(self, name))
+            except ValueError as error:
+                raise SceneError(name, str(error)) from None
 
     @property
     def scene_file(self) -> str:
         return f"config/scenes/{self.scene}.yaml"
 
     @property
-    def shape(self) -> dict[str, int]:
-        """Lengths of the map's dimensions, in the order of `points`."""
-        return {
-            "cage_friction": len(self.cage_friction),
-            "pocket_clearance": len(self.pocket_clearance_mm),
-            "guide_clearance": len(self.guide_clearance_mm),
-            "gravity": len(self.gravity_m_s2),
-        }
+    def axes(self) -> dict[str, tuple[Any, ...]]:
+        """Values along the map's dimensions, in the order of `points`."""
+        return {name: getattr(self, name) for name in CagePoint._fields}
 
     @property
     def points(self) -> dict[str, CagePoint]:
         """The cages of the map by their names."""
-        grid = itertools.product(
-            self.cage_friction, self.pocket_clearance_mm, self.guide_clearance_mm, self.gravity_m_s2
-        )
+        grid = itertools.product(*self.axes.values())
         return {point.name: point for point in itertools.starmap(CagePoint, grid)}
-
-    def changes_at(self, point: CagePoint) -> dict[str, Any]:
-        """Keys of the scene that a run of this cage sets."""
-        return {
-            **self.changes,
-            **point.changes,
-            "model.simulated_turns": self.turns,
-            "model.evaluated_turns": self.stretch_turns * self.evaluated_stretches,
-        }
 
     def settings_at(self, point: CagePoint) -> dict[str, Any]:
         """What decides the runs of a cage besides the scene."""
         return {
-            "changes": self.changes_at(point),
-            "starts": list(self.starts),
-            "stretch_turns": self.stretch_turns,
+            "changes": {**self.changes, **point.changes},
+            "ensemble": asdict(self.ensemble),
         }
 
     def check_scenes(self) -> None:
@@ -137,7 +153,7 @@ class CagePlan:
         """
         for name, point in self.points.items():
             try:
-                variant(self.scene_file, self.changes_at(point))
+                variant(self.scene_file, self.settings_at(point)["changes"])
             except ValueError as error:
                 what = str(error).removeprefix("--set ")
                 raise ValueError(f"{CAGE_FILE}: {name}: {what}") from None

@@ -1,148 +1,210 @@
-"""Solves a cage from several starts, and names its motions."""
+"""One run of a cage from a start, as long as its motion needs to settle."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+import math
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
+from bearingwear.kernels.dynamic.record import POSITION
 from bearingwear.kernels.layout import CENTRE, MOMENTUM, OMEGA, VELOCITY
-from bearingwear.kernels.status import OK
+from bearingwear.kernels.status import CAGE_JAMMED, OK, UNVERIFIED
 from bearingwear.results.variable import STATUS, Variable, table
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.variant import variant
-from bearingwear.solvers.dynamic.run import solve_dynamic
-from bearingwear.solvers.dynamic.system import DynamicSystem
-from bearingwear.solvers.dynamic.windows import wear_per_joule
+from bearingwear.solvers.dynamic.errors import TIGHTER
+from bearingwear.solvers.dynamic.outputs import window_values
+from bearingwear.solvers.dynamic.run import LARGEST_ACCOUNT, LARGEST_UNBALANCED, TIGHTEST_RUN
+from bearingwear.solvers.dynamic.system import CAGE_LAG, DynamicSystem
+from bearingwear.solvers.dynamic.windows import TREND_OF_TORQUE, TimeRun
+from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import start_of
-from bearingwear.studies.cage.motion import MOTIONS, CagePath, begins, path_of
-from bearingwear.studies.cage.plan import CAGE_STARTS
-from bearingwear.studies.dataset import filled
+from bearingwear.studies.cage.motion import JAMS, MOTIONS, CagePath, is_drifting, path_of
+from bearingwear.studies.cage.plan import STRETCH
 
-START_FROM = Variable("start", ("start",), "", "where the cage starts", "i1", flags=CAGE_STARTS)
 ACROSS = Variable("across", ("across",), "", "direction across the shaft", "i1", flags=("Y", "Z"))
 
 CAGE_RUN = table(
     STATUS,
-    Variable("motion", (), "", "motion of the cage at the end", "i1", flags=MOTIONS),
-    Variable("begins", (), "1", "shaft turns from which that motion lasts"),
-    Variable("motions", ("stretch",), "", "motion of each stretch", "i1", flags=MOTIONS),
+    Variable("motion", (), "", "motion of the cage", "i1", flags=MOTIONS),
+    Variable("work", (), "J", "normal force times slip at the cage in a shaft turn"),
+    Variable("pocket_work", (), "J", "normal force times slip in all pockets in a shaft turn"),
+    Variable("land_work", (), "J", "normal force times slip at the guiding land in a shaft turn"),
+    Variable("pocket_force", (), "N", "normal force of a ball and its pocket, mean"),
+    Variable("pocket_force_99", (), "N", "normal force of a ball and its pocket, 99 %"),
+    Variable("land_force", (), "N", "normal force of cage and land, mean"),
+    Variable("land_force_99", (), "N", "normal force of cage and land, 99 %"),
+    Variable("shaft_torque", (), "N m", "torque of the shaft, mean"),
+    Variable("torque_noise", (), "N m", "standard deviation of its means over a shaft turn"),
     Variable("whirl_ratio", (), "1",
         "turns of the cage's centre round the axis for a turn of the shaft"),
     Variable("ball_ratio", (), "1", "orbit rate of the balls over the rate of the shaft"),
-    Variable("centre", ACROSS.dims, "m", "mean place of the cage's centre"),
     Variable("offset", (), "m", "mean distance of the cage's centre from the axis"),
     Variable("offset_scatter", (), "m", "standard deviation of that distance"),
-    Variable("pocket_power", (), "W", "normal force times slip in all pockets"),
-    Variable("land_power", (), "W", "normal force times slip at the guiding land"),
-    Variable("cage_wear_rate", (), "m3 s-1", "wear rate of the cage in its pockets"),
-    Variable("cage_land_wear_rate", (), "m3 s-1", "wear rate of the cage at its land"),
+    Variable("centre", ACROSS.dims, "m", "mean place of the cage's centre"),
+    Variable("turns", (), "1", "shaft turns simulated"),
     Variable("energy_account_error", (), "1", "energy missing, over the heat"),
 )  # fmt: skip
-"""What is kept of a run: over its evaluated turns, unless another stretch is named."""
+"""What is kept of a run: of its last stretches, where no other is named."""
 
-CLOSE = 0.95  # of the clearance, where a cage starts that goes round
+EVALUATED = 2
+"""Stretches at the end of a run over which it is averaged."""
+
+ALIKE = 3
+"""Stretches at the end of a settled run that have one motion and do not drift."""
+
+DRIFT_OF_WORK, DRIFT_OF_PLACE = 0.05, 5e-3
+"""Relative drifts over these stretches up to which a run has settled. A cage that nears its land
+drifts by 0.03 of its place in ten turns, one that whirls scatters by 0.002."""
+
 POINTS = 20  # instants a turn
-_SETTINGS = {
-    "model.fidelity": "dynamic",
-    "model.cage_results": True,
-    "model.history_points_per_turn": POINTS,
-    "model.settled_drift": 1e-9,  # a motion may last for a hundred turns and yet end
-}
 
 
-def start_state(scene: Scene, start: str) -> dict[str, Any] | None:
-    """What a run of a scene goes on from; nothing for the start that a solve has itself."""
-    if start == CAGE_STARTS[0]:
-        return None
-    system = DynamicSystem.of(scene, start_of(scene).u)
+class CageStart(NamedTuple):
+    """Where a cage starts: its centre, and how that goes round."""
+
+    offset: float = 0.5  # from the axis, over the clearance
+    angle: float = -0.5 * math.pi  # from Y towards Z; below the axis
+    whirl: float = 0.0  # turns round the axis for a turn of the shaft
+    lag: float = CAGE_LAG  # share by which the cage turns slower than the balls
+
+
+def placed(system: DynamicSystem, start: CageStart) -> None:
+    """Put a system's cage at a start."""
     cage, z, omega = system.bearing.cage, system.cage_state, system.balls[:, OMEGA].mean()
     race = system.buffers.balls.delta if cage.land == INNER_LAND else np.zeros(3)
     room = cage.clearance if cage.land == NO_LAND else min(cage.clearance, cage.gap)
-    rate = omega if start == CAGE_STARTS[1] else 0.5 * (omega + system.bearing.op.omega_i)
-    z[CENTRE + 1] = race[1]
-    z[CENTRE + 2] = race[2] - CLOSE * room + cage.imbalance
-    z[VELOCITY + 1] = rate * CLOSE * room
-    z[MOMENTUM : MOMENTUM + 3] = cage.I_x * omega, 0.0, 0.0
-    return {"state": system.packed(), "time": 0.0}
+    outward = np.array([math.cos(start.angle), math.sin(start.angle)])
+    radius, rate = start.offset * room, start.whirl * 2.0 * math.pi / system.turn
+    z[CENTRE + 1 : CENTRE + 3] = race[1:] + radius * outward + np.array([0.0, cage.imbalance])
+    z[VELOCITY + 1 : VELOCITY + 3] = rate * radius * np.array([-outward[1], outward[0]])
+    z[MOMENTUM : MOMENTUM + 3] = cage.I_x * (1.0 - start.lag) * omega, 0.0, 0.0
 
 
-def run_from(scene: Scene, start: str, stretch_turns: int) -> dict[str, Any]:
-    """Values of `CAGE_RUN` of one start."""
-    values, _ = solve_dynamic(scene, start_state(scene, start))
-    if values["status"] != OK:
-        return {"status": values["status"]}
-    assert scene.cage is not None
-    place = np.asarray(values["history_cage_position"], dtype=float)
-    if scene.cage.guiding_race == "inner":
-        place = place - values["history_race_displacement"]
-    across = place[:, 1] + 1j * place[:, 2]
-    per_joule = wear_per_joule(scene, scene.cage.material)
-    pockets, land = (
-        np.asarray(values[f"history_cage_{part}_wear_rate"]) / per_joule
-        for part in ("pocket", "land")
-    )
-    shaft = np.pi / 30.0 * scene.operation.shaft_speed_rpm
-    ball_ratio = float(np.mean(values["orbit_speed"])) / shaft
-
-    def path(first: int, last: int) -> CagePath:
-        power = float((pockets + land)[first:last].mean())
-        return path_of(across[first:last], 1.0 / POINTS, power, ball_ratio)
-
-    size = stretch_turns * POINTS
-    motions = [path(k, k + size).motion for k in range(0, across.size, size)]
-    evaluated = across.size - round(scene.model.averaged_turns * POINTS)
-    whole, first = path(evaluated, across.size), begins(motions)
-    return {
-        "status": OK,
-        "motion": motions[-1],
-        "begins": float(stretch_turns * first),
-        "motions": motions,
-        "whirl_ratio": whole.whirl,
-        "ball_ratio": ball_ratio,
-        "centre": [whole.centre.real, whole.centre.imag],
-        "offset": whole.offset,
-        "offset_scatter": whole.scatter,
-        "pocket_power": pockets[evaluated:].mean(),
-        "land_power": land[evaluated:].mean(),
-        "cage_wear_rate": values["cage_wear_rate"],
-        "cage_land_wear_rate": values["cage_land_wear_rate"],
-        "energy_account_error": values["energy_account_error"],
-    }
-
-
-def motions_from_starts(
-    scene: Path, changes: Mapping[str, Any], starts: Sequence[str], stretch_turns: int
-) -> xr.Dataset:
-    """Step: what the cage of a scene does from several starts.
+def cage_run(scene: Scene, start: CageStart, least_turns: int, most_turns: int) -> dict[str, Any]:
+    """Values of `CAGE_RUN` of one start; a run whose energy account stays open is repeated.
 
     Parameters
     ----------
-    scene : path
-    changes : mapping
-        Keys of the scene to set, the turns of a run among them.
-    starts : sequence of str
-        Of `CAGE_STARTS`.
-    stretch_turns : int
-        Shaft turns over which a motion is told.
+    scene : Scene
+        Solved with its cage, at the temperatures that it has.
+    least_turns, most_turns : int
+        Shaft turns, multiples of `STRETCH`.
     """
-    solved = variant(scene, {**changes, **_SETTINGS})
-    rows = [run_from(solved, start, stretch_turns) for start in starts]
-    for start, row in zip(starts, rows, strict=True):
-        if row["status"] != OK:
-            sys.stderr.write(f"{scene}: the run that starts {start} was not solved\n")
-    stretches = round(solved.model.simulated_turns) // stretch_turns
-    codes = [CAGE_STARTS.index(start) for start in starts]
-    return filled(
-        CAGE_RUN,
-        {START_FROM: codes, ACROSS: None, "stretch": stretches},
-        rows,
-        title="Motions of a cage",
-        kind="cage",
-        scene=solved,
+    model = replace(
+        scene.model,
+        history_points_per_turn=POINTS,
+        simulated_turns=float(most_turns),
+        evaluated_turns=float(STRETCH),
     )
+    scene, tolerance = replace(scene, model=model), scene.model.dynamic_tolerance
+    while True:
+        row = _run(scene, start, least_turns, tolerance)
+        if row["status"] != UNVERIFIED or tolerance < TIGHTEST_RUN:
+            return row
+        tolerance /= TIGHTER
+
+
+def _run(scene: Scene, start: CageStart, least_turns: int, tolerance: float) -> dict[str, Any]:
+    system = DynamicSystem.of(scene, start_of(scene).u)
+    placed(system, start)
+    begun = system.packed(), system.time
+    status = system.diagnose(system.update())
+    if status != OK:
+        return _stopped(status)
+    with Interrupt() as interrupt:
+        run = TimeRun(scene, system, None, tolerance)
+        system.unpack(*begun)  # what compiles first has moved it
+        found: list[_Stretch] = []
+        for length in run.grid.windows:
+            status = run.window(length, interrupt)
+            if status != OK:
+                return _stopped(system.diagnose(status))
+            found.append(_stretch(run, length))
+            if run.turns >= least_turns and _is_settled(found):
+                break
+    values = window_values(scene, run)
+    account = values["energy_account_error"]
+    verified = values["equilibrium_residual"] <= LARGEST_UNBALANCED
+    if not (verified and abs(account) <= LARGEST_ACCOUNT):
+        return {"status": UNVERIFIED, "energy_account_error": account}
+    return _evaluated(run, found) | {"energy_account_error": account}
+
+
+def _stopped(status: int) -> dict[str, Any]:
+    jams = {"motion": JAMS} if status == CAGE_JAMMED else {}
+    return {"status": int(status)} | jams
+
+
+class _Stretch(NamedTuple):
+    """A stretch of a run."""
+
+    path: CagePath
+    work: float  # in pockets and at the land in a turn [J]
+    torques: np.ndarray  # sums over its turns of 1, torque and its square
+
+
+def _stretch(run: TimeRun, length: int) -> _Stretch:
+    last = slice(run.done - length, run.done)
+    trend, history = run.trend, run.recorder.history
+    torques = np.array(
+        [trend.sums[0], trend.values[0, TREND_OF_TORQUE], trend.values[2, TREND_OF_TORQUE]]
+    )
+    torques /= (1.0, POINTS, POINTS**2)  # a turn's value is the sum over its instants
+    power = float(history.pocket_power[last].sum(axis=1).mean() + history.land_power[last].mean())
+    return _Stretch(_path(run, last, power), power * run.system.turn, torques)
+
+
+def _path(run: TimeRun, part: slice, power: float) -> CagePath:
+    system, history = run.system, run.recorder.history
+    place = history.cage[part, POSITION + 1 : POSITION + 3].astype(float)
+    if system.bearing.cage.land == INNER_LAND:
+        place -= history.displacement[part, 1:]
+    return path_of(place[:, 0] + 1j * place[:, 1], 1.0 / POINTS, power, _ball_ratio(system))
+
+
+def _ball_ratio(system: DynamicSystem) -> float:
+    return float(system.balls[:, OMEGA].mean()) * system.turn / (2.0 * math.pi)
+
+
+def _is_settled(found: list[_Stretch]) -> bool:
+    """Whether the last stretches have one motion, and neither work nor place drift."""
+    last = found[-ALIKE:]
+    return (
+        len(last) == ALIKE
+        and len({one.path.motion for one in last}) == 1
+        and not is_drifting([one.work for one in last], DRIFT_OF_WORK)
+        and not is_drifting([one.path.offset for one in last], DRIFT_OF_PLACE)
+    )
+
+
+def _evaluated(run: TimeRun, found: list[_Stretch]) -> dict[str, Any]:
+    history, turn = run.recorder.history, run.system.turn
+    last = slice(run.done - EVALUATED * STRETCH * POINTS, run.done)
+    pockets = float(history.pocket_power[last].sum(axis=1).mean())
+    land = float(history.land_power[last].mean())
+    path = _path(run, last, pockets + land)
+    count, total, squares = np.sum([one.torques for one in found[-EVALUATED:]], axis=0)
+    torque = total / count
+    force, at_land = history.force[last, :-2], history.force[last, -2:].sum(axis=1)
+    return {
+        "status": OK,
+        "motion": path.motion,
+        "work": (pockets + land) * turn,
+        "pocket_work": pockets * turn,
+        "land_work": land * turn,
+        "pocket_force": float(force.mean()),
+        "pocket_force_99": float(np.quantile(force, 0.99)),
+        "land_force": float(at_land.mean()),
+        "land_force_99": float(np.quantile(at_land, 0.99)),
+        "shaft_torque": float(torque),
+        "torque_noise": math.sqrt(max(squares / count - torque**2, 0.0) * count / (count - 1.0)),
+        "whirl_ratio": path.whirl,
+        "ball_ratio": _ball_ratio(run.system),
+        "offset": path.offset,
+        "offset_scatter": path.scatter,
+        "centre": [path.centre.real, path.centre.imag],
+        "turns": run.turns,
+    }

@@ -1,4 +1,4 @@
-"""The study of a cage: which motion it takes, how fast it whirls, and what it wears.
+"""The study of a cage: which motions it takes and how often, what it wears, which cage to take.
 
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
@@ -13,8 +13,15 @@ from bearingwear.scene.checking import read_record
 from bearingwear.studies.cage.plan import CAGE_FILE, CagePlan
 from bearingwear.studies.protocol import Study, figure_step, step, table_step
 
-PLOTS = {"cage_map": "bearingwear.studies.cage.figures:whirl_and_wear"}
-"""What `bearingwear plot` draws of the kinds of files that this study makes."""
+SHEETS = {"cage ensemble": "bearingwear.studies.cage.show:ensemble_sheet"}
+PLOTS = {
+    "cage ensemble": "bearingwear.studies.cage.show:ensemble_figure",
+    "cage map": "bearingwear.studies.cage.figures:shares_and_work",
+}
+"""What `bearingwear show` and `plot` make of the kinds of files that this study makes."""
+
+_A_RUN = 0.4
+"""Seconds."""
 
 
 def study(config: Mapping[str, Any]) -> Study:
@@ -23,23 +30,23 @@ def study(config: Mapping[str, Any]) -> Study:
 
 
 def study_of_cages(plan: CagePlan) -> Study:
-    """A map of cages, each from several starts; its figure and table."""
+    """A map of cages, each an ensemble; its figure and table."""
     return Study(
         "cage",
         plan,
         step(
             "run",
             "points/{point}.nc",
-            "run.motions_from_starts",
+            "ensemble.cage_ensemble",
             plan.points,
             scene=plan.scene_file,
             settings=plan.settings_at,
-            seconds=3.0 * len(plan.starts),
+            seconds=_A_RUN * plan.ensemble.runs,
         ),
         step(
             "gather",
             "cage.nc",
-            "gather.gathered_motions",
+            "gather.gathered_ensembles",
             scene=plan.scene_file,
             paths="points/{point}.nc",
             settings={"plan": asdict(plan)},

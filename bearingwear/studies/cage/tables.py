@@ -1,85 +1,76 @@
-"""The table of a map of cages."""
+"""The table of a map of cages, and what it says."""
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
-from bearingwear.document.data import flag_names
-from bearingwear.document.markdown import markdown_table
-from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.markdown import as_markdown
 from bearingwear.results.units import digits, display
-from bearingwear.studies.cage.figures import cage_message
-from bearingwear.studies.cage.motion import MOTIONS
+from bearingwear.scene.blocks import GUIDES
+from bearingwear.studies.cage.advice import mapped_wear, quiet_region, recommended_cage
+from bearingwear.studies.cage.gather import CAGE_AXES
+from bearingwear.studies.cage.show import name_of, shares_in_words, within
 from bearingwear.studies.dataset import loaded
-
-MICROMETRES, WEAR, OF_MEAN = display("m"), display("m3 s-1"), display("1", shown="%")
 
 
 def cage_table(motions: Path) -> str:
-    """Step: every cage from every start, as Markdown."""
-    found = loaded(motions, cage_friction=(), start=())
-    every = found.stack(
-        cage=("gravity", "pocket_clearance", "guide_clearance", "cage_friction"), create_index=False
-    )
-    rows = [
-        row
-        for k in range(every.sizes["cage"])
-        for row in _rows(every.isel(cage=k), flag_names(found["start"]))
+    """Step: every cage of a map, as Markdown."""
+    return as_markdown(cage_document(loaded(motions, cage_friction=(), gravity=())))
+
+
+def cage_document(motions: xr.Dataset) -> Document:
+    """The recommended_cage, the quiet region, and a line for each cage of a map."""
+    axes = [axis.name for axis, _ in CAGE_AXES.values()]
+    every = [
+        motions.isel(dict(zip(axes, index, strict=True)))
+        for index in itertools.product(*(range(motions.sizes[axis]) for axis in axes))
     ]
-    stretch = found.attrs["stretch_turns"]
-    text = [
-        "# Motions of a cage",
-        f"{cage_message(found)}.",
-        markdown_table(
-            "gravity (m/s²) | clearance of pockets, land (mm) | friction | start | motion | from "
-            f"turn | whirl over shaft | centre Y, Z ({MICROMETRES.printed}) | "
-            f"{MICROMETRES.label('off the axis')} | pockets (mW) | land (mW) | "
-            f"{WEAR.label('wear of pockets')} | {WEAR.label('of the land')} | "
-            f"{OF_MEAN.label('wear over the mean of the starts')}",
-            rows,
+    work = [display("J", motions[f"mean_{name}_work"].values[..., 0]) for name in _WORK]
+    wear, rates = display("m3 s-1"), mapped_wear(motions)
+    noise = display("N m", motions["mean_torque_noise"].values[..., 0])
+
+    def column(label: str, texts: list[str], unit: str = "") -> Row:
+        return Row(label, unit, tuple(texts))
+
+    def means(name: str, unit: object) -> list[str]:
+        return [
+            within(float(one[f"mean_{name}"][0]), one[f"mean_{name}_interval"].values[0], unit)
+            for one in every
+        ]
+
+    rows = (
+        column("gravity", [f"{float(one['gravity']):g}" for one in every], "m/s2"),
+        column("guided by", [GUIDES[int(one["guide"])] for one in every]),
+        column("imbalance", [digits(1e6 * float(one["imbalance"])) for one in every], "um"),
+        column("pockets", [digits(1e3 * float(one["pocket_clearance"])) for one in every], "mm"),
+        column("land", [digits(1e3 * float(one["guide_clearance"])) for one in every], "mm"),
+        column("friction", [digits(float(one["cage_friction"])) for one in every]),
+        column("motions", [shares_in_words(one["share"].values) or "none" for one in every]),
+        column("runs", [f"{int(one['runs'])}" for one in every]),
+        *(
+            column(f"work, {name}s" if name == "pocket" else "work, land",
+                means(f"{name}_work", unit), unit.unit)
+            for name, unit in zip(_WORK, work, strict=True)
         ),
-        f"{found.attrs['turns']} turns each; the motion is named for every {stretch} turns, and "
-        "all else is the mean over the evaluated turns at the end. The balls orbit at "
-        f"{digits(float(found['ball_ratio'].mean()))} of the shaft's rate. Power: normal force "
-        "times slip. Where starts end in one motion the last column says how well wear is "
-        "reproduced.",
-    ]
-    return "\n\n".join(text) + "\n"
+        *(
+            column(f"wear, {'pockets' if name == 'pocket' else 'land'}",
+                [wear.text(value) for value in rates[name].values.ravel()], wear.unit)
+            for name in _WORK
+        ),
+        column("torque noise", means("torque_noise", noise), noise.unit),
+    )  # fmt: skip
+    lines = (
+        "Work: normal force times slip in a shaft turn, mean and its 90 % interval. Wear follows "
+        "by K_s/H of the cage's material.",
+    )
+    heading = (f"{name_of(motions.attrs)}: motions of its cage", f"{recommended_cage(motions)}.")
+    facts = {"kind": "cage map", "scene": name_of(motions.attrs)}
+    block = Block("", (), rows, (f"{quiet_region(motions)}.", *lines), axes=len(axes))
+    return Document(heading, facts, (block,))
 
 
-def _rows(cage: xr.Dataset, starts: list[str]) -> list[list[str]]:
-    clearances = [digits(1e3 * float(cage[f"{name}_clearance"])) for name in ("pocket", "guide")]
-    head = [
-        f"{float(cage['gravity']):g}",
-        ", ".join(clearances),
-        f"{float(cage['cage_friction']):g}",
-    ]
-    wear = (cage["cage_wear_rate"] + cage["cage_land_wear_rate"]).values
-    mean = np.nanmean(wear) if np.isfinite(wear).any() else np.nan
-    return [
-        [*head, in_words(start), *_run(cage.isel(start=s), wear[s] / mean if mean else np.nan)]
-        for s, start in enumerate(starts)
-    ]
-
-
-def _run(run: xr.Dataset, share: float) -> list[str]:
-    status = int(run["status"])
-    if status != OK:
-        return [in_words(STATUS_NAMES[status]), *["–"] * 9]
-    y, z = (MICROMETRES.text(value) for value in run["centre"].values)
-    return [
-        in_words(MOTIONS[int(run["motion"])]),
-        digits(float(run["begins"])),
-        digits(float(run["whirl_ratio"])),
-        f"{y}, {z}",
-        MICROMETRES.text(run["offset"]),
-        digits(1e3 * float(run["pocket_power"])),
-        digits(1e3 * float(run["land_power"])),
-        WEAR.text(run["cage_wear_rate"]),
-        WEAR.text(run["cage_land_wear_rate"]),
-        OF_MEAN.text(share),
-    ]
+_WORK = ("pocket", "land")

@@ -1,7 +1,6 @@
-"""The study of a cage: its plan, how motions are told, and a small map from end to end."""
+"""The study of a cage: its plan, how motions are named, and what a map says."""
 
 import json
-import re
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -10,20 +9,21 @@ from support import ROOT, with_value
 
 from bearingwear.plotting.drawing import save
 from bearingwear.scene.checking import read_record
-from bearingwear.studies.cage.figures import cage_figure, cage_message, whirl_and_wear
-from bearingwear.studies.cage.gather import gathered_motions
+from bearingwear.scene.variant import variant
+from bearingwear.studies.cage import ensemble
+from bearingwear.studies.cage.advice import cage_message, designs, quiet_region, recommended_cage
+from bearingwear.studies.cage.figures import cage_figure
+from bearingwear.studies.cage.gather import gathered_ensembles
 from bearingwear.studies.cage.motion import (
     FLOATS,
     HANGS,
     IRREGULAR,
-    MOTIONS,
     WHIRLS,
     WITH_BALLS,
-    begins,
+    is_drifting,
     path_of,
 )
-from bearingwear.studies.cage.plan import CAGE_STARTS, CagePlan
-from bearingwear.studies.cage.run import motions_from_starts
+from bearingwear.studies.cage.plan import CagePlan
 from bearingwear.studies.cage.study import study_of_cages
 from bearingwear.studies.cage.tables import cage_table
 from bearingwear.studies.dataset import write_dataset
@@ -36,11 +36,11 @@ def test_plan_of_the_project(monkeypatch):
     monkeypatch.chdir(ROOT)
     plan = read_record(CagePlan, PLAN_FILE)
     plan.check_scenes()
-    assert len(plan.points) == np.prod(list(plan.shape.values()))
+    assert len(plan.points) == np.prod([len(axis) for axis in plan.axes.values()])
     study = study_of_cages(plan)
-    settings = study.steps[0].given({"point": list(plan.points)[-1]})
-    assert settings["changes"]["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan.gravity_m_s2)]
-    assert settings["changes"]["friction.cage"] == max(plan.cage_friction)
+    changes = study.steps[0].given({"point": list(plan.points)[-1]})["changes"]
+    assert changes["operation.gravity_m_s2"] == [0.0, 0.0, -max(plan.gravity_m_s2)]
+    assert changes["friction.cage"] == max(plan.cage_friction)
     assert "results/cage/tables/cage.md" in study.targets()
 
 
@@ -50,9 +50,10 @@ def test_plan_of_the_project(monkeypatch):
         ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected rising"),
         ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: got 9.81, 0, expected rising"),
         ("gravity_m_s2", [-9.81], "gravity_m_s2"),
-        ("starts", ["nowhere"], "starts"),
-        ("stretch_turns", 7, "stretch_turns: got 7, expected a divisor of 150"),
-        ("evaluated_stretches", 16, "evaluated_stretches: got 16, expected at most 15"),
+        ("guiding_race", ["nothing"], "guiding_race"),
+        ("ensemble.runs", 10, "ensemble.runs: got 10, expected a whole number >= 20"),
+        ("ensemble.most_turns", 155, "most_turns: got 155, expected a multiple of 10"),
+        ("ensemble.least_turns", 200, "most_turns: got 150, expected at least 200"),
     ],
 )
 def test_a_bad_plan_takes_one_line(path, value, told, tmp_path):
@@ -105,96 +106,88 @@ def test_motions(place, power, motion, whirl, turned):
     assert found.offset == pytest.approx(1e-6 * np.abs(place).mean())
 
 
-def test_where_a_motion_begins():
-    assert begins([4, 3, 2, 2]) == 2
-    assert begins([2, 2, 2]) == 0
-    assert begins([2, 1]) == 1
+def test_what_drifts():
+    assert is_drifting([1.0, 1.02, 1.06], 0.05) and is_drifting([1.06, 1.02, 1.0], 0.05)
+    assert not is_drifting([1.0, 1.02, 1.04], 0.05) and not is_drifting([1.0, 1.2, 1.1], 0.05)
 
 
 # a map
 
 
-@pytest.fixture(scope="module")
-def small(tmp_path_factory):
-    """A map of four cages from one start each, and its plan."""
-    folder = tmp_path_factory.mktemp("cages")
+def run_by_friction(scene, start, least, most):
+    """A made-up run: a whirl that wears ever more from a friction of 0.05 on, else a quiet ride."""
+    mu, weight = scene.friction.cage, -scene.operation.gravity_m_s2[2]
+    whirls = mu >= 0.05
+    power = (20.0 * mu if whirls else 0.1) * (1.0 + 0.01 * start.offset) * (1.0 + 0.1 * weight)
+    row = {name: 1.0 for name in ensemble.MEANS}
+    return row | {
+        "status": 0,
+        "motion": WHIRLS if whirls else WITH_BALLS,
+        "work": 1e-4 * power,
+        "pocket_work": 0.75e-4 * power,
+        "land_work": 0.25e-4 * power,
+        "centre": [0.0, 0.0],
+    }
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """A map of six cages whose runs are made up, and its file."""
+    monkeypatch.setattr(ensemble, "cage_run", run_by_friction)
     plan = replace(
         read_record(CagePlan, PLAN_FILE),
-        cage_friction=(0.03, 0.1),
+        gravity_m_s2=(0.0, 9.81),
+        guiding_race=("outer",),
+        imbalance_um=(0.0,),
         guide_clearance_mm=(0.2,),
-        starts=("below", "whirling"),
-        turns=60,
-        stretch_turns=10,
-        evaluated_stretches=2,
+        cage_friction=(0.02, 0.05, 0.1),
     )
-    study, paths = study_of_cages(plan), []
-    scene = ROOT / plan.scene_file
+    study, scene, paths = study_of_cages(plan), ROOT / plan.scene_file, []
     for name in plan.points:
-        paths.append(folder / f"{name}.nc")
-        found = motions_from_starts(scene, **study.steps[0].given({"point": name}))
+        paths.append(tmp_path / f"{name}.nc")
+        found = ensemble.cage_ensemble(scene, **study.steps[0].given({"point": name}))
         write_dataset(found, paths[-1])
-    gathered = gathered_motions(scene, paths, json.loads(json.dumps(asdict(plan))))
-    write_dataset(gathered, folder / "cage.nc")
-    return folder / "cage.nc", gathered
+    gathered = gathered_ensembles(scene, paths, json.loads(json.dumps(asdict(plan))))
+    write_dataset(gathered, tmp_path / "cage.nc")
+    return tmp_path / "cage.nc", gathered
 
 
-def test_motions_of_gyro_s1(small):
-    """A whirl at 0.698 of the shaft's rate at a friction of 0.1, with and without weight, by both
-    integrators; a cage with a weight hangs on its balls, at a tenth of the wear."""
+def test_what_a_map_says(small):
+    """The quiet region and the recommended_cage are those of the made-up runs."""
     _, motions = small
-    cages = motions.isel(pocket_clearance=0, guide_clearance=0)
-    whirling = cages.sel(start=CAGE_STARTS.index("whirling"))
-    below = cages.sel(start=CAGE_STARTS.index("below"))
-    whirl = whirling.sel(cage_friction=0.1)
-    assert (whirl["motion"] == WHIRLS).all()
-    assert whirl["whirl_ratio"].values == pytest.approx(0.698, rel=5e-3)
-    hung = below.sel(cage_friction=0.03, gravity=9.81)
-    # a cage that hangs leaves its place now and then: most of the stretches
-    assert int((hung["motions"] == HANGS).sum()) >= 2
-    assert float(hung["centre"][1]) < -1e-5
-    went_round = whirling.sel(cage_friction=0.03, gravity=9.81)
-    assert float(hung["pocket_power"]) < 0.2 * float(went_round["pocket_power"])
+    works = [one.work for one in designs(motions)]
+    assert works == pytest.approx([0.1981e-4, 1.981e-4, 3.962e-4], rel=0.01)
+    assert quiet_region(motions).endswith("turn with the balls): friction 0.02")
+    said = recommended_cage(motions)
+    assert said.startswith("Take a friction of 0.02 (now 0.05): turns with the balls 100 %;")
+    assert "it wears 10 times less (10 to 10) than the cage as it is (whirls 100 %)" in said
+    assert cage_message(motions) == f"{said}. {quiet_region(motions)}"
+
+
+def test_what_cannot_be_improved_is_kept(small):
+    _, motions = small
+    less = motions.sel(cage_friction=[0.05, 0.1])
+    assert recommended_cage(less).startswith("Keep the cage as it is (whirls 100 %): no quieter")
+    assert quiet_region(less) == "No cage of the map is quiet at every gravity of the map"
+    failed = motions.map(lambda one: one * np.nan).assign_attrs(motions.attrs)
+    assert recommended_cage(failed) == "No cage of the map could be solved"
 
 
 def test_figure_and_table_of_a_map(small, tmp_path):
     path, motions = small
-    figure = cage_figure(path)
-    save(figure, [tmp_path / "cage.svg", tmp_path / "cage.png"])
+    save(cage_figure(path), [tmp_path / "cage.svg", tmp_path / "cage.png"])
     text = cage_table(path)
-    assert f"{cage_message(motions)}." in text
-    assert text.count("| 9.81 |") == text.count("| 0 | 0.15, 0.2 |") == 4
-    assert "nan" not in text
+    assert recommended_cage(motions) in text and quiet_region(motions) in text
+    assert text.count("turns with the balls 100 % | 20 |") == 2
+    assert text.count("whirls 100 % | 20 |") == 4 and "nan" not in text
 
 
-def test_the_branching_is_that_of_the_data(small):
-    """With every whirl taken away, or put everywhere, the sentence says so."""
-    _, motions = small
-    said = cage_message(motions)
-    for weight in ("weightless", "under 9.81 m/s²"):
-        assert re.search(
-            rf"{weight}, a whirl of 0\.(69\d|7) times the shaft's rate branches off", said
-        )
-    still = motions.assign(motion=motions["motion"] * 0 + WITH_BALLS)
-    assert cage_message(still).startswith("weightless, no cage whirls faster than the balls;")
-    everywhere = motions.assign(
-        motion=motions["motion"] * 0 + WHIRLS, whirl_ratio=motions["whirl_ratio"] * 0.0 + 0.9
-    )
-    told = cage_message(everywhere)
-    assert "a whirl of 0.9 times the shaft's rate branches off at 0.03 of friction" in told
-    assert "the only motion from 0.03 on" in told and "hang" not in told
-    failed = motions.assign(motion=motions["motion"] * np.nan)
-    assert "no cage whirls" in cage_message(failed)
-    whirl_and_wear(failed.assign(whirl_ratio=motions["whirl_ratio"] * np.nan))
-
-
-def test_what_was_not_solved_stays_empty(monkeypatch, tmp_path):
-    from bearingwear.studies.cage import run
-
-    monkeypatch.setattr(run, "solve_dynamic", lambda *_: ({"status": 5}, {}))
+def test_a_cage_of_the_map_is_that_of_its_scene(small):
+    """A point's file says which scene its runs solved."""
+    path, _ = small
     plan = read_record(CagePlan, PLAN_FILE)
-    given = study_of_cages(plan).steps[0].given({"point": next(iter(plan.points))})
-    found = motions_from_starts(ROOT / plan.scene_file, **given)
-    write_dataset(found, tmp_path / "point.nc")
-    assert (found["status"] == 5).all() and found["motion"].isnull().all()
-    assert set(found["start"].attrs["flag_meanings"].split()) == set(CAGE_STARTS)
-    assert found["motion"].attrs["flag_meanings"].split() == list(MOTIONS)
+    one = next(path.parent.glob("g9.81*-mu0.02.nc"))
+    scene = json.loads(ensemble.load(one).attrs["scene"])
+    changed = variant(ROOT / plan.scene_file, {"friction.cage": 0.02})
+    assert scene["friction"] == changed.to_dict()["friction"]
+    assert scene["operation"]["gravity_m_s2"] == [0.0, 0.0, -9.81]

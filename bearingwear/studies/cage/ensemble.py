@@ -1,0 +1,301 @@
+"""An ensemble of runs of one cage: which motions, how often, and what they wear.
+
+Theory: docs/theory/10-cage.md.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.stats import norm, t
+
+from bearingwear.atomic import write_text
+from bearingwear.kernels.status import BEYOND_GROOVE, OK
+from bearingwear.provenance import result_hash
+from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.quantiles import INTERVAL
+from bearingwear.results.variable import Variable, table
+from bearingwear.scene.scene import Scene, SceneError
+from bearingwear.scene.variant import variant
+from bearingwear.solvers.warm import warm_scene
+from bearingwear.studies.cage.draws import CageDraw, cage_drawn, cage_spread
+from bearingwear.studies.cage.motion import MOTIONS
+from bearingwear.studies.cage.plan import FEWEST, Ensemble
+from bearingwear.studies.cage.run import ACROSS, CAGE_RUN, cage_run
+from bearingwear.studies.dataset import filled
+from bearingwear.studies.pool import Tell, in_processes, told_in_lines
+
+RunRow = dict[str, Any]
+"""Values of `CAGE_RUN` of a run, and what it drew."""
+
+ENSEMBLE_KIND = "cage ensemble"
+
+OF_RUN = Variable("run", ("run",), "1", "number of the run", "i8")
+GROUP = Variable("group", ("group",), "", "runs that a mean is over", "i1", flags=("all", *MOTIONS))
+OF_MOTION = Variable("of_motion", ("of_motion",), "", "motion", "i1", flags=MOTIONS)
+END = Variable("end", ("end",), "", "end of an interval", "i1", flags=("low", "high"))
+
+MEANS = tuple(
+    name for name, one in CAGE_RUN.items() if not one.dims and one.units and not one.flags
+)
+"""Variables of a run whose means an ensemble has."""
+
+SUMMARY = table(
+    Variable("share", OF_MOTION.dims, "1", "share of the runs that end in a motion"),
+    Variable("share_interval", OF_MOTION.dims + END.dims, "1", "90 % interval of that share"),
+    *(
+        one
+        for name in MEANS
+        for one in (
+            Variable(f"mean_{name}", GROUP.dims, CAGE_RUN[name].units,
+                f"mean over the runs: {CAGE_RUN[name].long_name}"),
+            Variable(f"mean_{name}_interval", GROUP.dims + END.dims, CAGE_RUN[name].units,
+                f"90 % interval of mean_{name}"),
+        )
+    ),
+)  # fmt: skip
+"""What is found of an ensemble."""
+
+_CHECKED_EVERY = 10  # runs
+_SAME_RUNS = ("scene", "spread", "drawn_by", "run_sources")
+"""Attributes of ensembles whose runs are the same, as far as both have come."""
+
+
+def ensemble_scene(scene: Scene) -> Scene:
+    """A scene as its runs solve it: with the cage, at temperatures that are known.
+
+    Raises
+    ------
+    SceneError
+        It has no cage, or no temperatures at which its heat goes.
+    """
+    if scene.cage is None:
+        raise SceneError("cage", "got nothing, expected a cage")
+    solved = variant(scene, {"model.cage_results": True, "model.fidelity": "dynamic"})
+    warm = warm_scene(solved)
+    if warm.status != OK:
+        raise SceneError("thermal", f"got {warm.sentence}, expected temperatures that are found")
+    return warm.scene
+
+
+def work(rows: Sequence[RunRow]) -> np.ndarray:
+    """Work at the cage in a shaft turn, of each run that was solved [J]."""
+    return np.array([row["work"] for row in rows if "work" in row])
+
+
+def half_interval(values: np.ndarray) -> float:
+    """Half of the interval of the mean of independent values, by Student's t."""
+    n = len(values)
+    if n < 2:
+        return math.nan
+    return float(t.ppf(INTERVAL[1], n - 1) * values.std(ddof=1) / math.sqrt(n))
+
+
+def is_met(rows: Sequence[RunRow], plan: Ensemble) -> bool:
+    """Whether the interval of the mean work is as narrow as was asked for."""
+    values = work(rows)
+    known = len(values) >= FEWEST
+    return known and half_interval(values) <= plan.within * abs(float(values.mean()))
+
+
+def share_interval(count: int, of: int) -> tuple[float, float]:
+    """Wilson's interval of a share."""
+    z = float(norm.ppf(INTERVAL[1]))
+    p, weight = count / of, z * z / of
+    middle = (p + 0.5 * weight) / (1.0 + weight)
+    half = z * math.sqrt(p * (1.0 - p) / of + weight / (4.0 * of)) / (1.0 + weight)
+    return max(middle - half, 0.0), min(middle + half, 1.0)
+
+
+def summary(rows: Sequence[RunRow]) -> dict[str, Any]:
+    """Values of `SUMMARY` of runs."""
+    motions = np.array([row.get("motion", -1) for row in rows])
+    counts = [int((motions == code).sum()) for code in range(len(MOTIONS))]
+    named = max(sum(counts), 1)
+    found: dict[str, Any] = {
+        "share": [count / named for count in counts],
+        "share_interval": [share_interval(count, named) for count in counts],
+    }
+    groups = [np.ones(len(rows), bool), *(motions == code for code in range(len(MOTIONS)))]
+    for name in MEANS:
+        every = np.array([row.get(name, math.nan) for row in rows], dtype=float)
+        parts = [every[group & np.isfinite(every)] for group in groups]
+        means = [float(part.mean()) if part.size else math.nan for part in parts]
+        halves = [half_interval(part) for part in parts]
+        found[f"mean_{name}"] = means
+        found[f"mean_{name}_interval"] = [
+            (mean - half, mean + half) for mean, half in zip(means, halves, strict=True)
+        ]
+    return found
+
+
+class _Job(NamedTuple):
+    scene: Scene
+    spread: Mapping[str, Any]
+    plan: Ensemble
+    run: int
+
+
+def _done(job: _Job) -> RunRow:
+    """A run, and what it drew."""
+    draw: CageDraw = cage_drawn(job.scene, job.spread, job.plan, job.run)
+    row: RunRow = {"status": BEYOND_GROOVE}
+    if draw.scene is not None:
+        row = cage_run(draw.scene, draw.start, job.plan.least_turns, job.plan.most_turns)
+    return row | {"drawn": list(draw.values.values())}
+
+
+def ensemble_of(
+    scene: Scene,
+    plan: Ensemble,
+    workers: int = 1,
+    tell: Tell | None = None,
+    before: xr.Dataset | None = None,
+    journal: Path | None = None,
+) -> xr.Dataset:
+    """Runs of a scene's cage until the interval asked for is met, or all have been made.
+
+    Parameters
+    ----------
+    scene : Scene
+    plan : Ensemble
+    workers : int
+        Processes; they change nothing but the time.
+    tell : callable, optional
+        Given a line every few seconds.
+    before : Dataset, optional
+        An ensemble to go on from. That of another scene or plan is not used.
+    journal : path, optional
+        File that the ensemble will be written to, beside which runs are kept till then.
+
+    Raises
+    ------
+    SceneError
+        One line.
+    """
+    solved = ensemble_scene(scene)
+    spread, said = cage_spread(solved)
+    names = [*cage_drawn(solved, spread, plan, 0).values]
+    attributes = {
+        "title": f"Ensemble of cages of {scene.name}",
+        "kind": ENSEMBLE_KIND,
+        "scene": json.dumps(scene.to_dict()),
+        "ensemble": json.dumps(asdict(plan)),
+        "spread": json.dumps({name: asdict(one) for name, one in spread.items()}),
+        "assumed": said,
+        "drawn_by": json.dumps([plan.seed, plan.least_turns, plan.most_turns, plan.worn_um]),
+        "run_sources": result_hash("bearingwear.studies.cage.run"),
+    }
+
+    rows = _rows_of(before, attributes)
+    kept = None if journal is None else Journal(journal, attributes)
+    if kept is not None:
+        kept.read(rows)
+    jobs = [_Job(solved, spread, plan, k) for k in range(len(rows), plan.runs)]
+    made: Any = in_processes(_done, jobs, workers, "bearingwear.cage")
+    each = told_in_lines(made, len(jobs), "{} of at most {} runs", tell=tell) if tell else made
+    with contextlib.closing(made):
+        while not _is_enough(rows, plan) and (row := next(each, None)) is not None:
+            if kept is not None:
+                kept.add(len(rows), row)
+            rows.append(row)
+    return _dataset(rows[: plan.runs], names, attributes)
+
+
+def _is_enough(rows: Sequence[RunRow], plan: Ensemble) -> bool:
+    return len(rows) >= plan.runs or (len(rows) % _CHECKED_EVERY == 0 and is_met(rows, plan))
+
+
+def _dataset(
+    rows: Sequence[RunRow], names: Sequence[str], attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    plan = Ensemble(**json.loads(attributes["ensemble"]))
+    value = Variable("value", ("value",), "", "value that was drawn", "i1", flags=tuple(names))
+    drawn_values = Variable("drawn", ("value",), "", "drawn, in the unit of its key")
+    runs = CAGE_RUN | ({"drawn": drawn_values} if names else {})
+    kept = [{name: one[name] for name in runs if name in one} for one in rows]
+    axes: dict[Any, Any] = {OF_RUN: range(len(rows)), ACROSS: None}
+    made = filled(runs, axes | ({value: None} if names else {}), kept)
+    of_all = filled(SUMMARY, {OF_MOTION: None, GROUP: None, END: None}, [summary(rows)])
+    met = np.int64(len(rows) > 0 and is_met(rows, plan))
+    return xr.merge([made, of_all], combine_attrs="override").assign_attrs(attributes, met=met)
+
+
+def _rows_of(before: xr.Dataset | None, attributes: Mapping[str, Any]) -> list[RunRow]:
+    """The runs of an ensemble that was begun; none of another one."""
+    if before is None or any(before.attrs.get(k) != attributes[k] for k in _SAME_RUNS):
+        return []
+    names = [name for name in (*CAGE_RUN, "drawn") if name in before]
+    rows = []
+    for k in range(before.sizes["run"]):
+        values = {name: before[name].values[k] for name in names}
+        known = {name: value for name, value in values.items() if np.isfinite(value).all()}
+        rows.append({name: np.asarray(value).tolist() for name, value in known.items()})
+    return rows
+
+
+class Journal:
+    """Runs that are not in a file yet, a line each: what is killed loses none of them."""
+
+    def __init__(self, path: Path, attributes: Mapping[str, Any]) -> None:
+        self.path = path.with_name(f".{path.name}.runs")
+        self.head = json.dumps([attributes[key] for key in _SAME_RUNS])
+
+    def read(self, rows: list[RunRow]) -> None:
+        """Add the runs that follow some."""
+        lines = self.path.read_text(encoding="utf-8").split("\n") if self.path.is_file() else []
+        if lines[:1] != [self.head]:
+            write_text(self.path, f"{self.head}\n")
+            return
+        *whole, torn = lines[1:]  # the last one ends with a line break, if it is whole
+        for number, row in map(json.loads, whole):
+            if number == len(rows):
+                rows.append(row)
+        if torn:
+            write_text(self.path, "\n".join([self.head, *whole, ""]))
+
+    def add(self, number: int, row: RunRow) -> None:
+        with self.path.open("a", encoding="utf-8") as file:
+            file.write(f"{json.dumps([number, row])}\n")
+
+
+@contextlib.contextmanager
+def kept_in(
+    path: Path, scene: Scene, plan: Ensemble, workers: int = 1, tell: Tell | None = None
+) -> Iterator[xr.Dataset]:
+    """An ensemble that goes on from its file, or from where a run was killed.
+
+    Its runs are kept till the block has ended, which writes the file.
+    """
+    before = None
+    if path.is_file():
+        with contextlib.suppress(CaseFileError):
+            before = load(path)
+    found = ensemble_of(scene, plan, workers, tell, before, path)
+    yield found
+    Journal(path, found.attrs).path.unlink(missing_ok=True)
+
+
+def cage_ensemble(
+    scene: Path, changes: Mapping[str, Any], ensemble: Mapping[str, Any], workers: int = 1
+) -> xr.Dataset:
+    """Step: the ensemble of a scene with other values.
+
+    Parameters
+    ----------
+    scene : path
+    changes : mapping
+        Keys of the scene to set.
+    ensemble : mapping
+        `Ensemble` by its fields.
+    workers : int
+    """
+    return ensemble_of(variant(scene, changes), Ensemble(**ensemble), workers)

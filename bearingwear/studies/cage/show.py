@@ -1,0 +1,189 @@
+"""The sheet and the figure of an ensemble of cages, and of the life along it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.rows import values
+from bearingwear.kernels.status import OK, STATUS_NAMES
+from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
+from bearingwear.scene.blocks import CRITERIA
+from bearingwear.studies.cage.life import ENDS_OF_CAGE, WEARING
+from bearingwear.studies.cage.motion import JAMS, MOTIONS
+
+MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C0", "C1", "C4", "C3")))
+
+_ROWS = (
+    ("work", "work at the cage, a turn"),
+    ("pocket_work", "  in the pockets"),
+    ("land_work", "  at the land"),
+    ("pocket_force", "force of a pocket, mean"),
+    ("pocket_force_99", "force of a pocket, 99 %"),
+    ("land_force", "force of the land, mean"),
+    ("land_force_99", "force of the land, 99 %"),
+    ("shaft_torque", "torque of the shaft"),
+    ("torque_noise", "its noise, turn by turn"),
+    ("whirl_ratio", "whirl over the shaft"),
+)
+
+
+def shares_in_words(shares: Any) -> str:
+    """Motions with the share of the runs that end in each, the most frequent first."""
+    order = [int(k) for k in np.argsort(-np.asarray(shares), kind="stable") if shares[k] > 0.0]
+    return ", ".join(f"{in_words(MOTIONS[k])} {100.0 * shares[k]:.0f} %" for k in order)
+
+
+def ensemble_sheet(file: Any) -> Document:
+    """Motions of an ensemble, what they wear, and how long the cage lasts."""
+    scene, plan = json.loads(file.scene), json.loads(file.ensemble)
+    status = values(file, "status").astype(int)
+    share, runs = values(file, "share"), status.size
+    heading = [
+        f"{scene['name']}: cage, {runs} runs: {shares_in_words(share) or 'no motion'}",
+        f"90 % intervals; the work is {'known' if int(file.met) else 'not known'} to "
+        f"{100.0 * plan['within']:g} %{'' if int(file.met) else f' after {runs} runs'}",
+    ]
+    facts = {"kind": "cage ensemble", "scene": scene["name"], "runs": runs, "met": int(file.met)}
+    blocks = [_motions(file), _means(file), *_life(file)]
+    unsolved = [STATUS_NAMES[code] for code in status if code != OK]
+    lines = [file.assumed] if file.assumed else []
+    unnamed = sum(values(file, "motion")[status != OK] != JAMS)
+    if unsolved:
+        counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
+        text = ", ".join(f"{in_words(name)} {n}" for name, n in counted.items())
+        lines.append(f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no motion")
+    if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
+        lines.append("weightless: operation.gravity_m_s2 is 0")
+    return Document(tuple(heading), facts, (*blocks, Block("", lines=tuple(lines))))
+
+
+def _interval(file: Any, name: str, group: int, factor: float) -> Interval:
+    low, high = (factor * values(file, f"mean_{name}_interval")[group]).tolist()
+    return Interval(low, high)
+
+
+def _motions(file: Any) -> Block:
+    share, ends = values(file, "share"), values(file, "share_interval")
+    work = [values(file, f"mean_{name}") for name in ("pocket_work", "land_work")]
+    unit = display("J", *work)
+    rows = [
+        Row(
+            in_words(motion),
+            "",
+            (
+                f"{100.0 * share[k]:.0f} %",
+                Interval(*(100.0 * ends[k]).tolist()),
+                *(float(unit.of(one[k + 1])) for one in work),
+                float(values(file, "mean_whirl_ratio")[k + 1]),
+            ),
+            motion,
+        )
+        for k, motion in enumerate(MOTIONS)
+        if share[k] > 0.0
+    ]
+    columns = ("of runs", "between, %", f"pockets, {unit.unit}", f"land, {unit.unit}", "whirl")
+    return Block("motion", columns, tuple(rows))
+
+
+def _means(file: Any) -> Block:
+    rows = []
+    for name, label in _ROWS:
+        units = str(file[f"mean_{name}"].units)
+        mean = float(values(file, f"mean_{name}")[0])
+        unit = display(units, mean)
+        shown = (float(unit.of(mean)), _interval(file, name, 0, unit.factor))
+        rows.append(Row(label, unit.unit if unit.unit != "1" else "", shown, name))
+    return Block("all runs", ("mean", "interval"), tuple(rows))
+
+
+def _life(file: Any) -> Iterator[Block]:
+    """The life of the cage, if that was followed."""
+    if "cage_end" not in file.variables:
+        return
+    end = in_words(ENDS_OF_CAGE[int(values(file, "cage_end"))])
+    life, hours = float(values(file, "life")), float(values(file, "hours"))
+    rows = []
+    lines = ["no end was reached" if math.isnan(life) else f"ended by: {end}"]
+    if not math.isnan(life):
+        per_turn = hours / life
+        for name, label in (
+            ("life_interval", "by what is drawn"),
+            ("life_interval_with_wear", "and by K_s of the cage"),
+        ):
+            low, high = values(file, name).tolist()
+            shown = Interval(low, high), Interval(low * per_turn, high * per_turn)
+            rows.append(Row(f"  90 %, {label}", "", shown, name))
+        rows.insert(0, Row("life of the cage", "", (f"{life:.3g}", Rough(hours)), "life"))
+    for k, part in enumerate(WEARING):
+        gone = float(values(file, "film_gone")[k])
+        if not math.isnan(gone):
+            text = f"{gone:.3g} turns" if math.isfinite(gone) else "not before the end"
+            lines.append(f"film of the {part} gone: {text}")
+    low, high = values(file, "motion_changes").tolist()
+    lines.append(
+        "another motion prevails: not before the end"
+        if math.isnan(low)
+        else f"another motion prevails: after {low:.3g} to {high:.3g} turns"
+    )
+    if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
+        words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
+        lines.append(f"balls and races: {Rough(float(other)).text} h, ended by {words}")
+    yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
+
+
+def ensemble_figure(found: xr.Dataset) -> Figure:
+    """Work in pockets and at the land of every run, by its motion; along a life if there is one."""
+    lives = "node_turns" in found and found.sizes["node"] > 1
+    figure, panels = new_figure(1, 2 + lives, 3.6 * (2 + lives), 3.4)
+    motion = found["motion"].values
+    unit = display("J", found["pocket_work"].values, found["land_work"].values)
+    torque = display("N m", found["torque_noise"].values)
+    pairs = (("pocket_work", "land_work", unit, unit), ("offset", "torque_noise", None, torque))
+    for panel, (along, up, x_unit, y_unit) in zip(panels[0], pairs, strict=False):
+        x_unit = x_unit or display("m", found[along].values)
+        for code, colour in MOTION_COLOURS.items():
+            some = motion == code
+            panel.plot(
+                x_unit.of(found[along].values[some]), y_unit.of(found[up].values[some]),
+                "o", color=colour, markersize=4, fillstyle="none",
+            )  # fmt: skip
+        panel.set_xlabel(x_unit.label(in_words(along)))
+        panel.set_ylabel(y_unit.label(in_words(up)))
+    if lives:
+        _draw_life(panels[0, 2], found)
+    seen = [code for code in MOTION_COLOURS if (motion == code).any()]
+    handles = [
+        key(in_words(MOTIONS[code]), color=MOTION_COLOURS[code], linestyle="none", marker="o")
+        for code in seen
+    ]
+    frame(figure, f"{name_of(found.attrs)}: {shares_in_words(found['share'].values)}", handles, 4)
+    return figure
+
+
+def _draw_life(panel: Any, found: xr.Dataset) -> None:
+    turns = found["node_turns"].values
+    for k, (part, line) in enumerate(zip(WEARING, ("-", "--"), strict=True)):
+        depth = 1e6 * found["node_depth"].values[:, k]
+        panel.plot(turns, depth, line, color="black", marker=".", label=part)
+    panel.set_xlabel("shaft turns")
+    panel.set_ylabel("worn off the cage (µm)")
+    panel.legend()
+
+
+def name_of(attributes: Mapping[str, Any]) -> str:
+    """The name of the scene of a file."""
+    return str(json.loads(attributes["scene"])["name"])
+
+
+def within(mean: float, ends: Any, unit: Any) -> str:
+    """A mean and its interval in a unit."""
+    low, high = (digits(unit.of(float(end))) for end in ends)
+    return f"{digits(unit.of(mean))} ({low} to {high})"

@@ -1,0 +1,127 @@
+"""The life of a cage: closed forms, made-up ensembles, and what ends it."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from support import ROOT
+
+from bearingwear.lives.worn_parts import cage_surfaces
+from bearingwear.scene.scene import SceneError
+from bearingwear.scene.variant import variant
+from bearingwear.studies.cage.life import (
+    ENDS_OF_CAGE,
+    cage_life,
+    followed,
+    parts_of,
+    revolutions,
+)
+from bearingwear.studies.cage.motion import MOTIONS, WHIRLS, WITH_BALLS
+
+S1 = ROOT / "config/scenes/gyro_s1.yaml"
+FILM = {"cage.film": {"thickness_um": 10.0, "wear_coefficient": 1e-5, "brinell_hardness_GPa": 0.1}}
+FILM_K, CAGE_K = 1e-5 / 0.1e9, 1e-4 / 0.3e9  # m2/N
+WORK = np.array([2e-4, 5e-5])
+
+
+def made_up(work, motion=WITH_BALLS, error=0.1):
+    """An ensemble with that work in pockets and at the land [J]."""
+    share = np.zeros(len(MOTIONS))
+    share[motion] = 1.0
+    data = {"share": ("of_motion", share)}
+    for name, one in zip(("pocket", "land"), work, strict=True):
+        data[f"mean_{name}_work"] = ("group", np.full(1, one))
+        ends = one * np.array([[1.0 - error, 1.0 + error]])
+        data[f"mean_{name}_work_interval"] = (("group", "end"), ends)
+    return xr.Dataset(data)
+
+
+def life_of(changes, found=lambda number, depth: made_up(WORK)):
+    scene = variant(S1, changes)
+    return cage_life(scene, followed(scene, found), other=False), scene
+
+
+def test_the_example_of_a_handbook():
+    """6e-8 m3 by K_s/H 4e-15 m2/N and 0.033 N m a revolution: 4.5e8; the handbook prints 4.29e8."""
+    assert revolutions(6e-8, 4e-15, 0.033) == pytest.approx(4.545e8, rel=1e-3)
+    assert revolutions(6e-8, 4e-15, 0.033) / 4.29e8 == pytest.approx(1.06, abs=0.005)
+    assert revolutions(1.0, 1.0, 0.0) == math.inf
+
+
+def test_a_film_lasts_by_the_plain_ratio():
+    """Constant work: thickness times area over K_s/H and the work, of the part that is first."""
+    found, scene = life_of(FILM)
+    wall, surface = cage_surfaces(scene)
+    pockets, land = (
+        revolutions(10e-6 * area, FILM_K, work)
+        for area, work in zip((9 * wall, surface), WORK, strict=True)
+    )
+    assert float(found["life"]) == pytest.approx(min(pockets, land), rel=1e-9)
+    first = int(land < pockets)
+    assert ENDS_OF_CAGE[int(found["cage_end"])] == ("pocket_film", "land_film")[first]
+    assert float(found["film_gone"][first]) == pytest.approx(float(found["life"]))
+    assert float(found["hours"]) == pytest.approx(float(found["life"]) / 30000 / 60)
+    assert found["life_interval"].values == pytest.approx(float(found["life"]) * np.r_[0.9, 1.1])
+    wide = found["life_interval_with_wear"].values / float(found["life"])
+    assert wide == pytest.approx(np.r_[0.9, 1.1] / 3.0 ** (1.6449 * np.r_[1, -1]), rel=1e-3)
+
+
+def test_a_limit_lies_below_the_film():
+    """The land's limit: the film first, then the cage's own material."""
+    limit = {"wear.end_of_life": {"guide_clearance_mm": 0.3}}
+    found, scene = life_of(FILM | limit, lambda n, d: made_up((1e-9, 5e-5)))
+    _, surface = cage_surfaces(scene)
+    of_film = revolutions(10e-6 * surface, FILM_K, 5e-5)
+    below = revolutions(40e-6 * surface, CAGE_K, 5e-5)
+    assert float(found["life"]) == pytest.approx(of_film + below, rel=1e-9)
+    assert float(found["film_gone"][1]) == pytest.approx(of_film, rel=1e-9)
+    assert ENDS_OF_CAGE[int(found["cage_end"])] == "guide_clearance"
+
+
+def test_work_that_rises_as_the_clearance_opens():
+    """alpha = alpha_0 exp(d/L): the turns are an integral in closed form; the error of steps of
+    h = L/4 is h^2/6."""
+    limit = {"wear.end_of_life": {"guide_clearance_mm": 0.3}}
+    scale = 50e-6
+
+    def rising(number, depth):
+        return made_up((0.0, 5e-5 * math.exp(depth[1] / scale)))
+
+    found, scene = life_of(limit, rising)
+    _, surface = cage_surfaces(scene)
+    exact = surface * scale * (1.0 - math.exp(-50e-6 / scale)) / (CAGE_K * 5e-5)
+    assert float(found["life"]) == pytest.approx(exact * (1.0 - 0.25**2 / 6.0), rel=1e-3)
+    assert found.sizes["node"] == 5
+
+
+def test_another_motion_on_the_way():
+    limit = {"wear.end_of_life": {"guide_clearance_mm": 0.3}}
+
+    def changing(number, depth):
+        return made_up(WORK, WHIRLS if depth[1] > 20e-6 else WITH_BALLS)
+
+    found, _ = life_of(limit, changing)
+    low, high = found["motion_changes"].values
+    depths = np.interp([low, high], found["node_turns"], found["node_depth"][:, 1])
+    assert depths[0] < 20e-6 < depths[1]
+    same, _ = life_of(limit)
+    assert same["motion_changes"].isnull().all()
+
+
+def test_a_cage_that_does_not_wear_has_no_end():
+    found, _ = life_of(FILM, lambda n, d: made_up((0.0, 0.0)))
+    assert ENDS_OF_CAGE[int(found["cage_end"])] == "none" and found["life"].isnull()
+
+
+def test_balls_and_races_beside_it():
+    scene = variant(S1, FILM)
+    found = cage_life(scene, followed(scene, lambda n, d: made_up(WORK)))
+    assert float(found["other_hours"]) == pytest.approx(1.3265, rel=1e-3)
+
+
+def test_nothing_that_ends_it_is_refused():
+    with pytest.raises(SceneError, match="expected one that ends a cage's life"):
+        parts_of(variant(S1, {}))
+    with pytest.raises(SceneError, match="got 0.1, expected more than the cage has new, 0.2"):
+        parts_of(variant(S1, {"wear.end_of_life": {"guide_clearance_mm": 0.1}}))

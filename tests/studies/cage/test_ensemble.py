@@ -1,0 +1,251 @@
+"""An ensemble of cages: what is cage_drawn, intervals, going on, and the command."""
+
+import hashlib
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from support import ROOT
+
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.kernels.status import BEYOND_GROOVE, CAGE_JAMMED
+from bearingwear.scene.scene import SceneError
+from bearingwear.scene.variant import variant
+from bearingwear.studies.cage import ensemble
+from bearingwear.studies.cage.draws import CLOSE, cage_drawn, cage_spread
+from bearingwear.studies.cage.ensemble import Journal, ensemble_of, kept_in, share_interval
+from bearingwear.studies.cage.motion import JAMS, WHIRLS
+from bearingwear.studies.cage.plan import Ensemble
+from bearingwear.studies.cage.run import CageStart, cage_run
+from bearingwear.studies.dataset import write_dataset
+
+S1 = ROOT / "config/scenes/gyro_s1.yaml"
+NOTHING = {"uncertainty": None, "cage_uncertainty": {}}
+
+
+def noisy_run(scene, start, least, most):
+    """A made-up run: its work scatters by a third of its mean, 1."""
+    row = dict.fromkeys(ensemble.MEANS, 1.0)
+    spread = 1.0 + (start.whirl - 0.5) * 1.15
+    return row | {"status": 0, "motion": WHIRLS, "work": spread, "centre": [0.0, 0.0]}
+
+
+def test_draws_depend_on_seed_and_number_alone(scene):
+    s = scene("gyro_s1")
+    spread, said = cage_spread(s)
+    assert "friction by a factor of 1.2, clearances by 5 %" in said
+    plan = Ensemble(seed=3)
+    first, again, other = (cage_drawn(s, spread, plan, k) for k in (7, 7, 8))
+    assert first == again and first.values != other.values
+    assert "wear_coefficient" not in first.values and "preload_N" in first.values
+    assert first.scene.friction.cage == first.values["cage"]
+    assert first.scene.cage.guide_clearance_mm == first.values["guide_clearance_mm"]
+    starts = [cage_drawn(s, {}, plan, k).start for k in range(400)]
+    assert max(one.offset for one in starts) < CLOSE
+    # evenly over the disc
+    assert np.mean([one.offset**2 for one in starts]) == pytest.approx(0.5 * CLOSE**2, rel=0.1)
+
+
+def test_what_is_drawn_follows_its_distribution(scene):
+    given = {
+        "cage_uncertainty.cage": {"distribution": "uniform", "low": 0.02, "high": 0.06},
+        "cage_uncertainty.gravity_angle_deg": {
+            "distribution": "uniform", "low": 30.0, "high": 60.0,
+        },
+        "operation.gravity_m_s2": [0.0, 0.0, -9.81],
+    }  # fmt: skip
+    s = scene("gyro_s1", given)
+    spread, said = cage_spread(s)
+    assert not said
+    draws = [cage_drawn(s, spread, Ensemble(worn_um=(1.0, 2.0)), k).scene for k in range(300)]
+    mu = np.array([one.friction.cage for one in draws])
+    assert mu.min() > 0.02 and mu.max() < 0.06
+    assert mu.mean() == pytest.approx(0.04, abs=0.002)
+    gravity = np.array([one.operation.gravity_m_s2 for one in draws])
+    assert np.hypot(*gravity.T[1:]) ** 2 + gravity[:, 0] ** 2 == pytest.approx(9.81**2)
+    angle = np.degrees(np.arccos(gravity[:, 0] / 9.81))
+    assert angle.min() > 30.0 and angle.max() < 60.0
+    assert abs(gravity[:, 1:].mean()) < 1.0  # in every direction about the shaft
+    assert all(one.cage.guide_clearance_mm == pytest.approx(0.204) for one in draws)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"cage": None, "cage_uncertainty.cage.distribution": "normal"}, "standard_deviation"),
+        ({"cage_uncertainty.cage": {"distribution": "uniform", "low": 0.1}}, "high: got nothing"),
+        ({"cage_uncertainty.lubricant": {"distribution": "normal"}}, "lubricant"),
+    ],
+)
+def test_a_bad_spread_takes_one_line(changes, told):
+    with pytest.raises(SceneError) as error:
+        variant(S1, changes)
+    assert told in str(error.value) or "without a cage" in str(error.value)
+
+
+def test_the_mean_lies_in_its_interval_as_often_as_it_says(scene, monkeypatch):
+    """200 ensembles of made-up runs: 90 % of the intervals hold the true mean, to 2.5 sigma."""
+    monkeypatch.setattr(ensemble, "cage_run", noisy_run)
+    s, held = scene("gyro_s1", NOTHING), 0
+    rows = [
+        [{"work": noisy_run(s, cage_drawn(s, {}, Ensemble(seed=seed), k).start, 0, 0)["work"]}
+         for k in range(25)]
+        for seed in range(200)
+    ]  # fmt: skip
+    for one in rows:
+        values = ensemble.work(one)
+        held += abs(values.mean() - 1.0) <= ensemble.half_interval(values)
+    assert abs(held - 180) <= 2.5 * np.sqrt(200 * 0.9 * 0.1)
+
+
+def test_it_stops_where_the_interval_is_met(scene, monkeypatch):
+    monkeypatch.setattr(ensemble, "cage_run", noisy_run)
+    s = scene("gyro_s1", NOTHING)
+    loose, tight = (ensemble_of(s, Ensemble(within=w, runs=120)) for w in (0.15, 0.05))
+    assert loose.sizes["run"] < tight.sizes["run"] < 120
+    for found, within in ((loose, 0.15), (tight, 0.05)):
+        low, high = found["mean_work_interval"].values[0]
+        assert found.attrs["met"] == 1 and high - low <= 2.0 * within * float(found["mean_work"][0])
+    unmet = ensemble_of(s, Ensemble(within=0.01, runs=30))
+    assert unmet.sizes["run"] == 30 and unmet.attrs["met"] == 0
+
+
+def test_share_intervals():
+    """Wilson's interval at 90 %: 3 of 20, and none of 20."""
+    assert share_interval(3, 20) == pytest.approx((0.0616, 0.3218), abs=1e-4)
+    assert share_interval(0, 20) == pytest.approx((0.0, 0.1192), abs=1e-4)
+
+
+def test_what_jams_and_what_has_no_motion_are_counted(scene, monkeypatch):
+    def ends(scene, start, least, most):
+        return {"status": CAGE_JAMMED, "motion": JAMS} if start.whirl < 0.5 else {"status": 5}
+
+    monkeypatch.setattr(ensemble, "cage_run", ends)
+    found = ensemble_of(scene("gyro_s1", NOTHING), Ensemble(runs=20))
+    jams = int((found["status"] == CAGE_JAMMED).sum())
+    assert 0 < jams < 20 and float(found["share"][JAMS]) == 1.0
+    assert found["mean_work"].isnull().all() and found.attrs["met"] == 0
+
+
+def test_values_that_make_no_bearing_are_a_status(scene, monkeypatch):
+    monkeypatch.setattr(ensemble, "cage_run", noisy_run)
+    big = {"distribution": "normal", "mean": 2.2, "standard_deviation": 0.01}
+    s = scene("gyro_s1", {"uncertainty": {"ball_diameter_mm": big}, "cage_uncertainty": {}})
+    assert (ensemble_of(s, Ensemble(runs=20))["status"] == BEYOND_GROOVE).all()
+
+
+# real runs
+
+
+@pytest.fixture(scope="module")
+def riding(tmp_path_factory):
+    """Twenty runs of a cage that turns with its balls, by the command; its file and output."""
+    path = tmp_path_factory.mktemp("cage") / "cage.nc"
+    keys = ["friction.cage=0.1", "model.dynamic_tolerance=1e-3", "uncertainty=null"]
+    options = ["--set", *keys, "--runs", "20", "--within", "0.5", "-o", str(path)]
+    assert main(["cage", str(S1), *options]) == 0
+    return path
+
+
+def test_an_ensemble_of_real_runs(riding, capsys):
+    """A whirl at 0.6 to 0.8 of the shaft's rate is what most cages have at a friction of 0.1."""
+    found = bearingwear.load(riding)
+    assert (found["status"] == "ok").all()
+    assert float(found["share"].sel(of_motion="whirls")) > 0.6
+    whirl = float(found["mean_whirl_ratio"].sel(group="whirls"))
+    assert 0.55 < whirl < 0.85
+    assert float(abs(found["energy_account_error"]).max()) <= 1e-3
+    assert main(["show", str(riding)]) == 0
+    text = capsys.readouterr().out
+    assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage, a turn" in text
+    assert main(["plot", str(riding), "-o", str(riding.with_suffix(".svg"))]) == 0
+
+
+def test_a_run_of_its_own_goes_as_the_solver_does(scene):
+    """The same cage by `solve`, from the start that a solve has: work of the last turns to 5 %."""
+    changes = {"friction.cage": 0.1, "model.cage_results": True, "model.simulated_turns": 80}
+    s = scene("gyro_s1", NOTHING | changes | {"model.evaluated_turns": 20})
+    solved = bearingwear.solve(s, fidelity="dynamic")
+    row = cage_run(s, CageStart(), 80, 80)
+    per_joule = 1e-4 / 0.3e9
+    turn = 60.0 / 30000.0
+    assert row["pocket_work"] == pytest.approx(
+        float(solved["cage_wear_rate"]) / per_joule * turn, rel=0.05
+    )
+    assert row["shaft_torque"] == pytest.approx(float(solved["shaft_torque"]), rel=0.05)
+
+
+def digest(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def test_a_killed_ensemble_goes_on_to_the_same_bytes(tmp_path):
+    """Killed once runs are kept, on two cores; resumed on one; against a whole one on one."""
+    s = variant(S1, {"friction.cage": 0.1, "model.cage_results": True})
+    plan = Ensemble(runs=20, within=1e-3, least_turns=30, most_turns=30)
+    whole, torn = tmp_path / "whole.nc", tmp_path / "torn.nc"
+    with kept_in(whole, s, plan) as found:
+        write_dataset(found, whole)
+    code = (
+        "from pathlib import Path\n"
+        "from bearingwear.scene.variant import variant\n"
+        "from bearingwear.studies.cage.ensemble import kept_in\n"
+        "from bearingwear.studies.cage.plan import Ensemble\n"
+        "if __name__ == '__main__':\n"
+        f"    s = variant({str(S1)!r}, {{'friction.cage': 0.1, 'model.cage_results': True}})\n"
+        f"    plan = Ensemble(runs=20, within=1e-3, least_turns=30, most_turns=30)\n"
+        f"    with kept_in(Path({str(torn)!r}), s, plan, 2):\n        pass\n"
+    )
+    script = tmp_path / "run.py"
+    script.write_text(code, encoding="utf-8")
+    journal = Journal(torn, found.attrs)
+    process = subprocess.Popen([sys.executable, str(script)])
+    try:
+        for _ in range(600):
+            time.sleep(0.1)
+            if journal.path.is_file() and journal.path.read_text().count("\n") >= 4:
+                break
+    finally:
+        process.kill()
+        process.wait()
+    with journal.path.open("a", encoding="utf-8") as file:
+        file.write('[7, {"status": 0, "wor')  # torn as it was written
+    kept: list = []
+    journal.read(kept)
+    assert 3 <= len(kept) < 20
+    runs = []
+
+    def counting(job):
+        runs.append(job.run)
+        return done(job)
+
+    done, ensemble._done = ensemble._done, counting
+    try:
+        with kept_in(torn, s, plan) as resumed:
+            write_dataset(resumed, torn)
+    finally:
+        ensemble._done = done
+    assert runs == list(range(len(kept), 20))
+    assert digest(torn) == digest(whole) and not journal.path.exists()
+    # more runs are added to those of the file, fewer are taken from it
+    with kept_in(torn, s, Ensemble(runs=22, within=1e-3, least_turns=30, most_turns=30)) as more:
+        assert more.sizes["run"] == 22
+        assert (more["work"][:20] == found["work"]).all()
+    assert json.loads(found.attrs["ensemble"])["runs"] == 20
+
+
+def test_what_is_refused_takes_one_line(tmp_path, capsys):
+    out = ["-o", str(tmp_path / "cage.nc")]
+    for options, told in (
+        (["--runs", "5"], "runs: got 5, expected a whole number >= 20"),
+        (["--turns", "35"], "most_turns: got 35, expected a multiple of 10"),
+        (["--set", "cage=null"], "cage: got nothing, expected a cage"),
+        (["--life"], "cage.film: got no film and no limit of a clearance"),
+    ):
+        assert main(["cage", str(S1), *options, *out]) == 2
+        text = capsys.readouterr().err
+        assert told in text and text.count("\n") == 1, text
