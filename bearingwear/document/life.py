@@ -17,6 +17,7 @@ from bearingwear.document.rows import (
     mean,
     mean_rows,
     meaning,
+    side_by_side,
     values,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -50,15 +51,16 @@ OF_BOTH = ("wear counted", "life")
 
 
 def life_blocks(file: Any) -> list[Block]:
-    """Blocks of a life, of each bearing where there are two."""
-    blocks: list[Block] = []
-    for k, (title, one) in enumerate(bearings_of(file)):
-        for block in _life_blocks(one):
-            if block.title not in OF_BOTH:
-                blocks.append(replace(block, title=f"{title}{block.title}"))
-            elif k == 0:
-                blocks.append(block)
-    return in_one_unit(blocks)
+    """Blocks of a life; of two bearings that differ, side by side."""
+    titles, views = zip(*bearings_of(file), strict=True)
+    of_each = [_life_blocks(one) for one in views]
+    shared = [block for block in of_each[0] if block.title in OF_BOTH]
+    own = [[block for block in blocks if block.title not in OF_BOTH] for blocks in of_each]
+    if len(own) > 1:
+        return in_one_unit(shared + side_by_side(own))
+    return in_one_unit(
+        shared + [replace(block, title=f"{titles[0]}{block.title}") for block in own[0]]
+    )
 
 
 def _life_blocks(file: Any) -> list[Block]:
@@ -110,8 +112,11 @@ def _ends(file: Any, name: str) -> list[Row]:
     found = np.where(np.abs(found) < _ROUNDING * np.abs(found).max(initial=0.0), 0.0, found)
     if found.ndim == 1:
         return [row_of(name, found)]
-    rows = zip(RACES, found.T, strict=True)
-    return [row_of(name, row)._replace(label=f"{VARIABLES[name].label}, {r}") for r, row in rows]
+    label = VARIABLES[name].label
+    return [
+        row_of(name, row)._replace(label=f"{label}, {race}", name=f"{name}.{race}")
+        for race, row in zip(RACES, found.T, strict=True)
+    ]
 
 
 def _films(file: Any) -> list[Block]:
@@ -202,6 +207,7 @@ def _worn(file: Any) -> list[Block]:
         if name in at_end
     ]
     for race, volume in zip(RACES, at_end[WORN_RACES], strict=True):
-        rows.append(worn(WORN_RACES, volume)._replace(label=f"{race} race"))
+        row = worn(WORN_RACES, volume)
+        rows.append(row._replace(label=f"{race} race", name=f"{WORN_RACES}.{race}"))
     rows += [worn(name, at_end[name]) for name in WORN_WHOLE if name in at_end]
     return [Block("worn since the start", ("mean", "least", "most"), tuple(rows))]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from bearingwear.document.document import VARIABLES, Block, Document, Row
+from bearingwear.document.document import VARIABLES, Block, Document, Row, quantity_row
 from bearingwear.document.rows import COUNTED, values
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.kinds import LIFE_KIND, STUDY_KIND, WEAR_LIFE_KIND, kind_of
@@ -62,7 +63,7 @@ def _statuses(file: Any) -> Iterator[Row]:
         name = "not solved"
         if np.isfinite(code):
             name = STATUS_NAMES[int(code)] if code >= 0 else missing.partition(": ")[2]
-        yield Row(name, "", (int(count),), "status")
+        yield Row(name, "", (int(count),), f"status.{name}")
 
 
 def _range_row(file: Any, name: str) -> Row:
@@ -83,20 +84,19 @@ def quantile_blocks(file: Any, path: Path) -> list[Block]:
         unknown = f"{NO_QUANTILES}; {SEE}"
         return [Block("", lines=(unknown,))] if "life" in file.variables else []
     known, scene = uncertainties_at(path), json.loads(file.scene)
-    rows: list[Row] = []
-    missing = 0
+    blocks: list[Block] = []
     for label, method, friction, choice in lives:
         found = spreads_of(known, scene, method, friction, choice)
-        if not found or len(found) < len(COUNTS):
-            missing += 1
-            continue
-        rows += [Row(label)] if label else []
-        rows += spread_rows([found[way].rows for way in COUNTS])
-    where = "" if missing == len(lives) else f" for the other {missing}"
+        if found and len(found) == len(COUNTS):
+            title = ": ".join(filter(None, ("spread of the life", label)))
+            rows = spread_rows([found[way].rows for way in COUNTS])
+            blocks.append(Block(title, COUNTED, tuple(rows)))
+    missing = len(lives) - len(blocks)
+    where = f" for the other {missing}" if blocks else ""
     taken = dict.fromkeys(one.attrs[TAKEN] for one in known if TAKEN in one.attrs)
-    lines = [*filter(None, [causes_told(scene)]), *taken] if rows else []
+    lines = [*filter(None, [causes_told(scene)]), *taken] if blocks else []
     lines += [f"{NO_QUANTILES}{where}; {SEE}"] if missing else []
-    return [Block("spread of the life" if rows else "", COUNTED, tuple(rows), tuple(lines))]
+    return [*blocks, *([Block(lines=tuple(lines))] if lines else [])]
 
 
 def spread_rows(spreads: Sequence[Mapping[str, Any]]) -> list[Row]:
@@ -181,18 +181,23 @@ def _has_lives(file: Any) -> bool:
 
 
 def _lives(file: Any) -> list[Block]:
-    """A row for each life in a file that has them over preload method and friction."""
+    """Each life of a file that has them over preload method and friction."""
     if not _has_lives(file):
         return []
     ends = file["end_criterion"].flag_meanings.split()
-    lives, loss = values(file, "life"), values(file, "loss_at_end")
-    criteria = values(file, "end_criterion")
-    unit = display("m", loss)
-    rows = []
-    for i, method in enumerate(_methods(file)):
-        for j, mu in enumerate(values(file, "friction")):
-            end = ends[int(criteria[i, j])] if np.isfinite(criteria[i, j]) else ends[-1]
-            numbers = (*(float(x) for x in lives[i, j]), float(unit.of(loss[i, j])))
-            rows.append(Row(f"{method}, mu {mu:g}", "h", numbers, "life", note=end))
-    columns = (*COUNTED, f"loss, {unit.unit}")
-    return [Block("life, wear counted", columns, tuple(rows), unit="h")]
+    criteria = values(file, "end_criterion").ravel()
+    methods, frictions = _methods(file), values(file, "friction").tolist()
+    points = list(itertools.product(methods, frictions))
+    lives = values(file, "life").reshape(len(points), -1).T
+    met = tuple(ends[int(end)] if np.isfinite(end) else ends[-1] for end in criteria)
+    rows = (
+        Row("preload method", "", tuple(method for method, _ in points), "preload_method"),
+        Row("friction", "", tuple(mu for _, mu in points), "friction", given=True),
+        *(
+            quantity_row(f"life, {words}", "h", hours, f"life.{way}")
+            for words, way, hours in zip(COUNTED, COUNTS, lives, strict=True)
+        ),
+        quantity_row("loss", "m", values(file, "loss_at_end").ravel(), "loss_at_end"),
+        Row("ended by", "", met, "end_criterion"),
+    )
+    return [Block("lives", rows=rows, axes=2)]

@@ -1,5 +1,7 @@
 """Every kind of result file: shown, compared, and checked against the CF conventions."""
 
+import csv
+import io
 import json
 import re
 import shutil
@@ -85,7 +87,7 @@ def kinds(tmp_path_factory):
         ("life", r"ended by +residual preload"),
         ("dynamic life", r"steady, the scene without cage"),
         ("study", r"friction +1  0\.08\n(.|\n)*total_qv +mW +\d+ +\d+"),
-        ("wear life", r"fixed_position, mu 0\.08 +h +[\d.]+ +[\d.]+ +0\.49\d+  preload_fraction"),
+        ("wear life", r"fixed_position +0\.08 +[\d.]+ +[\d.]+ +0\.49\d+ +preload_fraction"),
         ("sweep", r"wall_time +[mu]?s +[\d.]+ +[\d.]+"),
         ("trade study", r"total_qv +mW"),
     ],
@@ -96,6 +98,10 @@ def test_show(kinds, kind, said, capsys):
     text, error = capsys.readouterr()
     assert re.search(said, text), text
     assert error == "" and "nan" not in text and all(len(line) < 120 for line in text.split("\n"))
+    assert main(["show", str(kinds[kind]), "--csv"]) == 0
+    rows = [row for row in csv.DictReader(io.StringIO(capsys.readouterr().out)) if row["block"]]
+    keys = [(row["block"], row["name"], row["column"]) for row in rows]
+    assert len(keys) == len(set(keys)) and (kind == "failed case" or keys)
 
 
 def test_a_dynamic_life_shows_what_it_followed(kinds, capsys):

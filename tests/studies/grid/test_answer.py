@@ -230,7 +230,7 @@ def test_lives_stand_with_their_spread(small_project, sure, capsys):
     capsys.readouterr()
     assert main(["show", str(lives)]) == 0
     shown = capsys.readouterr().out
-    of_force = shown.partition("constant_force, mu 0.08\n  90 %")[2].partition("fixed_pos")[0]
+    of_force = shown.partition("life: constant_force, mu 0.08 ")[2].partition("fixed_pos")[0]
     assert re.search(r"L50 +h +5 +6\n", of_force)
     assert re.search("of bearings +h +1 to 9 +2 to 10\n", of_force)
     assert "no spread computed for the other 2; the command" in shown
