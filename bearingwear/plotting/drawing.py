@@ -5,7 +5,7 @@ import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import matplotlib
 import matplotlib.figure
@@ -17,15 +17,22 @@ from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
 from bearingwear.atomic import OutputError, whole_file
 from bearingwear.kernels.status import OK
 from bearingwear.results.pair_variables import method_words
+from bearingwear.results.units import Display
+
+_Data = TypeVar("_Data", xr.Dataset, xr.DataArray)
 
 STYLE = Path(__file__).with_name("style.mplstyle")
 
 COLOURS = {"constant_force": "C0", "fixed_position": "C1"}
+"""Of the preload methods, in every figure; nothing else has them."""
+SERIES = ("C2", "C3", "C4", "C5", "black", "0.55")
+"""Colours of anything else."""
+MARKERS = "osd^vP"
 RACE_STYLES = {
     "inner": {"linestyle": "-", "marker": "o"},
     "outer": {"linestyle": "--", "marker": "s"},
 }
-BALL_STYLE = {"linestyle": ":", "marker": "^"}
+BALL_STYLE: dict[str, Any] = {"linestyle": ":", "marker": "^"}
 FORMATS = (".svg", ".png", ".pdf")
 """Formats that can be written without a clock time."""
 DASHES = ("-", "--", ":", "-.")
@@ -37,6 +44,13 @@ FOOT, SLOT = 0.03, 0.06
 HEADROOM = 1.05
 """Upper end of an axis over what is drawn."""
 FAILED = {"linestyle": "none", "marker": "x", "markersize": 7, "markeredgewidth": 2.0}
+
+ABSCISSAE = {
+    "friction": "ball/race friction coefficient µ",
+    "ball_diameter_loss": "loss of ball diameter (µm)",
+    "preload": "initial preload (N)",
+    "cage_friction": "friction coefficient of the cage",
+}
 
 Figure = matplotlib.figure.Figure
 
@@ -104,8 +118,8 @@ def _in_words(figure: Figure) -> dict[str, str | None]:
     }
 
 
-def methods(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
-    """Name and slice of each preload method in a dataset."""
+def methods(dataset: _Data) -> list[tuple[str, _Data]]:
+    """Name and slice of each preload method in a dataset, or in a variable."""
     names = dataset["preload_method"].attrs["flag_meanings"].split()
     return [
         (names[int(flag)], dataset.isel(preload_method=k))
@@ -183,6 +197,66 @@ def dashes(frictions: Iterable[float]) -> dict[float, str]:
 def dash_keys(styles: dict[float, str]) -> list[Line2D]:
     """Legend of the friction coefficients."""
     return [key(mu_is(mu), color="0.3", linestyle=dash) for mu, dash in styles.items()]
+
+
+def lines(
+    panel: Any,
+    values: xr.DataArray,
+    along: str,
+    label: str = "",
+    unit: Display | None = None,
+    status: xr.DataArray | None = None,
+    **look: Any,
+) -> bool:
+    """Lines of a quantity over an axis: a colour for each preload method, a dash for each race.
+
+    Parameters
+    ----------
+    panel : Axes
+    values : DataArray
+        Over `along` and, where it has them, `preload_method` and `race`.
+    along : str
+    label : str
+        Of the ordinate, without unit.
+    unit : Display, optional
+        In which the values are shown; without one they are drawn as they are.
+    status : DataArray, optional
+        Of each case over `along` and `preload_method`: a cross at the foot where it was not solved.
+    **look
+        Of the lines; it comes after that of a race.
+
+    Returns
+    -------
+    bool
+        Whether there was a cross.
+    """
+    failed = False
+    every = methods(values) if "preload_method" in values.dims else [("", values)]
+    for slot, (name, one) in enumerate(every):
+        shown = one if unit is None else unit.of(one)
+        colour = look.get("color") or COLOURS[name]
+        styles = list(RACE_STYLES.values()) if "race" in one.dims else [{}]
+        for k, style in enumerate(styles):
+            line = shown.isel(race=k) if "race" in one.dims else shown
+            panel.plot(one[along], line, **{**style, "color": colour, **look})
+        if status is not None:
+            here = status.isel(preload_method=slot) if name else status
+            failed |= mark_failed(panel, one[along], here, colour, slot)
+    panel.set_xlabel(ABSCISSAE[along])
+    if label:
+        panel.set_ylabel(unit.label(label) if unit else label)
+    return failed
+
+
+def label_edges(panels: np.ndarray) -> None:
+    """Leave labels of panels that share their axes to the outer ones."""
+    for panel in panels.flat:
+        panel.label_outer()
+
+
+def series_look(k: int) -> dict[str, Any]:
+    """Colour and marker of one of several that are no preload methods."""
+    return {"color": SERIES[k % len(SERIES)], "marker": MARKERS[k % len(MARKERS)]}
 
 
 def failed_keys(any_failed: bool) -> list[Line2D]:

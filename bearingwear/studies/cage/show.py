@@ -19,7 +19,7 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.cage.life import ENDS_OF_CAGE, WEARING
 from bearingwear.studies.cage.motion import JAMS, MOTIONS
 
-MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C0", "C1", "C4", "C3")))
+MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C5", "0.4", "C4", "C3")))
 
 _ROWS = (
     ("work", "work at the cage, a turn"),

@@ -226,7 +226,7 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
             marker="o",
             markersize=9,
             markerfacecolor="none",
-            color="C1",
+            color="C3",
             markeredgewidth=1.4,
         )
         panel.grid(False)
@@ -280,5 +280,5 @@ def _letter_keys(design: xr.Dataset) -> list[Any]:
             )
             for name in shown
         ),
-        key("the scene", color="C1", linestyle="none", marker="o", markerfacecolor="none"),
+        key("the scene", color="C3", linestyle="none", marker="o", markerfacecolor="none"),
     ]

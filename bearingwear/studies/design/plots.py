@@ -8,15 +8,15 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import (
     COLOURS,
-    FAILED,
     Figure,
     failed_keys,
     frame,
+    from_zero,
     in_words,
     key,
+    lines,
     method_keys,
     methods,
     new_figure,
@@ -53,17 +53,10 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
     figure, panels = new_figure(1, len(quantities), 2.6 * len(quantities), 3.2)
     failed = False
     for panel, (name, look) in zip(panels[0], quantities.items(), strict=True):
-        unit = display(look.units, line[name])
-        for method, one in methods(line):
-            values = unit.of(one[name])
-            values = values.isel(loss_basis=basis) if "loss_basis" in values.dims else values
-            known = values.where(np.isfinite(values))
-            panel.plot(one["preload"], known, color=COLOURS[method], marker=".")
-            lost = one["preload"].values[one["status"].values != OK]
-            panel.plot(lost, np.zeros(lost.size), color=COLOURS[method], **FAILED)
-            failed |= bool(lost.size)
-        panel.set_xlabel("initial preload (N)")
-        panel.set_ylabel(unit.label(look.label))
+        values = line[name].isel(loss_basis=basis, missing_dims="ignore")
+        unit, known = display(look.units, values), values.where(np.isfinite(values))
+        failed |= lines(panel, known, "preload", look.label, unit, line["status"], marker=".")
+        from_zero(panel)
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min, friction {float(design['friction'][0]):g}: life, "

@@ -3,21 +3,20 @@
 import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import (
-    COLOURS,
     Figure,
     failed_keys,
     frame,
     from_zero,
     key,
+    label_edges,
+    lines,
     list_failed,
-    mark_failed,
     method_keys,
     methods,
     mu_is,
@@ -27,8 +26,8 @@ from bearingwear.plotting.drawing import (
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.results.units import Display, display
-from bearingwear.studies.grid.figures import LOSS_AXIS, WEAR_RATE
+from bearingwear.results.units import display
+from bearingwear.studies.grid.figures import WEAR_RATE
 
 IN_TIME = {
     "linestyle": "none",
@@ -70,30 +69,27 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
         rows, columns, max(4.4, 3.6 * columns), 2.2 * rows + 0.6, sharex=True, sharey="row"
     )
     power = display("W", study["total_qv"], dynamic["total_qv"])
+    rows_of = {
+        "total_qv": ("QV of the bearing", power),
+        "ball_wear_rate": ("wear rate of one ball\n", WEAR_RATE),
+    }
     failed = False
     for column, mu in zip(panels.T, frictions, strict=True):
         here = dynamic.sel(friction=mu)
-        for name, state in methods(study.sel(friction=mu, preload_method=here["preload_method"])):
-            _draw(column, state, power, color=COLOURS[name])
-        for slot, (name, state) in enumerate(methods(here)):
-            colour = {"color": COLOURS[name], "markeredgecolor": COLOURS[name]}
-            _draw(column, state, power, **colour, **IN_TIME, marker="o")
-            loss = state["ball_diameter_loss"]
-            for part, (_, marker) in parts.items():
-                rate = WEAR_RATE.of(state[part])
-                column[2].plot(loss, rate, **colour, **IN_TIME, marker=marker)
-            for panel in column:
-                failed |= mark_failed(panel, loss, state["status"], COLOURS[name], slot)
+        for data, look in ((study.sel(friction=mu), {}), (here, IN_TIME | {"marker": "o"})):
+            at = data.sel(preload_method=here["preload_method"])
+            status = at["status"] if look else None
+            for panel, (name, (label, unit)) in zip(column, rows_of.items(), strict=False):
+                values = at[name].mean("ball") if "ball" in at[name].dims else at[name]
+                failed |= lines(panel, values, "ball_diameter_loss", label, unit, status, **look)
+        for name, (_, marker) in parts.items():
+            look, label = IN_TIME | {"marker": marker}, "wear rate of the cage\n"
+            rate = here[name]
+            lines(column[2], rate, "ball_diameter_loss", label, WEAR_RATE, here["status"], **look)
         column[0].set_title(mu_is(mu))
-        column[-1].set_xlabel(LOSS_AXIS)
-    labels = (
-        power.label("QV of the bearing"),
-        WEAR_RATE.label("wear rate of one ball\n"),
-        WEAR_RATE.label("wear rate of the cage\n"),
-    )
-    for row, label in zip(panels, labels, strict=False):
-        row[0].set_ylabel(label)
-        from_zero(row[0])
+    label_edges(panels)
+    for panel in panels[:, 0]:
+        from_zero(panel)
     figure.align_ylabels()
     grey = {"color": "0.3", **IN_TIME}
     frame(
@@ -106,14 +102,6 @@ def beside_steady_figure(study: xr.Dataset, dynamic: xr.Dataset) -> Figure:
         columns=2 if columns == 1 else 4,
     )
     return figure
-
-
-def _draw(column: np.ndarray, state: xr.Dataset, power: Display, **look: Any) -> None:
-    """QV and wear rate of one preload method in the panels that both ways share."""
-    loss = state["ball_diameter_loss"]
-    column[0].plot(loss, power.of(state["total_qv"]), **look)
-    rate = state["ball_wear_rate"].mean("ball")
-    column[1].plot(loss, WEAR_RATE.of(rate), **look)
 
 
 def _agreement(study: xr.Dataset, dynamic: xr.Dataset, has_cage: bool) -> str:

@@ -5,6 +5,7 @@ Wang (2018). Every title states what its data show.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,8 +24,9 @@ from bearingwear.plotting.drawing import (
     from_zero,
     in_words,
     key,
+    label_edges,
+    lines,
     list_failed,
-    mark_failed,
     method_keys,
     methods,
     mu_is,
@@ -37,8 +39,6 @@ from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spread
 from bearingwear.results.units import Display, Interval, digits, display
 
 WEAR_RATE = display("m3 s-1")
-FRICTION_AXIS = "ball/race friction coefficient µ"
-LOSS_AXIS = "loss of ball diameter (µm)"
 
 
 def worn_in_words(loss_um: float | Sequence[float]) -> str:
@@ -50,31 +50,24 @@ def worn_in_words(loss_um: float | Sequence[float]) -> str:
 
 def friction_figure(study: xr.Dataset, loss_um: float) -> Figure:
     """QV and contact load of one ball against friction, at one state of wear (Figs. 7 and 8)."""
-    figure, panels = new_figure(1, 2, 7.2, 3.8)
-    qv_panel, load_panel = panels[0]
-    states = methods(study.sel(ball_diameter_loss=loss_um))
-    mu = study["friction"]
-    power = power_unit(*(state for _, state in states))
-    failed = False
-    for slot, (name, state) in enumerate(states):
-        colour = {"color": COLOURS[name]}
-        mean = state[["qv", "contact_load"]].mean("ball")
-        for k, style in enumerate(RACE_STYLES.values()):
-            qv_panel.plot(mu, power.of(mean["qv"].isel(race=k)), **colour, **style)
-            load_panel.plot(mu, mean["contact_load"].isel(race=k), **colour, **style)
-        ball = power.of(mean["qv"].sum("race", skipna=False))
-        qv_panel.plot(mu, ball, **colour, **BALL_STYLE)
-        for panel in panels[0]:
-            failed |= mark_failed(panel, mu, state["status"], COLOURS[name], slot)
-    qv_panel.set_ylabel(power.label("QV"))
-    load_panel.set_ylabel("normal contact load (N)")
+    figure, ((qv_panel, load_panel),) = new_figure(1, 2, 7.2, 3.8)
+    cases = study.sel(ball_diameter_loss=loss_um)
+    mean, status, states = (
+        cases[["qv", "contact_load"]].mean("ball"),
+        cases["status"],
+        methods(cases),
+    )
+    power = power_unit(cases)
+    lines(qv_panel, mean["qv"].sum("race", skipna=False), "friction", unit=power, **BALL_STYLE)
+    failed = lines(qv_panel, mean["qv"], "friction", "QV", power, status)
+    lines(load_panel, mean["contact_load"], "friction", "normal contact load", display("N"), status)
     from_zero(qv_panel)
-    for panel in panels[0]:
-        panel.set_xlabel(FRICTION_AXIS)
-        panel.set_xticks(mu)
+    for panel in (qv_panel, load_panel):
+        panel.set_xticks(study["friction"])
     frame(
         figure,
-        f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: {_friction_message(mu, states)}",
+        f"{scene_of(study)['name']}, {worn_in_words(loss_um)}: "
+        f"{_friction_message(study['friction'], states)}",
         method_keys(name for name, _ in states) + race_keys() + failed_keys(failed),
         columns=5,
     )
@@ -149,31 +142,19 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     figure, panels = new_figure(4, columns, max(4.4, 3.6 * columns), 8.6, sharex=True, sharey="row")
     failed = False
     ratios: dict[str, list[str]] = {}
-    pairs = zip(studies, frictions, strict=True)
-    power = power_unit(*(study.sel(friction=mu) for study, mu in pairs))
-    for column, study, mu in zip(panels.T, studies, frictions, strict=True):
-        loss = study["ball_diameter_loss"]
-        states = methods(study.sel(friction=mu))
-        for slot, (name, state) in enumerate(states):
-            _wear_column(column, loss, name, state, power)
-            for panel in column:
-                failed |= mark_failed(panel, loss, state["status"], COLOURS[name], slot)
+    cases = [study.sel(friction=mu) for study, mu in zip(studies, frictions, strict=True)]
+    power = power_unit(*cases)
+    for column, of_mu, mu in zip(panels.T, cases, frictions, strict=True):
+        failed |= _wear_column(column, of_mu, power)
+        states = methods(of_mu)
         name, state = states[-1]
         ratio = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
-        scene = scene_of(study)
+        scene = scene_of(of_mu)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
         column[0].set_title(f"{bearing}, {mu_is(mu)}")
         ratios.setdefault(bearing, []).append(f"{ratio} of QV at {mu_is(mu)}")
-        column[-1].set_xlabel(LOSS_AXIS)
-    labels = (
-        power.label("QV"),
-        "residual preload (N)",
-        "contact angle (degree)",
-        WEAR_RATE.label("wear rate of race and ball\n"),
-    )
-    for row, label in zip(panels, labels, strict=True):
-        row[0].set_ylabel(label)
+    label_edges(panels)
     for panel in panels[[0, 1, 3]].flat:
         from_zero(panel)
     at = float(studies[0]["ball_diameter_loss"][-1])
@@ -189,21 +170,24 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     return figure
 
 
-def _wear_column(
-    column: np.ndarray, loss: xr.DataArray, name: str, state: xr.Dataset, power: Display
-) -> None:
-    """The lines of one preload method in the four panels of a column."""
-    colour = {"color": COLOURS[name]}
-    mean = state[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
-    qv = power.of(mean["qv"])
-    for k, style in enumerate(RACE_STYLES.values()):
-        column[0].plot(loss, qv.isel(race=k), **colour, **style)
-        column[2].plot(loss, mean["contact_angle"].isel(race=k), **colour, **style)
-        rate = WEAR_RATE.of(state["race_wear_rate"].isel(race=k))
-        column[3].plot(loss, rate, **colour, **style)
-    column[0].plot(loss, qv.sum("race", skipna=False), **colour, **BALL_STYLE)
-    column[1].plot(loss, state["residual_preload"], **colour, marker="d")
-    column[3].plot(loss, WEAR_RATE.of(mean["ball_wear_rate"]), **colour, **BALL_STYLE)
+def _wear_column(column: np.ndarray, cases: xr.Dataset, power: Display) -> bool:
+    """The four panels of a column; returns whether a case was not solved."""
+    mean = cases[["qv", "contact_angle", "ball_wear_rate"]].mean("ball")
+    ball = mean["qv"].sum("race", skipna=False)
+    wear = "wear rate of race and ball\n"
+    drawn: list[tuple[int, xr.DataArray, str, Display, dict[str, Any]]] = [
+        (0, mean["qv"], "QV", power, {}),
+        (0, ball, "QV", power, BALL_STYLE),
+        (1, cases["residual_preload"], "residual preload", display("N"), {"marker": "d"}),
+        (2, mean["contact_angle"], "contact angle", display("degree"), {}),
+        (3, cases["race_wear_rate"], wear, WEAR_RATE, {}),
+        (3, mean["ball_wear_rate"], wear, WEAR_RATE, BALL_STYLE),
+    ]
+    failed = False
+    for k, values, label, unit, look in drawn:
+        status = None if look == BALL_STYLE else cases["status"]
+        failed |= lines(column[k], values, "ball_diameter_loss", label, unit, status, **look)
+    return failed
 
 
 END_MARKS = {name: (one.mark, f"end: {one.short}") for name, one in ENDS.items()}

@@ -7,12 +7,15 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.plotting.drawing import (
+    ABSCISSAE,
     Figure,
     failed_keys,
     frame,
     from_zero,
     in_words,
     key,
+    label_edges,
+    lines,
     list_failed,
     mark_failed,
     methods,
@@ -20,11 +23,10 @@ from bearingwear.plotting.drawing import (
     new_figure,
     percent,
     scene_of,
+    series_look,
 )
 from bearingwear.results.units import Display, display, in_print, key_in_words
-from bearingwear.studies.grid.figures import LOSS_AXIS
 
-MARKERS = "osd^vP"
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
 MOST_DIFFERENCES = 4
 NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
@@ -33,30 +35,29 @@ NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
 def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     """Total QV, residual preload and loss rate against wear, a line for each scene."""
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
-    looks = [
-        {"color": f"C{k % 6}", "marker": MARKERS[k % len(MARKERS)]} for k in range(len(studies))
-    ]
+    looks = [series_look(k) for k in range(len(studies))]
     power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
+    rows = {
+        "total_qv": ("QV of the bearing", power),
+        "residual_preload": ("residual preload", display("N")),
+        "ball_diameter_loss_rate": ("loss rate, balls\nand races", _LOSS_RATE),
+    }
     failed = False
     ratios: list[float] = []
     for number, (study, look) in enumerate(zip(studies, looks, strict=True)):
         loss = study["ball_diameter_loss"]
         states = methods(study.sel(friction=friction))
         for column, (name, state) in zip(panels.T, states, strict=False):
-            column[0].set_title(in_words(name))
-            column[0].plot(loss, power.of(state["total_qv"]), **look)
-            column[1].plot(loss, state["residual_preload"], **look)
-            if "ball_diameter_loss_rate" in state:  # not if nothing at all was solved
-                rate = state["ball_diameter_loss_rate"].isel(counts=-1)
-                column[2].plot(loss, _LOSS_RATE.of(rate), **look)
-            column[2].set_xlabel(LOSS_AXIS)
-            for panel in column:
+            for panel, (quantity, (label, unit)) in zip(column, rows.items(), strict=True):
+                if quantity in state:  # no rate if nothing at all was solved
+                    values = state[quantity]
+                    values = values.isel(counts=-1) if "counts" in values.dims else values
+                    lines(panel, values, "ball_diameter_loss", label, unit, **look)
                 failed |= mark_failed(panel, loss, state["status"], look["color"], number)
+            column[0].set_title(in_words(name))
         ratio = float(state["total_qv"][-1] / state["total_qv"][0])
         ratios += [ratio] if np.isfinite(ratio) else []
-    panels[0, 0].set_ylabel(power.label("QV of the bearing"))
-    panels[1, 0].set_ylabel("residual preload (N)")
-    panels[2, 0].set_ylabel(_LOSS_RATE.label("loss rate, balls\nand races"))
+    label_edges(panels)
     for panel in panels.flat:
         from_zero(panel)
     least, most = (percent(f(ratios, default=np.nan)) for f in (min, max))
@@ -79,7 +80,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
 def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     """QV over the loss and over the hours of a life, a line for each scene; balls and races."""
     figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
-    looks = [{"color": f"C{k % 6}", "marker": MARKERS[k % len(MARKERS)]} for k in range(len(lives))]
+    looks = [series_look(k) for k in range(len(lives))]
     drawn = [one for one in lives if "history_total_qv" in one]  # not if nothing at all was solved
     power = display("W", *(one["history_total_qv"].sel(friction=friction) for one in drawn))
     said, failed = [], []
@@ -93,7 +94,9 @@ def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
             if ratios[-1] == percent(np.nan):
                 failed.append(f"{label}, {in_words(name)}")
         said.append(f"{label} {' and '.join(ratios)}")
-    for row, along in zip(panels, (LOSS_AXIS, "running time (h)"), strict=True):
+    for row, along in zip(
+        panels, (ABSCISSAE["ball_diameter_loss"], "running time (h)"), strict=True
+    ):
         row[0].set_ylabel(power.label("QV of the bearing"))
         for axes in row:
             axes.set_xlabel(along)

@@ -24,7 +24,7 @@ def _histories(case: xr.Dataset) -> Figure:
     load, slip, qv = (case[f"history_{name}"] for name in ("contact_load", "slip", "contact_qv"))
     total = qv.astype(float).sum(["ball", "race"], skipna=False)
     time, power = display("s", case["time"]), display("W", total)
-    balls, whole = {"color": "C0", "linewidth": 0.6}, {"color": "black", "linewidth": 0.9}
+    balls, whole = {"color": "C2", "linewidth": 0.6}, {"color": "black", "linewidth": 0.9}
     drawn = {
         "contact load,\ninner race (N)": (load.isel(race=0), balls),
         "contact load,\nouter race (N)": (load.isel(race=1), balls),

@@ -8,6 +8,7 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import (
+    SERIES,
     Figure,
     failed_keys,
     frame,
@@ -25,7 +26,7 @@ from bearingwear.results.units import Rough, digits
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import dynamic_life, ended_by
 
-_BALLS, _RACES, _POCKETS, _LAND = "C2", "C0", "C3", "C1"
+_BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
 _STEADY = {"color": "0.5", "linestyle": "--", "linewidth": 1.0}
 _GROOVES = ("inner groove", "outer groove")
 _DARKEST, _LIGHTEST = 0.0, 0.75

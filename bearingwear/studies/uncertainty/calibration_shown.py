@@ -29,7 +29,7 @@ _UNLIKELY = 0.01
 _FAR = 2.58
 """Shift of a mean, in standard deviations before the tests, with a probability of 0.01."""
 
-_COLOURS = dict(zip(STAGES, ("0.6", "C0"), strict=True))
+_COLOURS = dict(zip(STAGES, ("0.6", "black"), strict=True))
 
 
 def calibration_sheet(file: Any) -> Document:
@@ -124,14 +124,14 @@ def calibration_figure(found: xr.Dataset) -> Figure:
     for k, time in enumerate(found["after"].values):
         if np.isfinite(time) and SEEN[int(found["seen"][k])] in (SEEN_LIFE, SEEN_RUN_OUT):
             mark = ">" if SEEN[int(found["seen"][k])] == SEEN_RUN_OUT else "o"
-            axes[0][-1].plot(time, 0.03, mark, color="C1", markersize=5)
+            axes[0][-1].plot(time, 0.03, mark, color="C3", markersize=5)
     before, after = (
         Interval(*row).text for row in found["life_quantile"].values[:, [0, -1]].tolist()
     )
     handles = [
         *(key(stage, color=colour) for stage, colour in _COLOURS.items()),
-        key("life of a test", color="C1", linestyle="none", marker="o"),
-        key("run-out", color="C1", linestyle="none", marker=">"),
+        key("life of a test", color="C3", linestyle="none", marker="o"),
+        key("run-out", color="C3", linestyle="none", marker=">"),
     ]
     text = f"{scene['name']}: 90 % of bearings last {before} h before the tests, {after} h after"
     frame(figure, text, handles, columns=4)

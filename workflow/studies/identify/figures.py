@@ -94,8 +94,8 @@ def _ridge(figure: Figure, panel: Any, found: xr.Dataset, markers: dict[int, str
         found["mark_contact_angle_deg"].values,
         strict=True,
     ):
-        panel.plot(dm, angle, marker="o", markersize=11, markerfacecolor="none", color="C1")
-        panel.annotate(name, (dm, angle), xytext=(6, 6), textcoords="offset points", color="C1")
+        panel.plot(dm, angle, marker="o", markersize=11, markerfacecolor="none", color="C3")
+        panel.annotate(name, (dm, angle), xytext=(6, 6), textcoords="offset points", color="C3")
     panel.set_xlabel("pitch diameter (mm)")
     panel.set_ylabel("free contact angle (°)")
     panel.set_title("the ridge")
