@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +64,7 @@ class DesignLimits(_LIMITS):
     @property
     def given(self) -> dict[str, float]:
         """The limits that there are."""
-        return {name: value for name, value in asdict(self).items() if value is not None}
+        return {name: limit for name in LIMITED if (limit := getattr(self, name)) is not None}
 
 
 @keyed

@@ -60,10 +60,7 @@ class Tried:
 
     def margins(self, limits: DesignLimits) -> np.ndarray:
         """How far each limit is, as `_room`; last whether a bearing would be built so (1 or -1)."""
-        if not self.solved:
-            return np.full(len(limits.given) + 1, -1.0)
-        practical = -1.0 if self.values.get("impractical") else 1.0
-        return np.append(_room(self.values, limits), practical)
+        return _margins([self], limits)[:, 0]
 
     def is_allowed(self, limits: DesignLimits) -> bool:
         return self.life > 0.0 and bool(np.all(self.margins(limits) >= 0.0))
@@ -202,6 +199,16 @@ def _room(values: Mapping[str, Any], limits: DesignLimits) -> np.ndarray:
     return np.array(found)
 
 
+def _margins(tried: Sequence[Tried], limits: DesignLimits) -> np.ndarray:
+    """`Tried.margins` of each (limits + 1, n); -1 where its life was not solved."""
+    extremes = {extreme for limit in limits.given for extreme in LIMITED[limit].extremes}
+    values = {name: np.array([t.values.get(name, math.nan) for t in tried]) for name in extremes}
+    practical = [-1.0 if t.values.get("impractical") else 1.0 for t in tried]
+    found = np.array([*_room(values, limits), practical])
+    found[:, [not t.solved for t in tried]] = -1.0
+    return found
+
+
 def round_number(target: float, low: float, high: float) -> float:
     """The number nearest to a target with the fewest digits, between two others."""
     for decimals in range(DIGITS - 1 - math.floor(math.log10(target)), 12):
@@ -338,7 +345,7 @@ class PreloadLine:
         if limits not in self._guesses:
             known = self.in_order
             tried = np.log([t.preload for t in known])
-            margins = np.transpose([t.margins(limits) for t in known])
+            margins = _margins(known, limits)
             every = tried if self.new is None else np.log(self.new["preload"])
             every = every[(every >= tried[0]) & (every <= tried[-1])]
             x = np.unique(np.concatenate([tried, every]))

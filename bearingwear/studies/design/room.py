@@ -355,14 +355,13 @@ def lives_by_track(
     found = np.full((len(scenes), len(BALL_TRACKS)), math.nan)
     tracks = [
         [replace(one, wear=replace(one.wear, ball_track=track)) for track in BALL_TRACKS]
-        for one in scenes
         if one is not None
+        else []
+        for one in scenes
     ]
     if not any(grooves_followed(one, "steady")[0] for each in tracks for one in each):
         return found
-    for i, scene in enumerate(scenes):
-        for k, track in enumerate(BALL_TRACKS if scene is not None else ()):
-            assert scene is not None
-            at = replace(scene, wear=replace(scene.wear, ball_track=track))
-            found[i, k] = lives[i] if at == scene else printed_life(at, basis)
+    for i, each in enumerate(tracks):
+        for k, one in enumerate(each):
+            found[i, k] = lives[i] if one == scenes[i] else printed_life(one, basis)
     return found
