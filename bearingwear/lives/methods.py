@@ -184,7 +184,7 @@ class Heun(Method):
     """Heun's steps in time, as long as the deepest place may wear in one."""
 
     most_steps = 1000
-    root = 1e-4
+    root = 1e-3
     _from: Sequence[Any] = (None,)  # the last two nodes
     _known: dict[float, Node]
 
