@@ -77,6 +77,13 @@ def command_parser() -> argparse.ArgumentParser:
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
+    launch = command("launch", "find what launch does to the bearings of a rotor: gaps and dents")
+    _add_scene_with_changes(launch)
+    for way, words in (("axial", "along the axis"), ("radial", "across it")):
+        launch.add_argument(
+            f"--{way}", type=_not_negative, metavar="G", help=f"{words}; sets launch.{way}_g"
+        )
+    _add_formats(launch)
     _add_export(command("export", "write the stiffness of bearings over speed: CSV, ROSS's TOML"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
@@ -236,7 +243,11 @@ def _add_limits(sub: argparse.ArgumentParser) -> None:
         if one.unit == "%":
             unit, metavar = "", "SHARE"
         sub.add_argument(
-            one.option, dest=key, type=_positive, metavar=metavar, help=f"{text}{unit}"
+            one.option,
+            dest=key,
+            type=_not_negative if one.base else _positive,
+            metavar=metavar,
+            help=f"{text}{unit}",
         )
     sub.add_argument("--system-stiffness", type=_now_stiffness, help=argparse.SUPPRESS)
 
@@ -442,6 +453,10 @@ def _number(text: str, within: Callable[[float], bool], allowed: str) -> float:
 
 def _positive(text: str) -> float:
     return _number(text, lambda value: 0.0 < value < math.inf, "> 0")
+
+
+def _not_negative(text: str) -> float:
+    return _number(text, lambda value: 0.0 <= value < math.inf, ">= 0")
 
 
 def _now_stiffness(text: str) -> NoReturn:

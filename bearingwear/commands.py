@@ -220,6 +220,18 @@ def recommend(args: argparse.Namespace) -> int:
     return OK if solved else NOT_SOLVED
 
 
+def launch(args: argparse.Namespace) -> int:
+    from bearingwear.document.launch import launch_document
+    from bearingwear.solvers.bearing.launch import check_launch, launched
+
+    given = {"axial": args.axial, "radial": args.radial}
+    args.set += [f"launch.{way}_g={g:g}" for way, g in given.items() if g is not None]
+    scene = _scene(args)
+    check_launch(scene, args.scene)
+    _print_sheet(launch_document(scene, launched(scene)), args)
+    return OK
+
+
 def export(args: argparse.Namespace) -> int:
     from bearingwear.atomic import write_text
     from bearingwear.studies.export import NotExported, StiffnessOverSpeed

@@ -22,6 +22,7 @@ _UNITS = {
     "GPa": ("Pa", 1e9),
     "W": ("W", 1.0),
     "Hz": ("Hz", 1.0),
+    "g": ("m s-2", 9.80665),
 }
 """Of a unit for people: the SI unit in files, and its size in that."""
 
@@ -57,6 +58,13 @@ class Measure:
         As a criterion and as a limit of a design: meaning of the key and its range.
     note : str
         On the meaning of a limit.
+    base : float
+        Added to values and limits [as in its key] where their ratio counts, so that a limit may be
+        nothing.
+    needs : tuple of str
+        Keys of `arrangement` that a scene has to give for a limit.
+    block : str
+        A block of the scene that it has to give.
     option : str
         Of the limit on the command line.
     mark, letter : str
@@ -79,6 +87,9 @@ class Measure:
     end: tuple[str, ...] = ()
     limit: tuple[str, ...] = ()
     note: str = ""
+    base: float = 0.0
+    needs: tuple[str, ...] = ()
+    block: str = ""
     option: str = ""
     mark: str = ""
     letter: str = ""
@@ -140,7 +151,7 @@ class Measure:
 
     def ratio(self, value: Any, limit: float) -> Any:
         """A value [SI] over a limit [as in its key]."""
-        return value / (limit * _UNITS[self.unit][1])
+        return (value / _UNITS[self.unit][1] + self.base) / (limit + self.base)
 
     def margin(self, value: Any, limit: float) -> Any:
         """How far a value [SI] is from a limit [as in its key], over the limit.
@@ -290,7 +301,24 @@ MEASURES = (
         label="frequency of the rotor", unit="Hz", variables=("lowest_frequency",), falls=True,
         advice="more preload, or a rigid pair",
         limit=("Least of the lowest natural frequency of the rotor", "(0, inf)"),
-        note="of a scene that gives its mass and span", option="--frequency", letter="H"),
+        note="of a scene that gives its mass and span", needs=("rotor_mass_kg", "span_mm"),
+        option="--frequency", letter="H"),
+    Measure(key="launch_g", words="acceleration at launch",
+        label="launch acceleration", unit="g",
+        variables=("opening_acceleration", "denting_acceleration"), kinds=("opening", "denting"),
+        falls=True, advice="more preload against opening, less against dents",
+        limit=("Least acceleration along the axis that opens a bearing or dents one", "(0, inf)"),
+        note="of a scene that gives its mass", needs=("rotor_mass_kg",), option="--launch-g",
+        letter="Q"),
+    Measure(key="gap_um", words="gap at launch", unit="um", variables=("launch_gap",), base=1.0,
+        advice="more preload, or a stop", limit=("Largest gap of a bearing at launch", "[0, inf)"),
+        note="under the loads of launch in the scene", needs=("rotor_mass_kg", "span_mm"),
+        block="launch", option="--gap-um", letter="O"),
+    Measure(key="launch_pressure_share", words="pressure at launch over that which dents",
+        label="launch pressure", variables=("launch_pressure_share",), advice="less preload",
+        limit=("Largest peak pressure at launch over that which dents", "(0, inf)"),
+        note="under the loads of launch in the scene", needs=("rotor_mass_kg", "span_mm"),
+        block="launch", option="--launch-pressure", letter="D"),
 )
 # fmt: on
 

@@ -38,6 +38,7 @@ SCALES: dict[str, tuple[_Scale, ...]] = {
     "W": (_Scale("mW", 1e3), _Scale("W", 1.0), _Scale("kW", 1e-3)),
     "m": (_Scale("um", 1e6), _Scale("mm", 1e3)),
     "m s-1": (_Scale("m/s", 1.0),),
+    "m s-2": (_Scale("g", 1.0 / 9.80665),),
     "m3": (_Scale("um3", 1e18), _Scale("mm3", 1e9, 1e-3)),
     "m3 s-1": (_Scale("mm3/1000 h", 1e9 * PER_1000_HOURS),),
     "rad s-1": (_Scale("r/min", _R_PER_MIN),),

@@ -76,11 +76,23 @@ class Arrangement:
         default=None,
     )
     rotor_transverse_inertia_kg_mm2: float | None = setting(
-        "Moment of inertia of the rotor about a transverse axis through its centre of mass, "
-        "half way between the bearings (if left out, assumed as of a slender rod of that mass "
-        "and span)",
+        "Moment of inertia of the rotor about a transverse axis through its centre of mass (if "
+        "left out, assumed as of a slender rod of that mass and span)",
         "kg mm2",
         "(0, 1e12]",
+        default=None,
+    )
+    rotor_offset_mm: float = setting(
+        "Centre of mass of the rotor from half way between the bearings, towards +X",
+        "mm",
+        "[-1e5, 1e5]",
+        default=0.0,
+    )
+    stop_um: float | None = setting(
+        "Way by which the spring of a constant force can be pressed until it bottoms or a snubber "
+        "takes over, at launch (no end if left out)",
+        "um",
+        "[0, 1e5]",
         default=None,
     )
     tandem: tuple[int, ...] = setting(

@@ -31,6 +31,7 @@ from bearingwear.scene.calibrated import Calibrated
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.records import NAME, Part, keyed, part_at, setting, whole
+from bearingwear.scene.requirements import Launch
 from bearingwear.scene.uncertain import (
     PARAMETERS,
     UNCERTAIN,
@@ -104,6 +105,9 @@ class Scene:
     operation: Operation = setting("Speeds, preload and loads")
     arrangement: Arrangement | None = setting(
         "How many bearings hold the rotor, a single one if left out", default=None
+    )
+    launch: Launch | None = setting(
+        "Accelerations at launch, while nothing turns, none if left out", default=None
     )
     temperature: Temperature | None = setting(
         "How warm the parts are, as mounted if left out", default=None

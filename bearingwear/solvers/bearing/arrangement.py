@@ -47,7 +47,7 @@ def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:
 
 
 def transverse_inertia(a: Arrangement) -> float:
-    """About the centre of mass, half way between the bearings [kg m2]."""
+    """About the centre of mass [kg m2]."""
     if a.rotor_transverse_inertia_kg_mm2 is not None:
         return a.rotor_transverse_inertia_kg_mm2 * KG_MM2
     assert a.rotor_mass_kg is not None and a.span_mm is not None
@@ -75,10 +75,17 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
     """
     if a.rotor_mass_kg is None or a.span_mm is None:
         return None
-    inertia, m = transverse_inertia(a), a.rotor_mass_kg
     K = rotor_stiffness(a, sides)[np.ix_(_PLANE, _PLANE)]
-    squares, modes = eigh(K, np.diag([m, inertia]))
-    radial = int(np.argmax(m * modes[0] ** 2))
+    return plane_frequencies(a, axial, K)
+
+
+def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray:
+    """`natural_frequencies` from the stiffness (2, 2) against Z and tilt about the middle [Hz]."""
+    assert a.rotor_mass_kg is not None
+    inertia, m, offset = transverse_inertia(a), a.rotor_mass_kg, a.rotor_offset_mm * MM
+    M = np.array([[m, -m * offset], [-m * offset, inertia + m * offset * offset]])
+    squares, modes = eigh(K, M)
+    radial = int(np.argmax(m * (modes[0] - offset * modes[1]) ** 2))
     found = np.array([axial / m, squares[radial], squares[1 - radial]])
     return np.sqrt(np.maximum(found, 0.0)) / (2.0 * math.pi)
 

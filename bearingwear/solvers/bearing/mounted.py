@@ -8,6 +8,19 @@ from bearingwear.scene.scene import Material, Scene
 MM, UM, GPA = 1e-3, 1e-6, 1e9
 RPM = math.pi / 30.0
 
+STEEL_YIELD = 4.2
+"""Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
+
+
+def yield_pressure(scene: Scene) -> tuple[float, str]:
+    """Yield pressure of the weaker of balls and races [GPa], and its source."""
+    known = []
+    for name in (scene.bearing.race_material, scene.bearing.ball_material):
+        given = scene.materials[name].yield_pressure_GPa
+        source = "the scene's" if given else "assumed as ISO 76 has it for steel"
+        known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
+    return min(known, key=lambda one: one[0])
+
 
 def contact_modulus(first: Material, second: Material) -> float:
     """1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa]."""

@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 
 from bearingwear.scene.catalogue import MAKERS, entry_of_bearing
+from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
 from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence
 
 Finding = tuple[float | None, Mapping[str, Any]]
 """The value over its limit (None for a fact), and what fills the sentence."""
-
-STEEL_YIELD = 4.2
-"""Contact pressure [GPa] that dents hardened steel by 1e-4 of the ball diameter: ISO 76."""
 
 LONG_LIVED = 2.0 / STEEL_YIELD
 """Share of the yield pressure up to which a long life is usual: 2 GPa for steel."""
@@ -76,31 +74,20 @@ _GPA, _MPA, _MM = 1e9, 1e6, 1e-3
 _CONTACT = "contact_angle", "contact_load", "semi_major_axis"
 
 
-def _yield_pressure(e: Evidence) -> tuple[float, str]:
-    """Yield pressure of the weaker of balls and races [GPa], and its source."""
-    b = e.scene.bearing
-    known = []
-    for name in (b.race_material, b.ball_material):
-        given = e.scene.materials[name].yield_pressure_GPa
-        source = "the scene's" if given else "assumed as ISO 76 has it for steel"
-        known.append((given or STEEL_YIELD, f"the yield pressure of {name} ({source})"))
-    return min(known, key=lambda one: one[0])
-
-
 def _for_less_pressure(e: Evidence) -> str:
     tilted = abs(e.scene.operation.tilt_mrad) > MOST_TILT
     return "less tilt" if tilted else "less load or speed, or larger balls"
 
 
 def dents(e: Evidence) -> Finding:
-    limit, source = _yield_pressure(e)
+    limit, source = yield_pressure(e.scene)
     value = float(np.max(e.state["maximum_pressure"])) / _GPA
     words = {"value": value, "limit": limit, "source": source, "take": _for_less_pressure(e)}
     return value / limit, words
 
 
 def pressed_hard(e: Evidence) -> Finding | None:
-    limit, _ = _yield_pressure(e)
+    limit, _ = yield_pressure(e.scene)
     value = float(np.max(e.state["maximum_pressure"])) / _GPA
     if value > limit:  # another warning says so
         return None

@@ -27,6 +27,7 @@ from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
+from bearingwear.solvers.bearing.launch import launch_values
 from bearingwear.solvers.effects.cautions import CAUTIONS
 from bearingwear.solvers.effects.choice import choice_for_life
 from bearingwear.solvers.effects.warnings import warnings_of
@@ -231,8 +232,11 @@ def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
 
 def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Of all that may be limited, the worst of some states."""
-    found = {}
-    along = [state.with_values({"lowest_frequency": _frequency(scene, state)}) for state in states]
+    found, at_rest = {}, launch_values(scene)
+    along = [
+        state.with_values({"lowest_frequency": _frequency(scene, state), **at_rest})
+        for state in states
+    ]
     for one in LIMITED.values():
         for name, variable in zip(one.extremes, one.variables, strict=True):
             extreme = one.extreme([state[variable] for state in along])

@@ -55,11 +55,15 @@ class DesignLimits(_LIMITS):
         ------
         SceneError
         """
-        a = scene.arrangement
-        for name in ("rotor_mass_kg", "span_mm") if self.lowest_frequency_Hz else ():
-            if a is None or getattr(a, name) is None:
-                problem = "given nothing; needed for a limit of the lowest frequency"
-                raise SceneError(f"arrangement.{name}", problem, source=source)
+        for key in self.given:
+            one = LIMITED[key]
+            for name in one.needs:
+                if scene.arrangement is None or getattr(scene.arrangement, name) is None:
+                    problem = f"given nothing; needed for a limit of the {one.words}"
+                    raise SceneError(f"arrangement.{name}", problem, source=source)
+            if one.block and getattr(scene, one.block) is None:
+                problem = f"given nothing; needed for a limit of the {one.words}"
+                raise SceneError(one.block, problem, source=source)
 
     @property
     def given(self) -> dict[str, float]:

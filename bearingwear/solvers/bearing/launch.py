@@ -1,0 +1,495 @@
+"""Two bearings at rest under a load on their rotor, as at launch (theory.md section 25).
+
+Balls without friction and without motion: each pulls the groove centres together along their line,
+its two contacts are springs in series, and the energy of all is a convex function of the place of
+the rotor. The balance is where it is least.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
+from bearingwear.kernels.params import Geometry
+from bearingwear.scene.errors import SceneError
+from bearingwear.scene.requirements import Launch
+from bearingwear.scene.scene import Arrangement, Scene
+from bearingwear.solvers.bearing.arrangement import N_UM, plane_frequencies
+from bearingwear.solvers.bearing.mounted import GPA, MM, UM, mounted_geometry, yield_pressure
+from bearingwear.solvers.bearing.parameters import geometry, worn_diameters
+from bearingwear.solvers.bearing.stiffness import azimuths
+
+GRAVITY = 9.80665  # standard [m/s2]
+FARTHEST_G = 1e9  # in place of no end, which cannot be interpolated
+_BALANCED = 1e-14  # force left, over the largest sum of loads
+_MOST_STEPS = 300
+_SOFTEST, _HARDEST = 1e-12, 1e6  # damping, over the stiffness of the balls
+_ROUNDED = 1e-12  # change of the energy, relative, that is none
+_PLANE = [1, 2]
+_X, _Z, _TILT, _SLIDE = range(4)  # place of the rotor's middle, and of the second outer ring
+
+
+class Seat(NamedTuple):
+    """A bearing on the rotor, at rest."""
+
+    g: Geometry
+    D: np.ndarray  # (n,) ball diameters [m]
+    psi: np.ndarray  # (n,) azimuths, the first along the load across [rad]
+    tandem: int
+    mounted: float  # axial displacement of the inner race [m]
+    motion: np.ndarray  # (3, 4) own axial and radial displacement and tilt, by `_X` to `_SLIDE`
+    factor: np.ndarray  # (n,) load over deformation^1.5 of both contacts [N/m^1.5]
+    peak: np.ndarray  # (n, 2) peak pressure under 1 N, inner and outer race [Pa]
+
+    def distances(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Axial and radial distance (n,) of the groove centres, and their slopes (2, n, 4)."""
+        g, c = self.g, np.cos(self.psi)[:, None]
+        slopes = np.array([self.motion[0] + g.R_i * c * self.motion[2], c * self.motion[1]])
+        A1 = g.BD * math.sin(g.alpha0) + self.mounted + slopes[0] @ q
+        return A1, g.BD * math.cos(g.alpha0) + slopes[1] @ q, slopes
+
+    def balls(self, q: np.ndarray) -> "Balls":
+        """Its balls at a place of the rotor."""
+        A1, A2, slopes = self.distances(q)
+        length = np.hypot(A1, A2)
+        d = np.maximum(length - (self.g.r_i + self.g.r_o - self.D), 0.0)
+        return Balls(A1, A2, length, A1 / length, A2 / length, d, self.factor * d**1.5, slopes)
+
+    @property
+    def touch(self) -> float:
+        """Axial displacement at which its last ball comes off, without load across [m]."""
+        return self._displaced(0.0)
+
+    def dented(self, pressure: float) -> float:
+        """Axial displacement at which a ball first presses a race with this peak pressure [m]."""
+        return self._displaced((pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0))
+
+    def _displaced(self, d: float | np.ndarray) -> float:
+        """The least axial displacement at which a ball is pressed by its deformation `d` [m]."""
+        across = self.g.BD * math.cos(self.g.alpha0)
+        length = self.g.r_i + self.g.r_o - self.D + d
+        along = np.sqrt(np.maximum(length**2 - across**2, 0.0))
+        return float(along.min()) - self.g.BD * math.sin(self.g.alpha0)
+
+    def force(self, displacement: float) -> float:
+        """Axial force of all in tandem at an axial displacement [m] alone [N]."""
+        b = self.balls(np.array([(displacement - self.mounted) / self.motion[0, _X], 0, 0, 0]))
+        return self.tandem * float(b.Q @ b.s)
+
+
+class Balls(NamedTuple):
+    """Balls between the grooves, each value (n,)."""
+
+    A1: np.ndarray  # distance of the groove centres, axial [m]
+    A2: np.ndarray  # and radial [m]
+    length: np.ndarray  # of both [m]
+    s: np.ndarray  # sine and cosine of the contact angle
+    c: np.ndarray
+    d: np.ndarray  # deformation of both contacts [m]
+    Q: np.ndarray  # load [N]
+    slopes: np.ndarray  # (2, n, 4) of A1 and A2 by the place
+
+    @property
+    def along(self) -> np.ndarray:
+        """Slope (n, 4) of the length by the place."""
+        return self.s[:, None] * self.slopes[0] + self.c[:, None] * self.slopes[1]
+
+    @property
+    def across(self) -> np.ndarray:
+        """The same of the turn, times the length."""
+        return self.c[:, None] * self.slopes[0] - self.s[:, None] * self.slopes[1]
+
+    def stiffness(self, factor: np.ndarray) -> np.ndarray:
+        """Of the bearing by the place (4, 4)."""
+        along, across = self.along, self.across
+        k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
+        return (along.T * k) @ along + (across.T * turn) @ across
+
+
+def series_contact(g: Geometry, D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Load over deformation^1.5 (n,) of both contacts of a ball; peak pressures (n, 2) under 1 N.
+
+    With the curvature at the free contact angle, as ISO 76 rates them: where the angle opens from
+    15 to 21 degrees, the peak pressure is within 0.22 % of that with its own.
+    """
+    factor, peak = [], []
+    for diameter in D.tolist():
+        both = [
+            race_contact(g, race, diameter, math.cos(g.alpha0), math.nan) for race in (INNER, OUTER)
+        ]
+        factor.append(sum(one.K ** (-2.0 / 3.0) for one in both) ** -1.5)
+        peak.append([1.5 / (math.pi * one.c_a * one.c_b) for one in both])
+    return np.array(factor), np.array(peak)
+
+
+def place_as_mounted(g: Geometry, preload: float) -> float:
+    """Axial displacement of an unworn bearing under its preload alone, at rest [m]."""
+    (factor,), _ = series_contact(g, np.array([g.D0]))
+    across = g.BD * math.cos(g.alpha0)
+
+    def left(A1: float) -> float:
+        length = math.hypot(A1, across)
+        return g.n_balls * factor * max(length - g.BD, 0.0) ** 1.5 * A1 / length - preload
+
+    free = g.BD * math.sin(g.alpha0)
+    return float(brentq(left, free, free + g.BD, xtol=1e-20, rtol=1e-15)) - free
+
+
+@dataclass(frozen=True)
+class RestingBearing:
+    """One bearing of the rotor under the load; of one in tandem, its share."""
+
+    axial: float  # force on its inner race's balls, along its own load direction [N]
+    radial: float  # [N]
+    moment: float  # about its middle, in the plane of the load [N m]
+    load: np.ndarray  # (n,) of each ball [N]
+    angle: np.ndarray  # (n,) contact angle; NaN where it is loose [rad]
+    pressure: np.ndarray  # (n, 2) peak, inner and outer race [Pa]
+    gap: float  # axial distance to its first contact, where none is left [m]
+
+    @property
+    def is_open(self) -> bool:
+        """Whether no ball bears any load."""
+        return not self.load.any()
+
+
+@dataclass(frozen=True)
+class RestingRotor:
+    """The rotor under a load, at rest."""
+
+    shift: float  # of its middle towards +X [m]
+    across: float  # the same across the axis [m]
+    tilt: float  # [rad]
+    slide: float  # of the second outer ring, as its spring extends [m]
+    on_stop: float  # force on the stop of the spring [N]
+    bearings: tuple[RestingBearing, ...]
+    residual: float  # of the balance, over the largest force [1]
+
+    @property
+    def gap(self) -> float:
+        """The largest gap of a bearing [m]."""
+        return max(one.gap for one in self.bearings)
+
+    @property
+    def pressure(self) -> float:
+        """The largest peak pressure [Pa]."""
+        return max(float(one.pressure.max()) for one in self.bearings)
+
+
+@dataclass(frozen=True)
+class RotorAtRest:
+    """A rotor on two bearings, as mounted, warm but not turning.
+
+    A single bearing is half of a symmetric pair, held by a spring or at a fixed position.
+    """
+
+    seats: tuple[Seat, Seat]
+    offset: float  # of the centre of mass from the middle, towards +X [m]
+    spring: tuple[float, float, float] | None  # force [N], stiffness [N/m], way to its stop [m]
+
+    @classmethod
+    def of(cls, scene: Scene) -> "RotorAtRest":
+        a = scene.arrangement or Arrangement()
+        still = [
+            one.with_({"operation.shaft_speed_rpm": 0.0, "operation.outer_speed_rpm": 0.0})
+            for one in scene.sides
+        ]
+        outwards = -1.0 if a.orientation == "back_to_back" else 1.0
+        seats = []
+        for k, (one, n) in enumerate(zip((still * 2)[:2], a.tandem, strict=True)):
+            g, own = geometry(one), 1.0 - 2.0 * k
+            # place on the rotor of the inner groove centres, at which the balls' forces act
+            at = own * (outwards * 0.5 * (a.span_mm or 0.0) * MM + groove_arm(g))
+            motion = np.zeros((3, 4))
+            motion[0, _X], motion[1, _Z], motion[1, _TILT], motion[2, _TILT] = own, 1.0, -at, own
+            motion[0, _SLIDE] = k
+            D, preload = worn_diameters(one, g), float(one.operation.preload_N)
+            mounted = place_as_mounted(mounted_geometry(one), preload)
+            contact = series_contact(g, D)
+            seats.append(Seat(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
+        stop = math.inf if a.stop_um is None else a.stop_um * UM
+        by_spring = scene.operation.preload_method == "constant_force"
+        force = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop
+        return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, force if by_spring else None)
+
+    def under(self, axial: float, radial: float = 0.0) -> RestingRotor | None:
+        """The rotor under a force at its centre of mass, towards +X and across [N].
+
+        None where nothing holds it: a spring of no stiffness without a stop.
+        """
+        free = [_X, _Z, _TILT] if self.spring is None else [_X, _Z, _TILT, _SLIDE]
+        force = np.array([axial, radial, -self.offset * radial, 0.0])
+        k_s = np.zeros((4, 4))
+        if self.spring is not None:
+            F_s, k_s[_SLIDE, _SLIDE], stop = self.spring
+            force[_SLIDE] = F_s
+            if k_s[_SLIDE, _SLIDE] == 0.0 and stop == math.inf and axial <= -F_s:
+                return None
+        found = self._balanced(force, k_s, free, np.zeros(4))
+        if self.spring is not None and found[_SLIDE] < -stop:
+            start = np.array([0.0, 0.0, 0.0, -stop])
+            found = self._balanced(force, k_s, free[:3], start)
+        return self._state(found, force, k_s)
+
+    def frequencies(self, a: Arrangement) -> np.ndarray:
+        """Axial, radial and conical frequency of the rotor without a load (3,) [Hz]."""
+        rest = self.under(0.0)
+        q = np.zeros(4) if rest is None else np.array([rest.shift, rest.across, rest.tilt, 0.0])
+        K, each = np.zeros((4, 4)), []
+        for seat in self.seats:
+            b = seat.balls(q + ([0.0, 0.0, 0.0, rest.slide] if rest else 0.0))
+            own = seat.tandem * b.stiffness(seat.factor)
+            K, each = K + own, [*each, float(own[_X, _X])]
+        axial = sum(each)
+        if self.spring is not None:
+            k_s = self.spring[1]
+            axial = each[0] + (k_s * each[1] / (k_s + each[1]) if each[1] else 0.0)
+        return plane_frequencies(a, axial, K[np.ix_(_PLANE, _PLANE)])
+
+    def external(self, k: int, displacement: float) -> float:
+        """Axial force on the rotor that displaces one of its bearings so, without load across [N].
+
+        Towards +X; infinite where none does.
+        """
+        one, two = self.seats
+        F_s, k_s, stop = self.spring or (0.0, 0.0, 0.0)
+        slide = 0.0
+        if k == 0:
+            x = displacement - one.mounted
+            if self.spring is not None:
+                slide = self._extended(two.mounted - x)
+            return one.force(displacement) - two.force(two.mounted - x + slide)
+        F_2 = two.force(displacement)
+        if self.spring is not None:
+            pressed = (F_s - F_2) / k_s if k_s else math.copysign(math.inf, F_s - F_2)
+            slide = max(pressed, -stop)
+            if math.isinf(slide):
+                return slide
+        return one.force(one.mounted + two.mounted + slide - displacement) - F_2
+
+    def _extended(self, place: float) -> float:
+        """Slide of the second outer ring, its inner race at a place of its own [m]."""
+        assert self.spring is not None
+        two, (F_s, k_s, stop) = self.seats[1], self.spring
+
+        def left(slide: float) -> float:
+            return two.force(place + slide) - F_s + k_s * slide
+
+        reach = 1e-3 * two.g.BD
+        while left(reach) < 0.0 or left(-reach) > 0.0:
+            reach *= 2.0
+        return max(float(brentq(left, -reach, reach, xtol=1e-18, rtol=1e-14)), -stop)
+
+    @property
+    def opening_force(self) -> float:
+        """Least axial force, either way, that takes all load off a bearing [N]."""
+        relieved = -self.external(0, self.seats[0].touch), self.external(1, self.seats[1].touch)
+        return max(min(relieved), 0.0)
+
+    def denting_force(self, pressure: float) -> float:
+        """Least axial force, either way, at which a contact has that peak pressure [Pa] [N]."""
+        one, two = (seat.dented(pressure) for seat in self.seats)
+        return max(min(self.external(0, one), -self.external(1, two)), 0.0)
+
+    def _balanced(
+        self, force: np.ndarray, k_s: np.ndarray, free: list[int], q: np.ndarray
+    ) -> np.ndarray:
+        """The place of least energy, from a start `q`, of what is free to move.
+
+        Damped Newton steps: where balls are loose, nothing may resist in some direction.
+        """
+        lengths = np.array([1.0, 1.0, 1.0 / self.seats[0].g.R_i, 1.0])[free]
+        at = np.ix_(free, free)
+
+        def energy(q: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, float]:
+            E, slope, K, largest = 0.5 * q @ k_s @ q - force @ q, k_s @ q - force, k_s, 0.0
+            for seat in self.seats:
+                b, n = seat.balls(q), seat.tandem
+                E = E + 0.4 * n * (b.Q @ b.d)
+                slope = slope + n * (b.Q @ b.along)
+                K = K + n * b.stiffness(seat.factor)
+                largest = max(largest, n * float(b.Q.sum()))
+            return float(E), slope[free] * lengths, K[at] * np.outer(lengths, lengths), largest
+
+        E, slope, K, largest = energy(q)
+        firm = max(float(np.sum(one.factor)) for one in self.seats) * math.sqrt(UM)
+        damping = 0.0
+        for _ in range(_MOST_STEPS):
+            if abs(slope).max() <= _BALANCED * max(largest, abs(force[:2]).max()):
+                break
+            try:
+                step = np.linalg.solve(K + damping * np.eye(len(free)), -slope)
+            except np.linalg.LinAlgError:
+                damping = max(10.0 * damping, _SOFTEST * firm)
+                continue
+            trial = q.copy()
+            trial[free] += step * lengths
+            new = energy(trial)
+            level = new[0] - E <= _ROUNDED * abs(E) and abs(new[1]).max() < abs(slope).max()
+            if new[0] < E or level:
+                q, (E, slope, K, largest), damping = trial, new, 0.1 * damping
+            elif damping > _HARDEST * firm:
+                break
+            else:
+                damping = max(10.0 * damping, _SOFTEST * firm)
+        return q
+
+    def _state(self, q: np.ndarray, force: np.ndarray, k_s: np.ndarray) -> RestingRotor:
+        found, left = [], k_s @ q - force
+        for seat in self.seats:
+            b, cosine, arm = seat.balls(q), np.cos(seat.psi), groove_arm(seat.g)
+            left = left + seat.tandem * (b.Q @ b.along)
+            free = seat.g.r_i + seat.g.r_o - seat.D
+            to_touch = np.sqrt(np.maximum(free**2 - b.A2**2, 0.0)) - b.A1
+            radial = float(b.Q @ (b.c * cosine))
+            found.append(
+                RestingBearing(
+                    axial=float(b.Q @ b.s),
+                    radial=radial,
+                    moment=float(seat.g.R_i * (b.Q * b.s) @ cosine) - arm * radial,
+                    load=b.Q,
+                    angle=np.where(b.Q > 0.0, np.arctan2(b.A1, b.A2), np.nan),
+                    pressure=seat.peak * np.cbrt(b.Q)[:, None],
+                    gap=0.0 if b.Q.any() else float(to_touch.min()),
+                )
+            )
+        on_stop = 0.0
+        if self.spring is not None and q[_SLIDE] == -self.spring[2]:
+            on_stop = float(left[_SLIDE])
+        unbalanced = left[:3] / (1.0, 1.0, self.seats[0].g.R_i)
+        largest = max(abs(force[:2]).max(), *(one.load.sum() for one in found))
+        residual = float(abs(unbalanced).max() / largest) if largest > 0.0 else 0.0
+        return RestingRotor(*q.tolist(), max(on_stop, 0.0), tuple(found), residual)
+
+
+def groove_arm(g: Geometry) -> float:
+    """Axial distance of the inner groove centres from the middle of an unloaded bearing [m]."""
+    return (g.r_i - 0.5 * g.D0) * math.sin(g.alpha0)
+
+
+@dataclass(frozen=True)
+class LaunchLoad:
+    """A load at launch and what it does."""
+
+    name: str
+    axial: float  # [N], towards +X
+    radial: float  # [N]
+    rotor: RestingRotor | None  # None where nothing holds it
+
+
+@dataclass(frozen=True)
+class Launched:
+    """A scene at launch.
+
+    Attributes
+    ----------
+    axial_g, radial_g : float
+        Accelerations, given or by Miles' equation.
+    frequencies : ndarray (3,), optional
+        Axial, radial, conical, at rest [Hz]; None without a span.
+    opening_g, denting_g : float
+        Along the axis alone, at which a bearing opens, or is dented.
+    pressure : float
+        Peak that dents the weaker of balls and races [Pa].
+    """
+
+    loads: tuple[LaunchLoad, ...]
+    axial_g: float
+    radial_g: float
+    frequencies: np.ndarray | None
+    opening_g: float
+    denting_g: float
+    pressure: float
+    source: str
+
+    @property
+    def gap(self) -> float:
+        """The largest gap under its loads [m]; infinite where nothing holds the rotor."""
+        gaps = [math.inf if one.rotor is None else one.rotor.gap for one in self.loads]
+        return max(gaps, default=0.0)
+
+    @property
+    def pressure_share(self) -> float:
+        """The largest peak pressure over that which dents [1]."""
+        held = [one.rotor.pressure for one in self.loads if one.rotor is not None]
+        return max(held, default=0.0) / self.pressure
+
+
+def miles(density: float, frequency: float, amplification: float) -> float:
+    """Three times the rms acceleration of an oscillator under a density, both in one unit.
+
+    J. W. Miles, J. Aeronautical Sciences (Nov 1954) 753; three sigma as in the FEMCI book (2001).
+    """
+    return 3.0 * math.sqrt(0.5 * math.pi * frequency * amplification * density)
+
+
+def check_launch(scene: Scene, source: str) -> None:
+    """Refuse a scene of whose rotor too little is known.
+
+    Raises
+    ------
+    SceneError
+    """
+    a, asked = scene.arrangement, scene.launch or Launch()
+    needed = ["rotor_mass_kg"]
+    if asked != Launch(axial_g=asked.axial_g):
+        needed.append("span_mm")
+    for name in needed:
+        if a is None or getattr(a, name) is None:
+            problem = "got nothing, expected for a launch a number > 0"
+            raise SceneError(f"arrangement.{name}", problem, ("launch",), source)
+
+
+def launched(scene: Scene) -> Launched:
+    """What launch does to the bearings of a scene that gives the mass of its rotor.
+
+    Along both ways of the axis, across it, and along and across together.
+    """
+    a, asked, rest = scene.arrangement, scene.launch or Launch(), RotorAtRest.of(scene)
+    assert a is not None and a.rotor_mass_kg is not None
+    weight = a.rotor_mass_kg * GRAVITY
+    frequencies = rest.frequencies(a) if a.span_mm is not None else None
+    found = [asked.axial_g, asked.radial_g]
+    densities = (asked.axial_density_g2_Hz, asked.radial_density_g2_Hz)
+    for k, density in enumerate(densities):
+        if density is not None:
+            assert frequencies is not None
+            found[k] = miles(density, frequencies[k], asked.amplification)
+    along, across = (g * weight for g in found)
+    asked_for = {"along +X": (along, 0.0), "along -X": (-along, 0.0)} if along else {}
+    if across:
+        asked_for |= {"across": (0.0, across)}
+        if along:
+            asked_for |= {"+X, across": (along, across), "-X, across": (-along, across)}
+    loads = [LaunchLoad(name, *F, rest.under(*F)) for name, F in asked_for.items()]
+    limit, source = min((yield_pressure(one) for one in scene.sides), key=lambda one: one[0])
+    return Launched(
+        loads=tuple(loads),
+        axial_g=found[0],
+        radial_g=found[1],
+        frequencies=frequencies,
+        opening_g=rest.opening_force / weight,
+        denting_g=rest.denting_force(limit * GPA) / weight,
+        pressure=limit * GPA,
+        source=source,
+    )
+
+
+def launch_values(scene: Scene) -> dict[str, float]:
+    """What limits look at of a launch [SI]; empty where the rotor's mass is not given."""
+    a = scene.arrangement
+    if a is None or a.rotor_mass_kg is None:
+        return {}
+    if scene.launch is not None and a.span_mm is None:
+        scene = replace(scene, launch=None)
+    found = launched(scene)
+    values = {
+        "opening_acceleration": GRAVITY * min(found.opening_g, FARTHEST_G),
+        "denting_acceleration": GRAVITY * min(found.denting_g, FARTHEST_G),
+    }
+    if found.loads:
+        values |= {"launch_gap": min(found.gap, 1.0), "launch_pressure_share": found.pressure_share}
+    return values

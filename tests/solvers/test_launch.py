@@ -1,0 +1,221 @@
+"""Launch: a rotor at rest under quasi-static accelerations, against programs written apart."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import benchmark
+
+import bearingwear
+from bearingwear.cli import main
+from bearingwear.scene.read import scene_from_dict
+from bearingwear.scene.scene import SceneError
+from bearingwear.solvers.bearing.arrangement import natural_frequencies
+from bearingwear.solvers.bearing.at_rest import RestingPair
+from bearingwear.solvers.bearing.launch import (
+    GRAVITY,
+    RotorAtRest,
+    check_launch,
+    launch_values,
+    launched,
+    miles,
+)
+
+CASES = json.loads(Path(__file__).with_name("launch_cases.json").read_text())["cases"]
+SPRING = {"arrangement.kind": "spring_pair", "operation.preload_method": "constant_force"}
+
+
+def scene_of(given, **operation):
+    """A scene of one of the cases."""
+    material = {"youngs_modulus_GPa": given["youngs_modulus_GPa"], "density_kg_m3": 7800.0}
+    material |= {"poisson_ratio": given["poisson"], "brinell_hardness_GPa": 7.0}
+    return scene_from_dict(
+        {
+            "name": "launch",
+            "bearing": {
+                "ball_count": given["balls"],
+                "ball_diameter_mm": given["ball_diameter_mm"],
+                "pitch_diameter_mm": given["pitch_diameter_mm"],
+                "contact_angle_deg": given["contact_angle_deg"],
+                "inner_groove_factor": given["groove_radius_ratio_inner"],
+                "outer_groove_factor": given["groove_radius_ratio_outer"],
+                "ball_material": "steel",
+                "race_material": "steel",
+            },
+            "materials": {"steel": material | {"wear_coefficient": 1e-6}},
+            "operation": {
+                "shaft_speed_rpm": 1000.0,
+                "preload_method": "fixed_position",
+                "preload_N": given["preload_N"],
+            }
+            | operation,
+            "friction": {"ball_race": 0.1},
+            "arrangement": {
+                "kind": "rigid_pair",
+                "orientation": {"DB": "back_to_back"}.get(given["arrangement"], "face_to_face"),
+                "rotor_mass_kg": given["rotor_mass_kg"],
+                "span_mm": given["ball_plane_span_mm"],
+                "rotor_offset_mm": given["cm_offset_mm"],
+            },
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return scene_of(CASES[0]["inputs"])
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["id"])
+def test_a_program_written_apart(case):
+    """Allowed 1e-3; found 1e-6."""
+    given, near = case["inputs"], {"rel": 1e-6, "abs": 1e-9}
+    rest = RotorAtRest.of(scene_of(given))
+    found = rest.under(given["axial_load_N"], given["radial_load_N"])
+    assert found.residual < 1e-12
+    assert 1e6 * found.shift == pytest.approx(case["rotor"]["ux_um"], **near)
+    assert 1e6 * found.across == pytest.approx(case["rotor"]["uy_um"], **near)
+    assert 1e6 * abs(found.tilt) == pytest.approx(case["rotor"]["tilt_z_urad"], **near)
+    for k, one in enumerate(found.bearings, 1):
+        other = case[f"bearing{k}"]
+        values = {
+            "axial_N": one.axial,
+            "radial_N": one.radial,
+            "moment_Nmm": 1e3 * abs(one.moment),
+            "Q_max_N": one.load.max(),
+            "Q_min_N": one.load.min(),
+            "p_max_inner_MPa": 1e-6 * one.pressure[:, 0].max(),
+            "p_max_outer_MPa": 1e-6 * one.pressure[:, 1].max(),
+            "unloaded_balls": (one.load == 0.0).sum(),
+            "axial_gap_um": 1e6 * one.gap,
+        }
+        for name, value in values.items():
+            assert value == pytest.approx(other[name], **near), (k, name)
+    assert rest.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
+
+
+def test_random_rotors_by_plain_scipy():
+    """Rigid and spring pairs with offsets and stops: most of 30 differ by 1e-12, none by 1e-8."""
+    plain, compared = benchmark("plain_launch"), 0
+    rng = np.random.default_rng(35)
+    for _ in range(6):
+        off, left = plain.difference(*plain.random_scene(rng))
+        if left < plain.BALANCED:
+            assert off < 1e-7
+            compared += 1
+    assert compared >= 5
+
+
+def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
+    """2^1.5 preloads as the preload goes to nothing, and more as the contact angle opens."""
+    ratios = [
+        RotorAtRest.of(pair.with_({"operation.preload_N": F})).opening_force / F
+        for F in (1e-6, 1e-3, 75.0)
+    ]
+    assert ratios[0] == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
+    assert ratios[0] < ratios[1] < ratios[2] == pytest.approx(3.0522, rel=1e-4)
+    # as the lift-off of `solve`, whose contacts have the curvature at their own angle
+    assert RestingPair.of(pair).lift_off == pytest.approx(75.0 * ratios[2], rel=1e-4)
+
+
+@pytest.mark.parametrize("way", [{}, SPRING | {"arrangement.spring_stiffness_N_um": 1.0}])
+def test_opening_and_denting_are_where_the_solve_has_them(pair, way):
+    rest = RotorAtRest.of(pair.with_(way))
+    opening, denting = rest.opening_force, rest.denting_force(4.2e9)
+    senses = [-1.0] if way else [-1.0, 1.0]
+    for sense in senses:
+        assert rest.under(sense * opening * (1.0 - 1e-6)).gap == 0.0
+        assert rest.under(sense * opening * (1.0 + 1e-6)).gap > 0.0
+    pressures = [rest.under(sense * denting).pressure for sense in (-1.0, 1.0)]
+    assert max(pressures) == pytest.approx(4.2e9, rel=1e-9)
+
+
+def test_a_spring_bottoms_on_its_stop(pair):
+    """Beyond the spring's force nothing holds the rotor; a stop does, after its way."""
+    loose = RotorAtRest.of(pair.with_(SPRING))
+    assert loose.opening_force == pytest.approx(75.0)
+    assert loose.under(-76.0) is None and loose.under(1e4).gap == 0.0  # the other way it follows
+    stopped = RotorAtRest.of(pair.with_(SPRING | {"arrangement.stop_um": 20.0})).under(-500.0)
+    first, second = stopped.bearings
+    assert stopped.slide == pytest.approx(-20e-6) and stopped.on_stop == pytest.approx(425.0)
+    assert first.is_open and second.axial == pytest.approx(500.0, rel=1e-12)
+    moved = RotorAtRest.of(pair).under(-500.0)
+    assert stopped.shift == pytest.approx(moved.shift - 20e-6, abs=1e-12)
+    assert first.gap == pytest.approx(moved.bearings[0].gap + 20e-6, abs=1e-12)
+
+
+def test_frequencies_are_those_of_the_stiffness_at_rest(pair):
+    """That of `solve` differs by the turn of tilted ball loads, and by speed."""
+    a = pair.arrangement
+    K = RestingPair.of(pair).one.stiffness_matrix(75.0)
+    known = natural_frequencies(a, np.array([K, K]), 2.0 * K[0, 0])
+    found = RotorAtRest.of(pair).frequencies(a)
+    assert found[:2] == pytest.approx(known[:2], rel=1e-3)
+    assert found[2] == pytest.approx(known[2], rel=5e-3)
+    moved = pair.with_({"arrangement.rotor_offset_mm": 10.0})
+    off = RotorAtRest.of(moved).frequencies(moved.arrangement)
+    assert off[0] == pytest.approx(found[0]) and off[1] < found[1] and off[2] > found[2]
+
+
+def test_miles_equation(pair):
+    """g = 3 sqrt(pi/2 f Q PSD) by hand, at the own frequency."""
+    assert miles(0.1, 100.0, 10.0) == pytest.approx(3.0 * math.sqrt(50.0 * math.pi))
+    random = pair.with_({"launch.axial_density_g2_Hz": 0.1, "launch.amplification": 20.0})
+    found = launched(random)
+    by_hand = 3.0 * math.sqrt(0.5 * math.pi * found.frequencies[0] * 20.0 * 0.1)
+    assert found.axial_g == pytest.approx(by_hand, rel=1e-12)
+    plain = launched(pair.with_({"launch.axial_g": by_hand}))
+    assert plain.gap == pytest.approx(found.gap, rel=1e-12) and plain.gap > 0.0
+
+
+def test_warmth_changes_what_a_rigid_pair_holds(pair):
+    warm = pair.with_({"temperature.inner_ring_C": 25.0})
+    assert launched(warm).opening_g > 1.3 * launched(pair).opening_g
+    spring = launched(warm.with_(SPRING))
+    assert spring.opening_g == pytest.approx(launched(pair.with_(SPRING)).opening_g, rel=1e-9)
+
+
+def test_what_limits_look_at(pair):
+    assert launch_values(bearingwear.example()) == {}
+    found = launch_values(pair.with_({"launch.axial_g": 100.0, "launch.radial_g": 20.0}))
+    assert found["opening_acceleration"] == pytest.approx(228.9157064 / 3.0, rel=1e-7)
+    assert found["launch_gap"] == pytest.approx(31.98130314e-6, rel=1e-6)
+    assert found["launch_pressure_share"] == pytest.approx(1859.437676 / 4200.0, rel=1e-6)
+    lost = launch_values(pair.with_(SPRING | {"launch.axial_g": 100.0}))
+    assert lost["launch_gap"] == 1.0 and lost["opening_acceleration"] < 3.0 * GRAVITY
+
+
+def test_the_sheet_says_it(pair, tmp_path, capsys):
+    bearingwear.save(pair, tmp_path / "pair.yaml")
+    words = ["launch", str(tmp_path / "pair.yaml"), "--axial", "100", "--radial", "20"]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    assert "gaps: bearing 2 opens by 32 um, along +X" in said
+    assert "does not dent: peak pressure is 44.3 % of 4.2 GPa" in said
+    assert main([*words, "--json"]) == 0
+    rows = {
+        (one["block"], one["name"]): one
+        for one in json.loads(capsys.readouterr().out)["quantities"]
+    }
+    assert rows["bearing 2", "gap"]["values"]["along +X"] == pytest.approx(31.981303)
+    opening = rows["to the limits, along the axis alone", "opening_g"]
+    assert opening["value"] == pytest.approx(228.9157064 / 3.0 / GRAVITY, rel=1e-7)
+    spring = [f"{key}={value}" for key, value in SPRING.items()]
+    assert main([*words, "--set", *spring]) == 0
+    assert "along -X: nothing holds the rotor" in capsys.readouterr().out
+
+
+def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):
+    for key in ("rotor_mass_kg", "span_mm"):
+        without = pair.with_({f"arrangement.{key}": None, "launch.radial_g": 10.0})
+        with pytest.raises(SceneError, match=rf"^a.yaml: arrangement.{key}: got nothing"):
+            check_launch(without, "a.yaml")
+    with pytest.raises(SceneError, match="launch.axial_g: got 3 with axial_density_g2_Hz"):
+        pair.with_({"launch.axial_g": 3.0, "launch.axial_density_g2_Hz": 0.1})
+    scene, lives = tmp_path / "pair.yaml", {"wear.end_of_life.preload_fraction": 0.5}
+    bearingwear.save(pair.with_(lives), scene)
+    assert main(["recommend", str(scene), "--gap-um", "0"]) == 2
+    problem = "launch: given nothing; needed for a limit of the gap at launch"
+    assert capsys.readouterr().err == f"{scene}: {problem}\n"
