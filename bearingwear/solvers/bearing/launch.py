@@ -238,7 +238,8 @@ class RotorAtRest:
         """Axial, radial and conical frequency of the rotor without a load (3,) [Hz]."""
         rest = self.under(0.0)
         q = np.zeros(4) if rest is None else np.array([rest.shift, rest.across, rest.tilt, 0.0])
-        K, each = np.zeros((4, 4)), []
+        K = np.zeros((4, 4))
+        each: list[float] = []
         for seat in self.seats:
             b = seat.balls(q + ([0.0, 0.0, 0.0, rest.slide] if rest else 0.0))
             own = seat.tandem * b.stiffness(seat.factor)
@@ -362,7 +363,8 @@ class RotorAtRest:
         unbalanced = left[:3] / (1.0, 1.0, self.seats[0].g.R_i)
         largest = max(abs(force[:2]).max(), *(one.load.sum() for one in found))
         residual = float(abs(unbalanced).max() / largest) if largest > 0.0 else 0.0
-        return RestingRotor(*q.tolist(), max(on_stop, 0.0), tuple(found), residual)
+        x, z, tilt, slide = q.tolist()
+        return RestingRotor(x, z, tilt, slide, max(on_stop, 0.0), tuple(found), residual)
 
 
 def groove_arm(g: Geometry) -> float:
