@@ -53,6 +53,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
     check = command("check", "check a scene; say which model would be solved, and why")
     solve = command("solve", "solve a scene; print the sheet, write a case file")
+    launch = command("launch", "find what launch does to the bearings of a rotor: gaps and dents")
     life = command("life", "follow wear to the end of life; print the sheet, write a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
@@ -61,6 +62,8 @@ def command_parser() -> argparse.ArgumentParser:
         metavar="CASE.nc",
         help="go on from the end of a dynamic case; its scene may differ in wear and model only",
     )
+    for sub in (check, solve, life, launch):
+        sub.add_argument("--case", metavar="NAME", help="one of the scene's cases")
     for sub in (solve, life):
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
@@ -77,13 +80,8 @@ def command_parser() -> argparse.ArgumentParser:
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
-    launch = command("launch", "find what launch does to the bearings of a rotor: gaps and dents")
-    _add_scene_with_changes(launch)
-    for way, words in (("axial", "along the axis"), ("radial", "across it")):
-        launch.add_argument(
-            f"--{way}", type=_not_negative, metavar="G", help=f"{words}; sets launch.{way}_g"
-        )
-    _add_formats(launch)
+    _add_launch(launch)
+    _add_margin(command("margin", "find the torque margin of a drive: cold to hot, new to worn"))
     _add_export(command("export", "write the stiffness of bearings over speed: CSV, ROSS's TOML"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
@@ -330,6 +328,33 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         "Further arguments go to Snakemake and stand after a name, as in `bearingwear study all "
         "--configfile other.yaml`."
     )
+
+
+def _add_launch(sub: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(sub)
+    for way, words in (("axial", "along the axis"), ("radial", "across it")):
+        sub.add_argument(
+            f"--{way}", type=_not_negative, metavar="G", help=f"{words}; sets launch.{way}_g"
+        )
+    _add_formats(sub)
+
+
+def _add_margin(sub: argparse.ArgumentParser) -> None:
+    _add_scene_with_changes(sub)
+    sub.add_argument(
+        "--drive", type=_positive, metavar="N_M", help="torque of the drive; sets drive.torque_Nm"
+    )
+    sub.add_argument(
+        "--standard",
+        choices=("ecss", "nasa", "own"),
+        help="rule of the margin; sets drive.standard; ecss if neither does",
+    )
+    sub.add_argument(
+        "--data",
+        choices=("analysis", "test", "extremes"),
+        help="where the torques come from; sets drive.data; analysis if neither does",
+    )
+    _add_formats(sub)
 
 
 def _add_export(sub: argparse.ArgumentParser) -> None:

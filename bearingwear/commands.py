@@ -232,6 +232,20 @@ def launch(args: argparse.Namespace) -> int:
     return OK
 
 
+def margin(args: argparse.Namespace) -> int:
+    given = {"torque_Nm": args.drive, "standard": args.standard, "data": args.data}
+    args.set += [f"drive.{key}={value}" for key, value in given.items() if value is not None]
+    scene = _scene(args)
+    if scene.drive is None:
+        raise UsageError(f"{args.scene}: drive: got nothing, expected it, or --drive N_M")
+    from bearingwear.document.margin import margin_document
+    from bearingwear.lives.margin import torque_corners
+
+    corners = torque_corners(scene)
+    _print_sheet(margin_document(scene, corners), args)
+    return OK if all(corner.torque == corner.torque for corner in corners) else NOT_SOLVED
+
+
 def export(args: argparse.Namespace) -> int:
     from bearingwear.atomic import write_text
     from bearingwear.studies.export import NotExported, StiffnessOverSpeed
@@ -406,6 +420,10 @@ def _scene(args: argparse.Namespace) -> Scene:
     from bearingwear.scene.read import load_scene
 
     scene = load_scene(args.scene, args.set)
+    if (case := getattr(args, "case", None)) is not None:
+        from bearingwear.scene.cases import in_case
+
+        scene = in_case(scene, case, "--case")
     if getattr(args, "output", None) is not None:
         check_output(args.output, args.scene)
     return scene

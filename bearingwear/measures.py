@@ -319,6 +319,11 @@ MEASURES = (
         limit=("Largest peak pressure at launch over that which dents", "(0, inf)"),
         note="under the loads of launch in the scene", needs=("rotor_mass_kg", "span_mm"),
         block="launch", option="--launch-pressure", letter="D"),
+    Measure(key="torque_margin", words="torque margin", variables=("torque_margin",), falls=True,
+        base=1.0, advice="less preload or friction, or a stronger drive",
+        limit=("Least torque margin, of the drive over what its rule requires", "[0, inf)"),
+        note="new and worn, over the interval of the friction", block="drive",
+        option="--torque-margin", letter="T"),
 )
 # fmt: on
 

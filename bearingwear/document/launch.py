@@ -38,13 +38,13 @@ def launch_document(scene: Scene, found: Launched) -> Document:
             Block(f"bearing {k + 1}", columns, tuple(_bearing_rows(found.loads, k)))
             for k in range(2)
         ]
-    said = verdict(found)
+    said = launch_verdict(found)
     facts = {"kind": "launch", "scene": scene.name, "verdict": said}
     heading = (operation_lines(json.loads(json.dumps(scene.to_dict())))[0], *_asked(scene, found))
     return Document((*heading, *said), facts, tuple(blocks))
 
 
-def verdict(found: Launched) -> list[str]:
+def launch_verdict(found: Launched) -> list[str]:
     """Whether it gaps and whether it dents, in sentences."""
     said = [
         f"{load.name}: nothing holds the rotor; it needs more spring force, or a stop "

@@ -96,6 +96,7 @@ def worse_states(life: Life, scene: Scene) -> list[State]:
             for name in measure.variables
             if name in one.values or name in other.values
         }
+        worse["losses"] = tuple(state.loss for state in node.states)
         worse["lowest_frequency"] = lowest_frequency(scene, node.states)
         worse |= {name: np.stack([one[name], other[name]]) for name in OF_EACH_CONTACT}
         found.append(one.with_values(worse))
@@ -122,6 +123,9 @@ def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[End
     basis : int
         Index along the loss basis.
     """
+    if scene.cases:
+        each = [lives_by_end(one, farthest, basis) for one in scene.in_cases.values()]
+        return lambda end: float(np.min([length(end) for length in each]))
     if grooves_followed(scene, "steady")[0] is None:
         lives = HertzianLives(scene)
 

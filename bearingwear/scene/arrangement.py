@@ -112,7 +112,7 @@ class Arrangement:
     )
 
     def __post_init__(self) -> None:
-        flat = dict(_flat(self.second))
+        flat = dict(flat_keys(self.second))
         for key in flat:
             block, _, name = key.partition(".")
             shared = block == "operation" and name in SHARED_KEYS
@@ -152,12 +152,12 @@ def _rebuilt(values: dict[str, Any]) -> Arrangement:
     return Arrangement(**values)
 
 
-def _flat(block: Mapping[str, Any], above: str = "") -> Any:
+def flat_keys(block: Mapping[str, Any], above: str = "") -> Any:
     """Keys with all their parts, and their values; blocks within blocks are keys too."""
     for name, value in block.items():
         key = f"{above}.{name}" if above else name
         if isinstance(value, Mapping):
-            yield from _flat(value, key)
+            yield from flat_keys(value, key)
         else:
             yield key, tuple(value) if isinstance(value, list) else value
 
@@ -194,7 +194,12 @@ def sides_of(scene: Scene) -> tuple[Scene, ...]:
     alone = replace(a, kind="single", tandem=(1, 1), **nothing)
     preload = scene.operation.preload_N
     first, second = (
-        replace(scene, arrangement=alone, operation=replace(scene.operation, preload_N=preload / n))
+        replace(
+            scene,
+            arrangement=alone,
+            operation=replace(scene.operation, preload_N=preload / n),
+            cases=None,
+        )
         for n in a.tandem
     )
     changes, end = dict(a.second), scene.wear.end_of_life

@@ -89,7 +89,10 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         plain = checked_data(Scene, data)
         _check_spread(plain)
         plain["description"] = " ".join(plain.get("description", "").split())
-        return built(Scene, _with_accuracy(plain))
+        scene = built(Scene, _with_accuracy(plain))
+        if scene.cases:
+            _ = scene.in_cases  # refuses what is no scene
+        return scene
     except SceneError as error:
         raise SceneError(error.key, error.problem, error.involved, source) from None
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import keyed, setting
 
@@ -39,3 +44,121 @@ class Launch:
             if given and getattr(self, f"{way}_density_g2_Hz") is not None:
                 key = f"{way}_density_g2_Hz"
                 raise SceneError(f"{way}_g", f"got {given:g} with {key}, expected one of the two")
+
+
+RULES: dict[tuple[str, str], dict[str, float]] = {
+    ("ecss", "analysis"): {
+        "inertia": 2.2, "spring": 2.4, "magnetic_loss": 3.0, "friction": 6.0, "hysteresis": 6.0,
+        "harness": 6.0, "adhesion": 6.0, "dynamic": 1.25, "output": 1.0,
+    },
+    ("ecss", "extremes"): {
+        "inertia": 2.2, "spring": 2.4, "magnetic_loss": 2.4, "friction": 3.0, "hysteresis": 3.0,
+        "harness": 3.0, "adhesion": 6.0, "dynamic": 1.25, "output": 1.0,
+    },
+    ("nasa", "analysis"): {"fixed": 1.50, "variable": 3.00, "acceleration": 1.25},
+    ("nasa", "test"): {"fixed": 1.35, "variable": 2.50, "acceleration": 1.15},
+    ("nasa", "extremes"): {"fixed": 1.25, "variable": 2.00, "acceleration": 1.10},
+}  # fmt: skip
+"""Factors on what resists a drive, by the rule and where the torques come from. Those of ECSS with
+its motorization factor of 2 on all but the dynamic and the output torque."""
+
+STANDARDS = {
+    "ecss": "ECSS-E-ST-33-01C (6 March 2009) 4.7.5.3, read in this edition, not in Rev. 1 and 2",
+    "nasa": "NASA-STD-5017B (6 December 2022) eq. 4-1 and table 1, by a secondary text",
+    "own": "factors of the scene",
+}
+"""Rules of a torque margin, their editions and what was read of them."""
+
+_BEARINGS = {"ecss": "friction", "nasa": "fixed"}
+_TORQUE = "(0, 1e6]"
+
+
+@keyed
+class Drive:
+    """What turns the shaft, and by which rule its torque has to suffice."""
+
+    torque_Nm: float = setting("Least torque of the drive", "N m", _TORQUE)
+    standard: str = setting("Rule of the torque margin", choices=tuple(STANDARDS), default="ecss")
+    data: str = setting(
+        "Where the torques come from, analysis, test, or tests at the extremes of the environment "
+        "(ecss knows analysis and extremes)",
+        choices=("analysis", "test", "extremes"),
+        default="analysis",
+    )
+    bearings_as: str | None = setting(
+        "As which resistance the torque of the bearings counts (if left out friction of ecss, and "
+        "fixed of nasa, as it reads)",
+        longest=40,
+        default=None,
+    )
+    resistances_Nm: Mapping[str, float] = setting(
+        "Other torques that resist, by the names of the rule",
+        each="A torque",
+        unit="N m",
+        within="[0, 1e6]",
+        default_factory=dict,
+    )
+    factors: Mapping[str, float] = setting(
+        "Factors of a rule of one's own, by names of one's own",
+        each="A factor",
+        unit="1",
+        within="(0, 1000]",
+        default_factory=dict,
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("resistances_Nm", "factors"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        if (self.standard == "own") != bool(self.factors):
+            problem = "expected them with standard own, and with that alone"
+            given = "some" if self.factors else "none"
+            raise SceneError(
+                "factors", f"got {given} with {self.standard}, {problem}", ("standard",)
+            )
+        if self.standard != "own" and (self.standard, self.data) not in RULES:
+            problem = f"got {self.data} with {self.standard}, expected analysis or extremes"
+            raise SceneError("data", problem, ("standard",))
+        names = ", ".join(self.rule)
+        if self.bearings not in self.rule:
+            given = self.bearings or "nothing"
+            raise SceneError("bearings_as", f"got {given}, expected {names}", ("standard",))
+        for name in self.resistances_Nm:
+            if name not in self.rule:
+                problem = f"got an unknown key, expected {names}"
+                raise SceneError(f"resistances_Nm.{name}", problem, ("standard",))
+
+    def __hash__(self) -> int:
+        return hash((self.torque_Nm, repr(self)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a mapping proxy can be neither pickled nor copied
+        plain = {k: dict(v) if isinstance(v, Mapping) else v for k, v in self.__dict__.items()}
+        return _rebuilt_drive, (plain,)
+
+    @property
+    def rule(self) -> Mapping[str, float]:
+        """Factors by what resists."""
+        return self.factors if self.standard == "own" else RULES[self.standard, self.data]
+
+    @property
+    def bearings(self) -> str:
+        """As which of these the torque of the bearings counts."""
+        return self.bearings_as or _BEARINGS.get(self.standard, "")
+
+    def required(self, torque: float) -> float:
+        """The torque that the drive must have where the bearings resist by a torque [N m]."""
+        others = sum(self.rule[name] * T for name, T in self.resistances_Nm.items())
+        return self.rule[self.bearings] * torque + others
+
+    def margin(self, torque: float) -> float:
+        """What the drive has beyond that, over it [1]."""
+        needed = self.required(torque)
+        return self.torque_Nm / needed - 1.0 if needed > 0.0 else math.inf
+
+    def stalls(self, torque: float) -> bool:
+        """Whether what resists is more than the drive has, without any factor."""
+        return torque + sum(self.resistances_Nm.values()) > self.torque_Nm
+
+
+def _rebuilt_drive(values: dict[str, Any]) -> Drive:
+    return Drive(**values)

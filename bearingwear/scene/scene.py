@@ -28,10 +28,11 @@ from bearingwear.scene.blocks import (
     Wear,
 )
 from bearingwear.scene.calibrated import Calibrated
+from bearingwear.scene.cases import checked_cases, scenes_of_cases
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.friction import Friction, check_films
 from bearingwear.scene.records import NAME, Part, keyed, part_at, setting, whole
-from bearingwear.scene.requirements import Launch
+from bearingwear.scene.requirements import Drive, Launch
 from bearingwear.scene.uncertain import (
     PARAMETERS,
     UNCERTAIN,
@@ -109,6 +110,9 @@ class Scene:
     launch: Launch | None = setting(
         "Accelerations at launch, while nothing turns, none if left out", default=None
     )
+    drive: Drive | None = setting(
+        "What turns the shaft, for its torque margin, none if left out", default=None
+    )
     temperature: Temperature | None = setting(
         "How warm the parts are, as mounted if left out", default=None
     )
@@ -140,6 +144,14 @@ class Scene:
     calibrated: Calibrated | None = setting(
         "By which tests `bearingwear calibrate` found friction and wear coefficients", default=None
     )
+    cases: Mapping[str, Mapping[str, Any]] | None = setting(
+        "Other conditions under which the bearing has to do its work, each a few keys of the scene "
+        "with their values there, under the name of the case",
+        least=1,
+        each="Keys of the scene and their values in the case, but preload and kind of arrangement",
+        allowed="NAME: {KEY: VALUE}",
+        default=None,
+    )
     model: Model = setting(
         "Choice of model and accuracy, overrides what the program would choose",
         default_factory=Model,
@@ -150,6 +162,8 @@ class Scene:
         for name in ("uncertainty", "cage_uncertainty"):
             if (given := getattr(self, name)) is not None:
                 object.__setattr__(self, name, MappingProxyType(dict(given)))
+        if self.cases is not None:
+            object.__setattr__(self, "cases", checked_cases(self.cases))
         _check_materials(self)
         _check_balls(self)
         _check_rings(self)
@@ -164,8 +178,9 @@ class Scene:
         check_arrangement(self)
 
     def __hash__(self) -> int:
-        values = (getattr(self, f.name) for f in fields(self))
-        return hash(tuple(tuple(v.items()) if isinstance(v, Mapping) else v for v in values))
+        values = (getattr(self, f.name) for f in fields(self) if f.name != "cases")
+        plain = tuple(tuple(v.items()) if isinstance(v, Mapping) else v for v in values)
+        return hash((plain, repr(dict(self.cases or {}))))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mapping proxy can be neither pickled nor copied
@@ -182,6 +197,11 @@ class Scene:
     def pair(self) -> Arrangement | None:
         """The arrangement of two bearings; None of a single one."""
         return self.arrangement if self.arrangement and self.arrangement.is_pair else None
+
+    @functools.cached_property
+    def in_cases(self) -> dict[str, Scene]:
+        """The scene as it stands, `nominal`, and in each of its cases."""
+        return scenes_of_cases(self)
 
     @functools.cached_property
     def sides(self) -> tuple[Scene, ...]:

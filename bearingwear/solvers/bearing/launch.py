@@ -32,7 +32,7 @@ _PLANE = [1, 2]
 _X, _Z, _TILT, _SLIDE = range(4)  # place of the rotor's middle, and of the second outer ring
 
 
-class Seat(NamedTuple):
+class RestingSide(NamedTuple):
     """A bearing on the rotor, at rest."""
 
     g: Geometry
@@ -186,7 +186,7 @@ class RotorAtRest:
     A single bearing is half of a symmetric pair, held by a spring or at a fixed position.
     """
 
-    seats: tuple[Seat, Seat]
+    seats: tuple[RestingSide, RestingSide]
     offset: float  # of the centre of mass from the middle, towards +X [m]
     spring: tuple[float, float, float] | None  # force [N], stiffness [N/m], way to its stop [m]
 
@@ -209,7 +209,7 @@ class RotorAtRest:
             D, preload = worn_diameters(one, g), float(one.operation.preload_N)
             mounted = place_as_mounted(mounted_geometry(one), preload)
             contact = series_contact(g, D)
-            seats.append(Seat(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
+            seats.append(RestingSide(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         by_spring = scene.operation.preload_method == "constant_force"
         force = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop

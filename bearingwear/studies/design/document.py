@@ -41,7 +41,7 @@ from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import at_scene
 from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
-from bearingwear.studies.design.recommend import best_method, mapped
+from bearingwear.studies.design.recommend import WORST_CASES, best_method, mapped
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.sampled import sampled_blocks
 from bearingwear.studies.design.sentences import (
@@ -266,8 +266,16 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     for name, (label, shown) in RECOMMENDED_WORDS.items():
         if np.isfinite(found[name]).any():  # of a rotor without mass, no frequency
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
+    rows = [row._replace(note=_worst_case(found, row.name)) for row in rows]
     notes = (causes_told(scene_of(found)),) if any(spread.values()) else ()
     return Block("recommended", tuple(method_names(found)), tuple(rows), notes, place="lead")
+
+
+def _worst_case(found: xr.Dataset, name: str) -> str:
+    """The case that is the worst of a quantity, by each method where they differ."""
+    of_methods = json.loads(found.attrs.get(WORST_CASES, "[]"))
+    cases = [one[name] for one in of_methods if name in one]
+    return " / ".join(dict.fromkeys(cases))
 
 
 def _floats(values: Any) -> tuple[float, ...]:

@@ -20,6 +20,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.lives.ends import with_end
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import HertzianLives, first_met, worn_life, worse_states
+from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
@@ -170,9 +171,11 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
 
 def new_point(scene: Scene) -> dict[str, Any]:
     """What limits look at, of the new bearing alone (SI); its status alone where it is not ok."""
+    if scene.cases:
+        return worst_point([new_point(one) for one in scene.in_cases.values()])
     until = with_end(scene, MET_WHEN_NEW)
     one = HertzianLives(until)(until)
-    found = {"status": one.status}
+    found: dict[str, Any] = {"status": one.status}
     return found | _extremes_of(scene, worse_states(one, scene)) if one.status == OK else found
 
 
@@ -189,6 +192,9 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
         Whether worn grooves have the cells and steps of a quick life, not those of `life`; the life
         with the Hertzian ones is left out.
     """
+    if scene.cases:
+        each = scene.in_cases.values()
+        return worst_point([followed_point(one, slip_limit, quick) for one in each])
     only_worn = quick and grooves_followed(scene, "steady")[0] is not None
     found = dict(NO_LIFE) if only_worn else life_point(scene, slip_limit)
     hertzian = found.get("life", np.full(2, np.nan))
@@ -214,6 +220,47 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
     return kept
 
 
+def worst_point(points: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What limits look at, of the worst of several cases; of the shortest life all else.
+
+    The first one that was not solved, where there is such a one.
+    """
+    counts = {
+        name: sum(point[name] for point in points)
+        for name in ("solves", "failed_solves")
+        if name in points[0]
+    }
+    failed = next((point for point in points if point["status"] != OK), None)
+    if failed is not None:
+        return {**failed, **counts}
+    lives = [point.get("life", (math.inf,)) for point in points]
+    found = {**points[int(np.argmin([min(life) for life in lives]))], **counts}
+    for name in ("life", "hertzian_life", "time_to_slip_limit"):
+        if name in found:
+            found[name] = np.min([point[name] for point in points], axis=0)
+    for one in LIMITED.values():
+        for name in one.extremes:
+            for end in (name, f"{name}_at_start", f"{name}_at_end"):
+                if end in found:
+                    found[end] = one.extreme([point[end] for point in points])
+    if "impractical" in found:
+        found["impractical"] = max(point["impractical"] for point in points)
+    return found
+
+
+def worst_cases(points: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """Of the life and each measure, the case that is the worst; of those in all cases solved."""
+    names = list(points)
+    found = {"life": names[int(np.argmin([min(one["life"]) for one in points.values()]))]}
+    for one in LIMITED.values():
+        for name in one.extremes:
+            each = np.array([point[name] for point in points.values()])
+            if np.isfinite(each).all():
+                worst = np.argmin(each) if one.falls else np.argmax(np.abs(each))
+                found[name] = names[int(worst)]
+    return found
+
+
 def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
     """What limits look at, of the states of a life."""
     new, worn = states[0], states[-1]
@@ -233,6 +280,9 @@ def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
 def _extremes_of(scene: Scene, states: Sequence[State]) -> dict[str, float]:
     """Of all that may be limited, the worst of some states."""
     found, at_rest = {}, launch_values(scene)
+    if scene.drive is not None:
+        known = [state.values.get("losses", (state.loss,)) for state in states]
+        at_rest = {**at_rest, "torque_margin": least_margin(scene, [known[0], known[-1]])}
     along = [
         state.with_values({"lowest_frequency": _frequency(scene, state), **at_rest})
         for state in states

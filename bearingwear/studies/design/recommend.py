@@ -50,6 +50,7 @@ from bearingwear.studies.design.map import (
     new_point,
     part_of,
     scenes_of_part,
+    worst_cases,
 )
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.preload_line import PreloadLine, denser
@@ -94,6 +95,12 @@ CLIFF = table(
     Variable("clear_preload", (), "N", "preload within the limits that keeps 5 % away from it"),
     Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
 )
+WORST_CASES = "worst_cases"
+"""Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
+
+ATTRIBUTES = ("warnings", WORST_CASES)
+"""What is found of a recommended preload and is no variable."""
+
 NO_ERRORS = np.full(2, np.nan)
 NEW_APART = 0.1  # in log preload, new bearings between the preloads of a map
 AT_LIMIT = 5e-3  # what is left to a limit, relative, that counts as nothing
@@ -207,6 +214,8 @@ def recommendation(
     rows, none, held_so = search.answers(lines)
     found = _dataset(rows, lines).merge(held_so, combine_attrs="override")
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
+    if scene.cases:
+        found.attrs[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
 
 
@@ -340,7 +349,19 @@ def _called(asked: Callable[[], Any]) -> Any:
 
 
 def _as_printed(scene: Scene) -> dict[str, Any]:
-    """What `life` says beside a life: its numerical error, and the warnings."""
+    """What `life` says beside a life: its numerical error, and the warnings.
+
+    Of several cases the largest error, the warnings of all, and which is the worst.
+    """
+    if scene.cases:
+        each = scene.in_cases
+        parts = [_as_printed(one) for one in each.values()]
+        points = {name: followed_point(one, None) for name, one in each.items()}
+        return {
+            "life_error_estimate": np.max([part["life_error_estimate"] for part in parts], axis=0),
+            "warnings": gathered_warnings(parts),
+            WORST_CASES: worst_cases(points),
+        }
     answer = life(scene)
     error = answer.values.get("life_error_estimate", NO_ERRORS)
     return {"life_error_estimate": error, "warnings": answer.attrs["warnings"]}
@@ -390,7 +411,7 @@ def _dataset(rows: Sequence[dict[str, Any]], lines: xr.Dataset) -> xr.Dataset:
         *CLIFF.values(),
     )
     axes = {MAP_AXES["preload_method"]: lines["preload_method"].values, LOSS_BASIS: None}
-    known = [{name: row[name] for name in row if name != "warnings"} for row in rows]
+    known = [{name: row[name] for name in row if name not in ATTRIBUTES} for row in rows]
     made = filled_points(axes, known, more)
     made["status"].attrs["missing"] = "-1: there was none to solve"
     made.attrs = lines.attrs | {"kind": RECOMMENDATION, "title": "Recommended preload"}

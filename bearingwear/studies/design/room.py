@@ -336,6 +336,9 @@ def friction_room(
 
 def printed_life(scene: Scene, basis: int, quick: bool = False) -> float:
     """The life that is printed of a scene, or a quick one [s]; NaN where it was not solved."""
+    if scene.cases:
+        each = [printed_life(one, basis, quick) for one in scene.in_cases.values()]
+        return float(np.min(each))
     life = worn_life(scene, quick, only_times=True) or HertzianLives(scene)(scene)
     return float(life.last.time[basis]) if life.status == OK else math.nan
 

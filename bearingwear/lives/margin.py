@@ -1,0 +1,162 @@
+"""Torque margin: the torque of the bearings in each corner of cases, wear and friction.
+
+Theory: docs/theory.md, section 26.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from bearingwear.kernels import status as code
+from bearingwear.lives.many import HertzianLives, worn_life
+from bearingwear.scene.coefficients import usual_spread
+from bearingwear.scene.scene import Scene
+from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
+from bearingwear.solvers.bearing.films import COVERED, Films
+from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.effects.choice import NotAvailable
+
+Losses = tuple[float, ...]
+"""Of ball diameter, of each bearing [m]."""
+
+_NEW, _WORN, _BARE = "new", "worn", "film gone"
+_DEVIATE = 1.6448536269514722  # of a normal distribution at 95 %
+_RAD_S = math.pi / 30.0
+
+
+@dataclass(frozen=True)
+class Corner:
+    """The bearings under one case, with some wear and friction.
+
+    Attributes
+    ----------
+    case, wear : str
+    key : str
+        Of the friction.
+    friction : float
+        Its value [as in the scene].
+    torque : float
+        Of all bearings together [N m]; NaN where it was not solved.
+    margin : float
+    """
+
+    case: str
+    wear: str
+    key: str
+    friction: float
+    torque: float
+    margin: float
+    stalls: bool
+
+
+def friction_interval(scene: Scene) -> tuple[str, list[float]]:
+    """The key of the friction, and its 5 %, nominal and 95 % values.
+
+    By the scene's `uncertainty`, else by the spread of the table of coefficients.
+    """
+    name = "shear_strength_MPa" if scene.friction.film is not None else "ball_race"
+    own, given = nominal_value(scene, name), (scene.uncertainty or {}).get(name)
+    key = f"{UNCERTAIN[name]}.{name}"
+    if given is None and scene.uncertainty is not None:
+        return key, [own]
+    if given is None:
+        spread = usual_spread(scene.to_dict())[0].get(name)
+        factor = spread["factor"] ** _DEVIATE if spread else 1.0
+        return key, sorted({own / factor, own, own * factor})
+    if given.distribution == "uniform":
+        assert given.low is not None and given.high is not None
+        ends = [given.low + p * (given.high - given.low) for p in (0.05, 0.95)]
+    elif given.distribution == "normal":
+        mean = own if given.mean is None else given.mean
+        spread = _DEVIATE * (given.standard_deviation or 0.0)
+        ends = [max(mean - spread, 0.0), mean + spread]
+    else:
+        factor = (given.factor or 1.0) ** _DEVIATE
+        ends = [(given.median or own) / factor, (given.median or own) * factor]
+    return key, sorted({*ends, own})
+
+
+def arrangement_torque(scene: Scene, losses: Losses, bare: bool = False) -> float:
+    """Torque on the shaft of all bearings of a scene at a loss of each [N m]; NaN if not solved.
+
+    Friction and drag, by the power that they take over the speed.
+    """
+    solver = solver_of(scene)
+    start, sides = solver.bearings.start, (losses * 2)[:2]
+    films = (True, True) if bare else COVERED
+    conditions = tuple(
+        one._replace(loss=loss, bare=films) for one, loss in zip(start, sides, strict=False)
+    )
+    states = solver(conditions)
+    if any(state.status != code.OK for state in states):
+        return math.nan
+    power = [float(state["friction_power"]) for state in states]
+    operation = scene.operation
+    speed = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * _RAD_S
+    tandem = scene.pair.tandem if scene.pair is not None else (1,)
+    both = power * 2 if len(power) < len(tandem) else power
+    return sum(n * P for n, P in zip(tandem, both, strict=True)) / speed
+
+
+def losses_at_end(scene: Scene) -> Losses | None:
+    """Of each bearing at the end of its life [m]; None of a scene without one, or not solved."""
+    end = scene.wear.end_of_life
+    if end is None or not end.criteria:
+        return None
+    life = worn_life(scene, only_times=True) or HertzianLives(scene)(scene)
+    if life.status != code.OK:
+        return None
+    return tuple(state.loss for state in life.nodes[-1].states)
+
+
+def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]]) -> list[Corner]:
+    """Corners of one case.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a drive.
+    case : str
+    wear : iterable of (str, Losses)
+        States of wear.
+    """
+    drive = scene.drive
+    assert drive is not None
+    if scene.operation.shaft_speed_rpm == scene.operation.outer_speed_rpm:
+        problem = "got no speed, expected for a torque a shaft that turns in its outer race"
+        raise NotAvailable(f"{scene.name}: operation.shaft_speed_rpm: {problem}")
+    key, values = friction_interval(scene)
+    found = []
+    for friction in values:
+        one = scene.with_({key: friction})
+        for words, losses in wear:
+            torque = arrangement_torque(one, losses, words == _BARE)
+            margin, stalls = drive.margin(torque), drive.stalls(torque)
+            found.append(Corner(case, words, key, friction, torque, margin, stalls))
+    return found
+
+
+def torque_corners(scene: Scene) -> list[Corner]:
+    """Every corner of the cases of a scene: new, worn at the end of the case's life, without film.
+
+    Worn bearings have the contacts of the groove as new, at their loss.
+    """
+    found = []
+    for name, one in scene.in_cases.items():
+        start = tuple(c.loss for c in solver_of(one).bearings.start)
+        wear: list[tuple[str, Losses]] = [(_NEW, start)]
+        if (worn := losses_at_end(one)) is not None:
+            wear.append((_WORN, worn))
+        if any(Films.of(side).wear_through for side in one.sides):
+            wear.append((_BARE, worn or start))
+        found += corners_of_case(one, name, wear)
+    return found
+
+
+def least_margin(scene: Scene, losses: Sequence[Losses]) -> float:
+    """The least torque margin of a scene in some states of wear; NaN without a drive."""
+    if scene.drive is None:
+        return math.nan
+    wear = [(f"state {k}", loss) for k, loss in enumerate(losses)]
+    margins = [corner.margin for corner in corners_of_case(scene, "", wear)]
+    return min(margins) if all(map(math.isfinite, margins)) else math.nan

@@ -1,0 +1,81 @@
+"""Cases of a scene: other conditions under which the same bearing has to do its work."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from bearingwear.scene.arrangement import flat_keys
+from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.records import NAME
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
+
+NOMINAL = "nominal"
+"""The scene as it stands, beside its cases."""
+
+SHARED_BY_CASES = (
+    "name",
+    "description",
+    "cases",
+    "operation.preload_N",
+    "operation.preload_method",
+    "arrangement.kind",
+)
+"""Keys that a design has in all of its cases."""
+
+
+def checked_cases(cases: Mapping[str, Mapping[str, Any]]) -> Mapping[str, dict[str, Any]]:
+    """Cases by their names, each with its keys in one part, `temperature.inner_ring_C`.
+
+    Raises
+    ------
+    SceneError
+    """
+    found = {}
+    for name, changes in cases.items():
+        if name == NOMINAL or not re.fullmatch(NAME, name):
+            problem = f"got {shown(name)}, expected another name: {NOMINAL} is the scene itself"
+            raise SceneError("cases", problem)
+        found[name] = dict(flat_keys(changes))
+        for key in found[name]:
+            if key in SHARED_BY_CASES or key.partition(".")[0] in SHARED_BY_CASES:
+                problem = f"got {shown(found[name][key])}, which all cases share"
+                raise SceneError(f"cases.{name}.{key}", f"{problem}, expected another key")
+    return MappingProxyType(found)
+
+
+def scenes_of_cases(scene: Scene) -> dict[str, Scene]:
+    """A scene in each of its cases, as it stands first.
+
+    Raises
+    ------
+    SceneError
+        Where a case is no scene.
+    """
+    alone = replace(scene, cases=None)
+    found = {NOMINAL: alone}
+    for name, changes in (scene.cases or {}).items():
+        try:
+            found[name] = alone.with_(changes)
+        except SceneError as error:
+            key = ".".join(filter(None, ("cases", name, error.source or error.key)))
+            raise SceneError(key, error.problem, error.involved) from None
+    return found
+
+
+def in_case(scene: Scene, name: str, source: str) -> Scene:
+    """A scene in the case of a name.
+
+    Raises
+    ------
+    SceneError
+    """
+    if name not in scene.in_cases:
+        problem = f"got {name}, expected {', '.join(scene.in_cases)}"
+        raise SceneError("", problem, source=source)
+    return scene.in_cases[name]
