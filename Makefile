@@ -37,10 +37,14 @@ test-slurm: $(STAMP) # starts a Slurm of one node; as root, with slurm-wlm and m
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[slurm]'
 	$(BIN)/python -m pytest -rs -m cluster
 
-# the page in headless Chromium (Debian: apt install chromium): a small study's and those that are there
-test-page: $(STAMP)
+# the page in headless Chromium (Debian: apt install chromium npm): a small study's and those that are there
+AXE := build/axe/node_modules/axe-core/axe.min.js
+test-page: $(STAMP) $(AXE)
 	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[page]'
 	BEARINGWEAR_PAGES="$(wildcard results/report/index.html */index.html)" $(BIN)/python -m pytest -rs tests/page
+
+$(AXE): # what tests accessibility, of the version that the page is known to pass
+	npm install --silent --no-save --prefix build/axe axe-core@4.14.1
 
 test-faults: $(STAMP) # kills, full disks, damaged files, clocks: minutes, not part of `make test`
 	$(BIN)/python -m pytest -m faults

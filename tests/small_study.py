@@ -28,6 +28,7 @@ CHOICE = f"{FOLDER}/preload"
 ANSWERS = (
     LIVES_ANSWER,
     f"{CHOICE}/answer.json",
+    f"{CHOICE}/charts.json",
     f"{CHOICE}/figures/design.svg",
     f"{CHOICE}/tables/design.md",
 )
@@ -80,6 +81,7 @@ def make_small_study(folder: Path) -> None:
             step(f"{chosen}.draw.draw_design", *figure[3], **design),
             step(f"{chosen}.document.tables", *texts(), **design),
             step(f"{chosen}.document.design_answer", f"{CHOICE}/answer.json", **design),
+            step(f"{chosen}.charts.design_charts", f"{CHOICE}/charts.json", **design),
         ):
             assert status == 0
 

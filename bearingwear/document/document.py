@@ -19,9 +19,9 @@ from bearingwear.results.variables import CASE, LIFE
 
 VARIABLES = CASE | LIFE
 
-PLACES = ("", "lead", "more", "open", "slider")
-"""Where a block stands on a page: folded away, beside the headline, below that, below all of these,
-or there with a slider over its first row."""
+PLACES = ("", "strip", "lead", "more", "open", "charted")
+"""Where a block stands on a page: folded away, above everything, beside the headline, there where
+no charts say it, below all of these, or folded below the charts that draw it."""
 
 
 class Row(NamedTuple):
@@ -67,8 +67,6 @@ class Block:
         each row.
     place : str
         One of `PLACES`.
-    start : str
-        The value of the first row that a slider starts at.
     """
 
     title: str = ""
@@ -79,7 +77,6 @@ class Block:
     given: bool = False
     axes: int = 0
     place: str = ""
-    start: str = ""
 
     @property
     def heads(self) -> tuple[str, ...]:

@@ -30,7 +30,9 @@ def block_html(block: Block, name: str = "") -> str:
     sortable = ' class="sortable"' if heads[0] else ""
     known = f' id="{escape(name)}"' if name else ""
     label = escape(block.title)
-    head = "".join(f'<th scope="col">{_plain(text)}</th>' for text in heads)
+    head = "".join(
+        f'<th scope="col">{_plain(text)}</th>' if text else "<td></td>" for text in heads
+    )
     body = "\n".join(
         f'<tr><th scope="row">{_plain(first)}</th>'
         + "".join(f"<td>{_plain(text)}</td>" for text in rest)

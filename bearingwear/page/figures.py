@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import colorsys
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,6 +25,8 @@ DESCRIPTION = "{http://purl.org/dc/elements/1.1/}description"
 # What may stand in a data URI between quotation marks as it is; `#` would end it.
 UNQUOTED = " !$'()*+,-./:;<=>?@[]_|~"
 LINE = r'translate\([-\d.]+ ([\d.]+)\)|y="([\d.]+)"'
+PAPER, INK = (20, 23, 27), "#e4e7eb"
+"""Of a dark page, as in page.css."""
 DECIMALS = 1  # of a coordinate [pt]
 WITH_COORDINATES = ("d", "points", "x", "y", "transform")
 
@@ -41,8 +44,6 @@ class Drawing:
         [px]
     uri : str
         The picture itself.
-    is_map : bool
-        Whether shades stand for numbers: a dark page must not invert them.
     data : sequence of path
         What it was drawn from.
     """
@@ -53,7 +54,6 @@ class Drawing:
     width: int
     height: int
     uri: Markup
-    is_map: bool
     data: Sequence[Path] = ()
 
 
@@ -110,7 +110,6 @@ def _drawing(file: Path, png: Path | None, data: Sequence[Path]) -> Drawing:
         round(width * 4.0 / 3.0),  # from points to pixels
         round(height * 4.0 / 3.0),
         uri,
-        root.find(f".//{{{SVG}}}image") is not None,
         data,
     )
 
@@ -122,6 +121,7 @@ def _small(root: ET.Element) -> str:
     used = dict.fromkeys(re.findall(r"#([\w-]+)", ET.tostring(root, encoding="unicode")))
     short = {name: f"i{k}" for k, name in enumerate(used)}  # colours are among them
     styles: dict[str, str] = {}
+    _plain_text(root)
     for node in root.iter():
         if name := node.attrib.pop("id", None):
             node.attrib |= {"id": short[name]} if name in short else {}
@@ -140,11 +140,42 @@ def _small(root: ET.Element) -> str:
         _unwrapped(root, f"{{{SVG}}}{name}")
     sheet = ET.Element(f"{{{SVG}}}style")
     sheet.text = "".join(f".{name}{{{style}}}" for style, name in styles.items())
+    sheet.text += f"@media (prefers-color-scheme:dark){{text{{fill:{INK}}}{_by_night(styles)}}}"
     root.insert(0, sheet)
     text = " ".join(ET.tostring(root, encoding="unicode").split())
     text = text.replace("> <", "><").replace(" />", "/>")
     # a quotation mark takes three characters of a URI, an apostrophe one
     return text if "'" in text else text.replace('"', "'")
+
+
+def _plain_text(root: ET.Element) -> None:
+    """Black, the colour of a text without one, is left out, so that a dark page may change it."""
+    for node in root.iter(f"{{{SVG}}}text"):
+        node.set("style", node.get("style", "").replace("fill: #000000", "").strip("; "))
+
+
+def _by_night(styles: Mapping[str, str]) -> str:
+    """The styles that a dark page changes: greys the other way round, colours lighter."""
+    changed = {
+        name: [
+            f"{key}:{_lighter(colour)}"
+            for key, colour in re.findall(r"(fill|stroke):\s?(#[0-9a-f]{6})", style)
+        ]
+        for style, name in styles.items()
+    }
+    return "".join(f".{name}{{{';'.join(each)}}}" for name, each in changed.items() if each)
+
+
+def _lighter(colour: str) -> str:
+    """A colour of a figure on the paper of a dark page."""
+    red, green, blue = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
+    hue, light, strong = colorsys.rgb_to_hls(red, green, blue)
+    if max(red, green, blue) - min(red, green, blue) < 0.05:
+        share = 1.0 - light
+        ends = zip(PAPER, (228, 231, 235), strict=True)
+        return "#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in ends)
+    rgb = colorsys.hls_to_rgb(hue, max(light, 0.62), strong)
+    return "#" + "".join(f"{round(255 * part):02x}" for part in rgb)
 
 
 def _unwrapped(node: ET.Element, tag: str) -> None:

@@ -1,6 +1,6 @@
 "use strict";
-// Tables are sorted by a click on a heading, and a slider shows one preload of a table at a time.
-// Without this everything is there as well: the slider stays hidden, its table does not.
+// Tables are sorted by a click on a heading; charts say their values, are zoomed, and have a cursor
+// that a slider moves. Without this everything is there as well, but for the cursor.
 
 const text = (cell) => cell.textContent.trim();
 
@@ -32,41 +32,232 @@ for (const table of document.querySelectorAll("table.sortable")) {
   });
 }
 
-for (const box of document.querySelectorAll(".slider")) {
-  const table = document.getElementById(box.dataset.table);
-  const rows = [...table.tBodies[0].rows];
-  const values = [...new Set(rows.map((row) => text(row.cells[0])))];
-  const headings = [...table.tHead.rows[0].cells].map(text);
-  const [input, output, shown] = ["input", "output", "tbody"].map((name) => box.querySelector(name));
+// As page/charts.py draws them: margins, axes, ticks.
+const LEFT = 56, RIGHT = 14, TOP = 10, BOTTOM = 40, LANE = 9;
+const digits = (value) => String(+value.toPrecision(3));
 
-  function show() {
-    const value = values[input.value];
-    const picked = rows.filter((row) => text(row.cells[0]) === value);
-    output.textContent = `${headings[0]}: ${value}`;
-    input.setAttribute("aria-valuetext", output.textContent);
-    shown.replaceChildren(
-      ...headings.slice(1).map((heading, k) => {
-        const row = document.createElement("tr");
-        const name = document.createElement("th");
-        name.scope = "row";
-        name.textContent = heading;
-        row.append(name);
-        for (const one of picked) {
-          const cell = document.createElement("td");
-          cell.textContent = text(one.cells[k + 1]);
-          row.append(cell);
-        }
-        return row;
+function ticksOf(low, high, log) {
+  const found = [];
+  if (log) {
+    const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+    for (let k = first; k < last; k++)
+      for (const m of last - first < 4 ? [1, 2, 5] : [1]) found.push(+`${m}e${k}`);
+    const inside = found.filter((tick) => low <= tick && tick <= high);
+    if (inside.length > 1) return inside;
+    found.length = 0;
+  }
+  const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((m) => m * power).find((each) => each >= rough);
+  for (let k = Math.ceil(low / step); k <= high / step; k++) found.push(+(step * k).toPrecision(9));
+  return found;
+}
+
+class Chart {
+  constructor(figure) {
+    this.figure = figure;
+    this.svg = figure.querySelector("svg");
+    this.field = figure.querySelector(".field");
+    this.cursor = figure.querySelector(".cursor");
+    this.data = JSON.parse(this.svg.dataset.chart);
+    this.whole = this.data.x;
+    this.ratio = this.svg.viewBox.baseVal.height / this.svg.viewBox.baseVal.width;
+    this.x = null;
+    this.zoomTo(this.whole);
+    this.follow();
+  }
+
+  share(value, axis) {
+    const [low, high] = axis ? this.y : this.at;
+    if (!this.data.log[axis]) return (value - low) / (high - low);
+    return Math.log(Math.max(value, 1e-300) / low) / Math.log(high / low);
+  }
+
+  place(x, y) {
+    return [this.share(x, 0) * this.width, (1 - this.share(y, 1)) * this.height];
+  }
+
+  value(pixel) { // of the abscissa
+    const [low, high] = this.at, share = pixel / this.width;
+    return this.data.log[0] ? low * (high / low) ** share : low + share * (high - low);
+  }
+
+  zoomTo(range) {
+    this.at = range;
+    this.y = this.data.y;
+    if (range !== this.whole) {
+      const inside = this.data.lines.flatMap((line) =>
+        line.points.filter(([x, y]) => y !== null && x >= range[0] && x <= range[1]));
+      const heights = inside.map((point) => point[1]).filter((y) => y > 0 || !this.data.log[1]);
+      if (heights.length > 1) {
+        const [low, high] = [Math.min(...heights), Math.max(...heights)];
+        const room = 0.08 * (high - low) || 0.1 * Math.abs(high) || 1;
+        this.y = this.data.log[1] ? [low / 1.1, high * 1.1] : [low - room, high + room];
+      }
+    }
+    this.draw();
+  }
+
+  draw() {
+    const wide = this.svg.clientWidth || this.svg.viewBox.baseVal.width;
+    const tall = Math.max(this.ratio * wide, Math.min(wide, 230));
+    this.svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
+    this.width = wide - LEFT - RIGHT;
+    this.height = tall - TOP - BOTTOM;
+    this.field.setAttribute("width", this.width);
+    this.field.setAttribute("height", this.height);
+    for (const mark of this.field.querySelectorAll("[data-at]")) {
+      const at = mark.dataset.at.split(" ").map(Number);
+      const [x, y] = this.place(at[0], at[1]);
+      if (at.length === 2) mark.setAttribute("transform", `translate(${x} ${y})`);
+      else mark.setAttribute("d", `M${x} ${y}L${this.place(at[2], at[3]).join(" ")}`);
+    }
+    for (const mark of this.field.querySelectorAll("[data-x]")) {
+      const [a, b] = mark.dataset.x.split(" ").map((x) => this.share(+x, 0) * this.width);
+      mark.setAttribute("x", a);
+      mark.setAttribute("width", Math.max(b - a, 0));
+      if ("lane" in mark.dataset) mark.setAttribute("y", this.height - (+mark.dataset.lane + 1) * LANE);
+      else mark.setAttribute("height", this.height);
+    }
+    const limit = this.field.querySelector(".limit");
+    if (limit) {
+      const y = Math.min(Math.max(this.place(1, +limit.dataset.limit)[1], 0), this.height);
+      const below = limit.dataset.least === "1";
+      limit.setAttribute("width", this.width);
+      limit.setAttribute("y", below ? y : 0);
+      limit.setAttribute("height", below ? this.height - y : y);
+    }
+    this.drawGrid();
+    this.svg.querySelector("text.x").setAttribute("x", LEFT + this.width / 2);
+    this.svg.querySelector("text.x").setAttribute("y", tall - 6);
+    const middle = `translate(13 ${TOP + this.height / 2}) rotate(-90)`;
+    this.svg.querySelector("text.y").setAttribute("transform", middle);
+    this.show(this.x);
+  }
+
+  drawGrid() {
+    const parts = [];
+    const many = ticksOf(...this.at, this.data.log[0]);
+    const every = Math.ceil((many.length * 38) / this.width); // labels need room
+    many.forEach((tick, k) => {
+      const x = LEFT + this.share(tick, 0) * this.width;
+      parts.push(["path", { d: `M${x} ${TOP}v${this.height}` }]);
+      if (k % every === 0)
+        parts.push(["text", { x, y: TOP + this.height + 16, "text-anchor": "middle" }, tick]);
+    });
+    for (const tick of ticksOf(...this.y, this.data.log[1])) {
+      const y = TOP + (1 - this.share(tick, 1)) * this.height;
+      parts.push(["path", { d: `M${LEFT} ${y}h${this.width}` }]);
+      parts.push(["text", { x: LEFT - 6, y: y + 4, "text-anchor": "end" }, tick]);
+    }
+    this.svg.querySelector(".grid").replaceChildren(
+      ...parts.map(([name, attributes, label]) => {
+        const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+        for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+        if (label !== undefined) node.textContent = digits(label);
+        return node;
       }),
     );
   }
 
-  input.max = values.length - 1;
-  input.value = Math.max(0, values.indexOf(box.dataset.start));
-  input.addEventListener("input", show);
-  box.hidden = false;
-  show();
+  near(line, x) { // the point of a line that is nearest on the axis
+    const away = ([one]) => Math.abs(this.share(one, 0) - this.share(x, 0));
+    return line.points.reduce((best, point, k) =>
+      (away(point) < away(line.points[best]) ? k : best), 0);
+  }
+
+  show(x) { // the cursor at an abscissa, or the recommendations without one
+    this.x = x;
+    const at = x === null ? 0 : this.share(x, 0) * this.width;
+    this.cursor.setAttribute("d", x === null ? "" : `M${at} 0v${this.height}`);
+    this.figure.querySelectorAll(".keys b").forEach((said, k) => {
+      const line = this.data.lines[k];
+      let point = line.star, note = "";
+      if (x !== null) {
+        const nearest = this.near(line, x);
+        [point, note] = [line.points[nearest], line.notes[nearest]];
+      }
+      const units = this.data.units;
+      const value = point && point[1] !== null ? digits(point[1]) + units[1] : "–";
+      const place = point && (x === null || Math.abs(point[0] / x - 1) > 1e-6);
+      said.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
+      said.parentElement.classList.toggle("beyond", note !== "");
+      said.parentElement.title = note && `limits passed: ${note}`;
+    });
+  }
+
+  follow() { // the pointer: values where it is, a range that it draws, all of it by two clicks
+    let start = null;
+    const box = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    box.setAttribute("class", "drawn");
+    this.field.append(box);
+    const pixel = (event) => {
+      const { left, width } = this.svg.getBoundingClientRect();
+      const x = ((event.clientX - left) / width) * this.svg.viewBox.baseVal.width - LEFT;
+      return Math.min(Math.max(x, 0), this.width);
+    };
+    const end = () => {
+      start = null;
+      box.setAttribute("width", 0);
+    };
+    this.svg.addEventListener("pointerdown", (event) => {
+      start = pixel(event);
+      this.svg.setPointerCapture(event.pointerId);
+    });
+    this.svg.addEventListener("pointermove", (event) => {
+      const x = pixel(event);
+      const nearest = this.data.lines.map((line) => line.points[this.near(line, this.value(x))][0]);
+      const away = (one) => Math.abs(this.share(one, 0) * this.width - x);
+      pick(this.figure.dataset.group, nearest.reduce((a, b) => (away(b) < away(a) ? b : a)));
+      if (start === null) return;
+      box.setAttribute("x", Math.min(x, start));
+      box.setAttribute("width", Math.abs(x - start));
+      box.setAttribute("height", this.height);
+    });
+    this.svg.addEventListener("pointerup", (event) => {
+      const range = [start, pixel(event)].sort((a, b) => a - b);
+      if (start !== null && range[1] - range[0] > 12) this.zoomTo(range.map((x) => this.value(x)));
+      end();
+    });
+    this.svg.addEventListener("pointercancel", end);
+    this.svg.addEventListener("dblclick", () => this.zoomTo(this.whole));
+  }
 }
+
+const charts = [...document.querySelectorAll(".chart")].map((figure) => new Chart(figure));
+
+function pick(group, x) {
+  for (const chart of charts) if (chart.figure.dataset.group === group) chart.show(x);
+  for (const slider of sliders) if (slider.group === group) slider.stand(x);
+}
+
+const sliders = [...document.querySelectorAll(".slider")].map((box) => {
+  const { group } = box.dataset;
+  const [input, output, back] = ["input", "output", "button"].map((name) => box.querySelector(name));
+  const [first] = charts.filter((chart) => chart.figure.dataset.group === group);
+  const stops = [...new Set(first.data.lines.flatMap((line) => line.points.map(([x]) => x)))]
+    .sort((a, b) => a - b);
+  const stars = first.data.lines.map((line) => line.star).filter((star) => star);
+  stars.sort((a, b) => b[1] - a[1]); // the longest life first
+
+  function stand(x) {
+    const recommended = stars.some((star) => star[0] === x) ? " (recommended)" : "";
+    output.textContent = x === null ? "at the recommended preloads" : `at ${+x.toPrecision(4)}${first.data.units[0]}${recommended}`;
+    input.setAttribute("aria-valuetext", output.textContent);
+    if (x !== null) input.value = stops.indexOf(x);
+  }
+
+  input.max = stops.length - 1;
+  input.value = Math.max(0, stops.indexOf(stars.length ? stars[0][0] : stops[0]));
+  input.addEventListener("input", () => pick(group, stops[input.value]));
+  back.addEventListener("click", () => pick(group, null));
+  box.hidden = false;
+  stand(null);
+  return { group, stand };
+});
+
+addEventListener("resize", () => {
+  for (const chart of charts) chart.draw();
+});
 
 // what a link leads to may be folded
 addEventListener("hashchange", () => {

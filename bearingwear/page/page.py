@@ -16,13 +16,15 @@ import xarray as xr
 from markupsafe import Markup
 
 from bearingwear.document.bearing_line import bearing_line
-from bearingwear.document.document import Document, load_document
+from bearingwear.document.document import Block, Document, load_document
 from bearingwear.document.html import block_html, sentences_html
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK
+from bearingwear.page.charts import LARGE_CHART, SMALL_CHART, chart_html
 from bearingwear.page.figures import SUFFIXES, Drawing, drawings
-from bearingwear.page.markup import to_html
-from bearingwear.page.scenes import key_rows, scene_differences
+from bearingwear.page.scenes import key_blocks, scene_differences
+from bearingwear.page.sketch import sketch
 from bearingwear.plotting.drawing import scene_of
+from bearingwear.results.chart import Chart, load_charts
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import display, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
@@ -32,25 +34,22 @@ _TEMPLATE, _STYLE, _SCRIPT = (
 )
 UP = "../../"  # from the page, results/report/index.html, to the folder of the study
 GLOSSARY = {
-    "QV": "Load times slip speed, summed over a contact, in watts. Friction heat is QV times the "
-    "friction coefficient; by Archard's law the wear rate is QV times the wear coefficient over "
-    "the hardness: twice the QV, twice the wear.",
-    "constant force, fixed position": "The two ways of preloading: a spring, whose force stays as "
-    "parts wear, or a fixed distance between the races, whose force wears away.",
-    "residual preload": "The axial force that is left of the preload, worn and at speed.",
-    "slip, gyroscopic share": "Balls roll and also slide. The gyroscopic moment turns a ball "
-    "across its rolling direction; its share of all slip grows as the"
-    " preload falls.",
+    "QV": "Load times slip speed, summed over a contact (W): twice the QV, twice the wear.",
+    "constant force, fixed position": "Preload by a spring, whose force stays as parts wear, or by "
+    "a spacer, whose force wears away.",
+    "residual preload": "The axial force that is left, worn and at speed.",
+    "slip, gyroscopic share": "How much of the sliding of balls is across their rolling direction.",
     "skid ratio": "By how much a ball's orbit lags behind pure rolling.",
-    "interference loss": "How much interference wear has taken: the loss of ball diameter and, "
-    "counting balls and races, the depth worn into both races, because it opens the bearing as "
-    "much.",
-    "wear life": "Hours until the first limit is met: residual preload, gyroscopic slip, skidding, "
-    "or interference loss.",
-    "dynamic, steady": "Dynamic: the motion is followed through time, with the cage if there is "
-    "one. Steady: the motion in which all forces balance, friction included.",
+    "interference loss": "The loss of ball diameter and, where races count, of their depth worn.",
+    "wear life": "Hours until wear meets the first limit; no fatigue life.",
 }
 """Words that a reader of the page may not know."""
+
+CHARTS = "charts.json"
+"""Beside an answer: its charts (`results.chart`)."""
+
+CHARTED = ("design", "map")
+"""Figures in whose place there are charts."""
 
 VERSIONS = ("package_version", "source_hash", "numpy_version", "numba_version")
 
@@ -69,11 +68,25 @@ class Section:
 
 @dataclass
 class Answered:
-    """The answer of a study, with the figures and the texts that belong to it."""
+    """An answer with what belongs to it: its question, charts, figures, other files, a sketch."""
 
     answer: Document
+    question: str
+    charts: Sequence[Chart]
     drawn: list[Drawing]
-    texts: list[Path]
+    files: list[Path]
+
+    @property
+    def said(self) -> list[Block]:
+        """Sentences beside the charts; the question has what else is asked."""
+        more = () if self.question else ("more",)
+        return [block for block in self.answer.placed("lead", *more) if not block.rows]
+
+    def tables(self, folded: bool) -> list[Block]:
+        """Those that stand open, or are folded, as that of the headline is below charts."""
+        places = {"open": False, "lead": bool(self.charts)}
+        blocks = (block for block in self.answer.blocks if block.rows or not block.place)
+        return [block for block in blocks if places.get(block.place, True) is folded]
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.answer, name)
@@ -113,8 +126,8 @@ def page(
     scenes = _sections(datasets)
     figures = list(drawings([*results, *leading], data or {}))
     answered = _answered(leading, figures)
-    taken = [figure for one in answered for figure in one.drawn]
-    across = _handed_out(scenes, [one for one in figures if one not in taken], results)
+    taken = {figure.path for one in answered for figure in one.drawn} | set(leading)
+    across = _handed_out(scenes, [one for one in figures if one.path not in taken], results)
     style, script = (file.read_text(encoding="utf-8") for file in (_STYLE, _SCRIPT))
     return (
         _environment()
@@ -122,6 +135,7 @@ def page(
         .render(
             headline=answered[0].title if answered else "A study of friction and wear",
             answers=answered,
+            sketch=_sketch(scenes, answered),
             sections=list(scenes.values()),
             across=across,
             unsolved=[
@@ -130,9 +144,9 @@ def page(
                 for what, solved, of in section.solved
                 if solved < of
             ],
-            keys=list(key_rows([section.scene for section in scenes.values()])),
+            keys=list(key_blocks([section.scene for section in scenes.values()])),
             versions=_versions(datasets.values()),
-            docs=[(file, _titled(file)[0]) for file in docs],
+            docs=[(file, _title(file)) for file in docs],
             glossary=GLOSSARY,
             style=Markup(style),
             script=Markup(script),
@@ -171,8 +185,9 @@ def _environment() -> jinja2.Environment:
         named=_named,
         line=bearing_line,
         differences=scene_differences,
-        title=lambda file: _titled(file)[0],
-        html=lambda file: to_html(_tables(file), 2),
+        chart=lambda chart, name, group, large=False: chart_html(
+            chart, name, group, LARGE_CHART if large else SMALL_CHART
+        ),
     )
     return environment
 
@@ -202,19 +217,43 @@ def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answere
     """Answers, the leading one first, each with what lies beside it or is named by it."""
     found = []
     for file in files:
-        if file.suffix == ".json":
-            answer = load_document(file)
-            beside = [path for path in files if path.parent.parent == file.parent]
-            texts = [path for path in beside if path.suffix == ".md"]
-            drawn = [
-                figure
-                for figure in figures
-                for path in [figure.path]
-                if path in beside
-                or (path.stem in answer.figures and answer.facts["scene"] in path.parts)
-            ]
-            found.append(Answered(answer, drawn, texts))
+        if file.name == CHARTS or file.suffix != ".json":
+            continue
+        answer = load_document(file)
+        charts = load_charts(one) if (one := file.with_name(CHARTS)) in files else None
+        beside = [path for path in files if path.parent.parent == file.parent]
+        # what charts show is not drawn again
+        drawn = [
+            figure
+            for figure in figures
+            if figure.path.stem in answer.figures and answer.facts["scene"] in figure.path.parts
+            if not (charts and figure.path.stem in CHARTED)
+        ]
+        found.append(
+            Answered(
+                answer,
+                charts.question if charts else "",
+                charts.charts if charts else (),
+                drawn,
+                [path for path in beside if path.suffix in (".md", ".svg")],
+            )
+        )
     return sorted(found, key=lambda one: one.answer.rank)
+
+
+def _sketch(sections: Mapping[Path, Section], answered: Sequence[Answered]) -> Markup:
+    """The bearing that the first answer is about, loaded as is recommended or as its scene says."""
+    if not sections:
+        return Markup()
+    scenes = [section.scene for section in sections.values()]
+    if not answered:
+        return sketch(scenes[0])
+    first = answered[0]
+    named = [scene for scene in scenes if scene["name"] == first.facts["scene"]]
+    lines = first.charts[0].lines if first.charts else ()
+    stars = [(line.star, line.method) for line in lines if line.star]
+    (preload, _), method = max(stars, key=lambda one: one[0][1], default=((None, None), ""))
+    return sketch([*named, *scenes][0], method, preload)
 
 
 def _check_kinds(files: Iterable[Path], suffixes: Sequence[str]) -> None:
@@ -270,7 +309,7 @@ def _warnings(datasets: Iterable[xr.Dataset]) -> Iterator[tuple[str, str]]:
             for twin in warnings_in(attrs)
             if twin["id"] == one["id"]
         ]
-        yield f"{one['sentence']}; {one['advice']}", ", ".join(counts)
+        yield one["sentence"], ", ".join(counts)
 
 
 def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]:
@@ -300,14 +339,7 @@ def _text(file: Path) -> str:
         raise CaseFileError(f"{file}: cannot be read ({' '.join(str(error).split())})") from None
 
 
-def _titled(file: Path) -> tuple[str, str]:
-    """Title of a Markdown file, or the file's name, and the rest of it."""
-    text = _text(file)
-    first, _, rest = text.partition("\n")
-    return (first[2:], rest) if first.startswith("# ") else (file.stem, text)
-
-
-def _tables(file: Path) -> str:
-    """A scene's Markdown from its first heading below the title on; the page has the rest."""
-    text = _text(file)
-    return text[max(text.find("\n## "), 0) :]
+def _title(file: Path) -> str:
+    """Title of a Markdown file, or the file's name."""
+    first = _text(file).partition("\n")[0]
+    return first[2:] if first.startswith("# ") else file.stem

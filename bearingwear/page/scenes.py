@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Any
 
 from bearingwear.results.units import in_print, key_in_words
 from bearingwear.scene.keys import leaves
 
+KeyRow = tuple[str, list[str], bool]
 _NAMES = ("name", "description")
 _MOST = 4  # scene_differences that are named
 
 
-def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[str], bool]]:
+def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[KeyRow]:
     """Rows of the table of scenes: key in words, a value for each, whether they differ."""
     flat = [{key: _value(value) for key, value in leaves(scene).items()} for scene in scenes]
     names = list(dict.fromkeys(name for values in flat for name in values))
@@ -21,6 +23,16 @@ def key_rows(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[st
         if name not in _NAMES:
             row = [values.get(name, "–") for values in flat]
             yield key_label(name), row, len(set(row)) > 1
+
+
+def key_blocks(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[KeyRow]]]:
+    """Rows of `key_rows` by the block of the scene that they belong to."""
+    rows = groupby(key_rows(scenes), key=lambda row: row[0].partition(": ")[0])
+    for block, members in rows:
+        yield (
+            block,
+            [(name.partition(": ")[2] or name, values, differ) for name, values, differ in members],
+        )
 
 
 def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:

@@ -150,7 +150,8 @@ def span(values: Iterable[float]) -> str:
 
 def in_print(unit: str) -> str:
     """A unit with its proper characters, in one piece: `N/um` as `N/µm`."""
-    text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("m3", "m³").replace("degree", "°")
+    text = re.sub(r"u(?=[mNsJ])", "µ", unit).replace("degree", "°")
+    text = text.replace("m3", "m³").replace("s2", "s²")
     return text.replace(" ", "\N{NO-BREAK SPACE}")
 
 
@@ -158,6 +159,8 @@ KEY_UNITS = {
     "_MPa": "MPa",
     "_N_um": "N/um",
     "_kg_m3": "kg/m3",
+    "_m_s2": "m/s2",
+    "_1_K": "1/K",
     "_m_s": "m/s",
     "_GPa": "GPa",
     "_mrad": "mrad",

@@ -24,7 +24,7 @@ DOCUMENT = Document(
     (
         Block("what to take", ("spring", "fixed *"), (LIFE, POWER), ("Between 1 and 2 N/um.",)),
         Block("why", lines=("It lasts | longest & best.",), place="lead"),
-        Block("map", rows=(PRELOAD, LIFE, POWER), axes=1, place="slider", start="2"),
+        Block("map", rows=(PRELOAD, LIFE, POWER), axes=1, place="charted"),
     ),
     ("design",),
 )
@@ -78,4 +78,4 @@ def test_what_is_stored_comes_back(tmp_path):
     path.write_text(DOCUMENT.stored, encoding="utf-8")
     read = load_document(path)
     assert as_text(read) == as_text(DOCUMENT) and as_html(read) == as_html(DOCUMENT)
-    assert read.figures == ("design",) and read.placed("slider")[0].start == "2"
+    assert read.figures == ("design",) and read.placed("charted")[0].title == "map"

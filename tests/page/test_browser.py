@@ -4,6 +4,7 @@ Chromium is asked through Playwright, the extra `page`; without them these tests
 for `make test-page`, where they fail. That also looks at the pages named in BEARINGWEAR_PAGES.
 """
 
+import json
 import os
 import re
 import shutil
@@ -15,7 +16,8 @@ REQUIRED = "BEARINGWEAR_PAGES" in os.environ
 PAGES = os.environ.get("BEARINGWEAR_PAGES", "").split()
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 DESK, PHONE = (1280, 900), (390, 844)
-MOST_PAGES = 10  # on paper
+AXE = Path(os.environ.get("BEARINGWEAR_AXE", "build/axe/node_modules/axe-core/axe.min.js"))
+MOST_PAGES = 8  # on paper
 LEAST_CONTRAST = 4.5  # WCAG 2, AA
 
 if not REQUIRED:
@@ -139,15 +141,13 @@ def test_a_cut_would_be_seen(opened):
 
 @pytest.mark.parametrize("size", [DESK, PHONE])
 def test_the_first_screen_says_what_to_do(opened, size):
+    """Which bearing, what was asked, the answer, and the chart."""
     page, _ = opened(size)
-    for one in (".eyebrow", "h1", "dl"):
+    for one in (".eyebrow", "h1", ".asked", ".chart .keys"):
         box = page.locator(one).first.bounding_box()
         assert box["y"] + box["height"] <= size[1], one
-    table = page.locator("#answer-1 table").first.bounding_box()
-    if size == DESK:
-        assert table["y"] + table["height"] <= size[1]
-    else:
-        assert table["y"] < size[1]
+    chart = page.locator(".chart .field").first.bounding_box()
+    assert chart["y"] + (chart["height"] if size == DESK else 60.0) <= size[1]
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -176,41 +176,107 @@ def test_the_navigation_stays_and_unfolds(opened):
     page.evaluate("scrollTo(0, 2000)")
     page.wait_for_function("scrollY > 1000")
     assert page.locator("nav").bounding_box()["y"] == 0.0
-    page.locator("nav a", has_text="Words").click()
+    page.locator("nav a", has_text="Inputs").click()
     page.wait_for_timeout(100)
-    place = page.locator("#words").bounding_box()["y"]
+    place = page.locator("#scenes").bounding_box()["y"]
     assert 0.0 <= place < DESK[1]
 
 
-def test_the_slider_shows_the_rows_of_a_preload(opened):
+def test_the_slider_moves_the_cursor_of_all_charts(opened):
+    """Its stops are the preloads of the map and the recommended ones; charts say their values."""
     page, _ = opened()
     box = page.locator(".slider").first
     slider, shown = box.locator("input"), box.locator("output")
-    table = page.locator(f"#{box.get_attribute('data-table')}")
-    unfold(page)
-    rows = table.locator("tbody tr").all()
-    values = [row.locator("th, td").all_inner_texts() for row in rows]
-    preloads = list(dict.fromkeys(row[0] for row in values))
-    assert len(preloads) > 2
-    start = shown.inner_text()
-    assert start.endswith(f": {box.get_attribute('data-start')}")
-    for k, preload in ((0, preloads[0]), (len(preloads) - 1, preloads[-1])):
+    charts = page.locator(f".chart[data-group='{box.get_attribute('data-group')}']")
+    data = [
+        json.loads(one)
+        for one in charts.locator("svg[data-chart]").evaluate_all(
+            "all => all.map((one) => one.dataset.chart)"
+        )
+    ]
+    said = charts.locator(".keys b")
+    before = said.all_inner_texts()
+    stops = sorted({point[0] for line in data[0]["lines"] for point in line["points"]})
+    stars = [line["star"][0] for line in data[0]["lines"] if line["star"]]
+    assert set(stars) <= set(stops) and len(stops) > 2
+    for k in (0, len(stops) - 1, *(stops.index(star) for star in stars)):
         slider.fill(str(k))
-        assert shown.inner_text().endswith(f": {preload}")
-        picked = [row[1:] for row in values if row[0] == preload]
-        cells = box.locator("tbody tr").all()
-        told = [row.locator("td").all_inner_texts() for row in cells]
-        assert [list(column) for column in zip(*told, strict=True)] == picked
+        assert shown.inner_text().startswith(f"at {stops[k]:.4g} N")
+        assert ("recommended" in shown.inner_text()) == (stops[k] in stars)
+        texts = iter(said.all_inner_texts())
+        for chart in data:
+            for line in chart["lines"]:
+                there = {point[0]: point[1] for point in line["points"]}
+                text = next(texts)
+                if stops[k] in there and there[stops[k]] is not None:
+                    assert float(text.split()[0]) == pytest.approx(there[stops[k]], rel=6e-3)
+        assert all(
+            d.startswith("M")
+            for d in charts.locator(".cursor").evaluate_all(
+                "all => all.map((one) => one.getAttribute('d'))"
+            )
+        )
     slider.focus()
+    slider.fill(str(len(stops) - 1))
     page.keyboard.press("ArrowLeft")
-    assert shown.inner_text().endswith(f": {preloads[-2]}")
+    assert shown.inner_text().startswith(f"at {stops[-2]:.4g} N")
+    box.locator("button").click()
+    assert said.all_inner_texts() == before
+
+
+def test_a_chart_says_its_values_and_is_zoomed(opened):
+    page, _ = opened()
+    chart = page.locator(".chart").first
+    box = chart.locator(".field").bounding_box()
+    ticks = chart.locator(".grid text")
+    whole, said = ticks.all_inner_texts(), chart.locator(".keys b").all_inner_texts()
+    middle = box["y"] + 0.5 * box["height"]
+    page.mouse.move(box["x"] + 0.97 * box["width"], middle)
+    assert chart.locator(".keys b").all_inner_texts() != said
+    page.mouse.move(box["x"] + 0.3 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], middle)
+    page.mouse.up()
+    assert ticks.all_inner_texts() != whole
+    page.mouse.dblclick(box["x"] + 0.5 * box["width"], middle)
+    assert ticks.all_inner_texts() == whole
+
+
+def test_the_script_draws_what_the_file_holds(opened):
+    """Without it the marks stand where it puts them, as shares of the field."""
+    places = """() => [...document.querySelectorAll(".chart")].map((chart) => {
+      const field = chart.querySelector(".field");
+      const [w, h] = ["width", "height"].map((name) => +field.getAttribute(name));
+      return [...chart.querySelectorAll(".dot, .star")].map((mark) => {
+        const [x, y] = mark.getAttribute("transform").match(/[-\\d.]+/g).map(Number);
+        return [x / w, y / h];
+      });
+    })"""
+    drawn, plain = opened()[0].evaluate(places), opened(script=False)[0].evaluate(places)
+    assert len(drawn) == len(plain)
+    for one, other in zip(drawn, plain, strict=True):
+        for a, b in zip(one, other, strict=True):
+            assert a == pytest.approx(b, abs=2e-3)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", [DESK, PHONE])
+def test_axe_finds_nothing(opened, size, scheme):
+    """The rules of WCAG 2 and good practice, as axe-core checks them (`make test-page` has it)."""
+    if not AXE.is_file():
+        pytest.skip("needs axe-core")
+    page, _ = opened(size, scheme)
+    unfold(page)
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.evaluate("axe.run(document)")
+    assert len(found["passes"]) > 20
+    assert [(one["id"], one["nodes"][0]["html"][:200]) for one in found["violations"]] == []
 
 
 def test_tables_are_sorted(opened):
     page, _ = opened()
     unfold(page)
-    box = page.locator(".slider").first
-    table = page.locator(f"#{box.get_attribute('data-table')}")
+    table = page.locator("details table", has_text="over the preload").first
     column = [text.split("\n")[0] for text in table.locator("thead th").all_inner_texts()]
     k = next(k for k, text in enumerate(column) if text.startswith("life"))
 
@@ -231,9 +297,9 @@ def test_everything_is_there_without_the_script(opened):
     page, told = opened(script=False)
     assert told == []
     assert not page.locator(".slider").first.is_visible()
-    summary = page.locator(".picked summary").first
-    summary.click()
-    assert page.locator(".picked details table").first.is_visible()
+    page.locator("summary", has_text="over the preload").first.click()
+    assert page.locator("details table").first.is_visible()
+    assert page.locator(".chart .star").count() and page.locator(".sketch svg").is_visible()
 
 
 def test_it_prints_on_a_few_pages(opened):

@@ -66,6 +66,6 @@ onsuccess:
     if PAGE in MADE:
         for study in STUDIES.values():
             for path in study.page_answers():
-                if path.endswith(".json"):
+                if path.endswith("answer.json"):
                     print(load_document(Path(path)).title, file=sys.stderr)
         print(f"page: {PAGE}", file=sys.stderr)

@@ -45,7 +45,6 @@ from bearingwear.studies.design.recommend import WORST_CASES, best_method, mappe
 from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
 from bearingwear.studies.design.sampled import sampled_blocks
 from bearingwear.studies.design.sentences import (
-    by_ball_track,
     by_life,
     headline,
     how_sure,
@@ -76,10 +75,9 @@ AT_END = "residual_preload_at_end"
 
 ROOM_COLUMNS = ("from", "now", "to")
 ROOM_WORDS = (
-    "Between these values the same method lasts longer. A dash: no change as far as lives were "
-    f"found, at most {FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. With a "
-    "limit moved the preloads are chosen anew; otherwise they stay as above. Both lives are "
-    "inversely proportional to the wear coefficient."
+    "Between these values the same method lasts longer. A dash: no change up to "
+    f"{FARTHEST:g} times a limit and {CRITERIA_FARTHEST:g} times the others. With a limit moved "
+    "the preloads are chosen anew."
 )
 
 
@@ -188,7 +186,7 @@ def preload_document(
     blocks = [*_points(found, beside, spread)]
     blocks += [_recommended(found, spread), _new_and_worn(found)] if known else []
     blocks += [] if beside is None else [_beside(beside, found, basis)]
-    blocks += [] if design is None else [_over_preload(design, found, basis)]
+    blocks += [] if design is None else [_over_preload(design, basis)]
     blocks += _room(found) if known else []
     blocks += [] if uncertainty is None else sampled_blocks(uncertainty)
     blocks += [] if design is None else [_statuses(design)]
@@ -232,7 +230,7 @@ def _points(
     said += [
         (missing, what_is_not_possible(found), "lead"),
         ("Limits, from new to the end of life", [sentence(limits)] if given else [], "more"),
-        ("Warnings, at their worst", warned, "more"),
+        ("Warnings, at their worst", warned, "strip"),
     ]
     return [Block(title, lines=tuple(lines), place=place) for title, lines, place in said if lines]
 
@@ -298,10 +296,10 @@ def _new_and_worn(found: xr.Dataset) -> Block:
         )
         for one in SHORT_TABLE
     ]
-    return Block("at that preload", tuple(columns), tuple(rows), place="open")
+    return Block("at that preload", tuple(columns), tuple(rows))
 
 
-def _brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
+def brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
     """Life, the worst of each measure of short tables, and the limits passed, at some points."""
     life = Row("life", "h", tuple(float(one["life"][basis]) for one in points), "life")
     rows = [
@@ -312,28 +310,24 @@ def _brief_rows(points: Sequence[xr.Dataset], basis: int) -> list[Row]:
     return [life, *rows, end, Row("limits passed", "", tuple(map(passed, points)))]
 
 
-def _over_preload(design: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
+def _over_preload(design: xr.Dataset, basis: int) -> Block:
     """Every preload of the map, by each method, at the scene's friction and speed."""
-    preloads = design["preload"].values
     points = [
         (float(preload), method, one.isel(preload=k))
-        for k, preload in enumerate(preloads)
+        for k, preload in enumerate(design["preload"].values)
         for method, one in methods(at_scene(design))
     ]
-    best = best_method(found)
-    taken = scene_of(design)["operation"]["preload_N"] if best is None else found["preload"][best]
     names = tuple(method_words(scene_of(design), method) for _, method, _ in points)
     rows = [
         Row("preload", "N", tuple(preload for preload, _, _ in points), "preload", given=True),
         Row("preload method", "", names, "preload_method"),
-        *_brief_rows([one for _, _, one in points], basis),
+        *brief_rows([one for _, _, one in points], basis),
     ]
     return Block(
         "Life and limits over the preload",
         rows=tuple(rows),
         axes=2,
-        place="slider",
-        start=f"{preloads[np.abs(preloads - float(taken)).argmin()]:g}",
+        place="charted",
     )
 
 
@@ -348,7 +342,7 @@ def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
     rows = [
         Row("assumed", "", tuple(words for words, _, _ in points)),
         Row("preload method", "", tuple(name for _, name, _ in points), "preload_method"),
-        *_brief_rows([one for _, _, one in points], basis),
+        *brief_rows([one for _, _, one in points], basis),
     ]
     title = "What other assumptions change, at these preloads"
     return Block(title, rows=tuple(rows), axes=2, place="open")
@@ -356,8 +350,8 @@ def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
 
 def _room(found: xr.Dataset) -> list[Block]:
     """How far each assumption may move before the other method is better."""
-    rows, lines = tuple(room_rows(found)), (ROOM_WORDS, *by_ball_track(found))
-    return [Block("how far the choice holds", ROOM_COLUMNS, rows, lines)] if rows else []
+    rows = tuple(room_rows(found))
+    return [Block("how far the choice holds", ROOM_COLUMNS, rows, (ROOM_WORDS,))] if rows else []
 
 
 def _statuses(design: xr.Dataset) -> Block:

@@ -50,8 +50,8 @@ _HELD = {
 """Why no other preload has a longer life, where no limit decides."""
 
 NO_CLOCK = (
-    "Compare lives with each other, and promise no hours: a life is inversely proportional to the "
-    "wear coefficient, which is known to an order of magnitude at best."
+    "Compare lives with each other; do not quote them as hours: the wear coefficient is known to "
+    "an order of magnitude at best."
 )
 
 CALIBRATED = (

@@ -84,7 +84,7 @@ class DesignStudy(Study):
         )
 
     def page_answers(self) -> list[str]:
-        kinds = ("answer.json", "tables/*.md", "figures/*.svg", "figures/*.png")
+        kinds = ("answer.json", "charts.json", "tables/*.md", "figures/*.svg", "figures/*.png")
         there = [path for kind in kinds for path in sorted(glob(f"results/*/design/{kind}"))]
         small = [path for path in self.default_targets() if not path.endswith((".csv", ".nc"))]
         return there or small
@@ -253,4 +253,10 @@ def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
     return [
         table_step(paths, "document.tables", name="tables", inputs=inputs, result="design, table"),
         step("answer", "answer.json", "document.design_answer", inputs=answered),
+        step(
+            "charts",
+            "charts.json",
+            "charts.design_charts",
+            inputs={name: path for name, path in answered.items() if name != "beside"},
+        ),
     ]

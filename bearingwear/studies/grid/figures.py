@@ -235,7 +235,7 @@ def life_figure(
         method_keys(name for name, _ in methods(lives))
         + dash_keys(styles)
         + [
-            key(_INTERPOLATED[len(shown) > 1], color="black", linestyle="none", marker=".")
+            key(_INTERPOLATED[len(shown) > 1], color="0.3", **_OTHER_ROUTE)
             for _ in range("interpolated_history_time" in lives)
         ]
         + [
@@ -246,6 +246,7 @@ def life_figure(
     return figure
 
 
+_OTHER_ROUTE = {"linestyle": "none", "marker": ".", "markersize": 3}
 _INTERPOLATED = ("interpolated, Hertzian groove", "interpolated from the study")
 """What the dots are, by whether both ways of counting were followed."""
 
@@ -259,7 +260,7 @@ def _counts_shown(lives: xr.Dataset) -> list[int]:
 
 
 def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str) -> None:
-    """One life in the two panels of a column, and dots where the other route leads."""
+    """One life in two panels, with dots of its colour where the other route leads."""
     scales = {"ball_diameter_loss": 1e6, "residual_preload": 1.0}
     for panel, (variable, scale) in zip(column, scales.items(), strict=True):
         known = (
@@ -275,11 +276,9 @@ def _life_column(column: np.ndarray, one: xr.Dataset, line: dict, end_mark: str)
             panel.plot(
                 one["interpolated_history_time"][::50],
                 scale * one[f"interpolated_history_{variable}"][::50],
-                color="black",
-                linestyle="none",
-                marker=".",
-                markersize=3,
+                color=line["color"],
                 zorder=5,
+                **_OTHER_ROUTE,
             )
 
 

@@ -69,7 +69,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     assert "order of magnitude" in said["How sure"]
     assert "Temperature is left out" in said["Warnings, at their worst"]
     found_in = tables(answer)
-    slider, room = found_in["slider"], found_in[""].table[1]
+    charted, room = found_in["charted"], found_in[""].table[1]
     first = {line[0]: line[1] for line in found_in["lead"].table[1]}
     assert first["life, ball + races (h)"] == digits(spring)
     # with nothing assumed otherwise the lives are those above
@@ -77,18 +77,17 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     assert [row[2:] for row in other[2:4]] == [row[2:] for row in other[:2]]
     lives = {(row[0], row[1]): row[2] for row in other}
     assert lives["a warm inner ring", "fixed position"] != digits(fixed)
-    values = slider.table[1]
-    assert slider.start in [row[0] for row in values]
+    values = charted.table[1]
     assert len(values) == 2 * load(files["design"]).sizes["preload"]
     assert ["axial stiffness of the arrangement (N/µm)", "–", "3"] in [row[:3] for row in room]
 
 
 def test_a_limit_that_is_passed_is_named(files):
-    slider = tables(preload_document(load(files["recommendation"]), load(files["design"])))[
-        "slider"
+    charted = tables(preload_document(load(files["recommendation"]), load(files["design"])))[
+        "charted"
     ]
     design, limit = load(files["design"]), 3.0e6
-    for row in slider.table[1]:
+    for row in charted.table[1]:
         one = design.sel(preload=float(row[0])).isel(friction=0, shaft_speed=0)
         one = one.isel(preload_method=int(row[1] == "fixed position"))
         soft = float(one["system_axial_stiffness"]) < limit
@@ -117,7 +116,7 @@ def test_an_answer_at_the_end_of_the_map_says_so(files):
     answer = preload_document(found.assign(life=np.nan * found["life"]), design)
     assert answer.title == "mine: no limit was given; take as little preload as you dare"
     assert "Name what the machine needs" in told(answer)["What a limit does"]
-    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["slider"]
+    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["charted"]
     found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "no life could be solved"})
     answer = preload_document(found.assign(life=np.nan * found["life"]), design)
     assert answer.title == "mine: no limit was given; no life could be solved"
@@ -162,7 +161,7 @@ def test_no_preload_within_the_limits(files):
     answer = preload_document(found, load(files["design"]))
     assert answer.title == "mine: no preload keeps to all limits"
     assert "at best 5 at 20 N" in told(answer)["What is not possible"]
-    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["slider"]
+    assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["charted"]
 
 
 def test_what_other_assumptions_change_is_told(files):
