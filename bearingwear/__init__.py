@@ -15,6 +15,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "__version__",
+    "cage",
     "calibrate",
     "example",
     "life",
@@ -29,6 +30,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from bearingwear.api import (
+        cage,
         calibrate,
         example,
         life,

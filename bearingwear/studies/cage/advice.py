@@ -82,7 +82,7 @@ def in_design_words(axis: str, value: float) -> str:
             f"guided by the {GUIDES[int(value)]} race"
         )  # fmt: skip
     if axis == "imbalance":
-        return f"an imbalance of {digits(1e6 * value)} µm"
+        return "no imbalance" if value == 0.0 else f"an imbalance of {digits(1e6 * value)} µm"
     if axis == "cage_friction":
         return f"a friction of {digits(value)}"
     part = "in the pockets" if axis == "pocket_clearance" else "at the land"
@@ -146,11 +146,6 @@ def _short(axis: str, value: float) -> str:
         return in_words(GUIDES[int(value)])
     unit = {"imbalance": (1e6, " µm"), "cage_friction": (1.0, "")}.get(axis, (1e3, " mm"))
     return f"{digits(unit[0] * value)}{unit[1]}"
-
-
-def cage_message(motions: xr.Dataset) -> str:
-    """The quiet region and the recommended_cage."""
-    return f"{recommended_cage(motions)}. {quiet_region(motions)}"
 
 
 def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
 from bearingwear.results.units import digits, display
-from bearingwear.studies.cage.advice import DESIGN, MOSTLY, QUIET, cage_message, in_design_words
+from bearingwear.studies.cage.advice import DESIGN, MOSTLY, QUIET, in_design_words, recommended_cage
 from bearingwear.studies.cage.motion import MOTIONS
 from bearingwear.studies.cage.show import MOTION_COLOURS, name_of
 from bearingwear.studies.dataset import loaded
@@ -61,7 +61,7 @@ def shares_and_work(motions: xr.Dataset) -> Figure:
         for code in np.flatnonzero(found).tolist()
     ]
     handles.append(key(f"quiet; numbers: work in a turn ({unit.printed})", color="black"))
-    frame(figure, f"{name_of(motions.attrs)}: {cage_message(motions)}", handles, 3)
+    frame(figure, f"{name_of(motions.attrs)}: {recommended_cage(motions)}", handles, 3)
     return figure
 
 

@@ -135,7 +135,8 @@ def _life(file: Any) -> Iterator[Block]:
     )
     if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
-        lines.append(f"balls and races: {Rough(float(other)).text} h, ended by {words}")
+        first = "the cage ends first" if hours < other else "balls and races end first"
+        lines.append(f"balls and races: {Rough(float(other)).text} h, ended by {words}; {first}")
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 

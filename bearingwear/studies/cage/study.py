@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from glob import glob
 from typing import Any
 
 from bearingwear.scene.checking import read_record
@@ -29,9 +30,17 @@ def study(config: Mapping[str, Any]) -> Study:
     return study_of_cages(read_record(CagePlan, CAGE_FILE))
 
 
-def study_of_cages(plan: CagePlan) -> Study:
+class CageStudy(Study):
+    """A map of cages; the page shows what it says where that was made."""
+
+    def page_answers(self) -> list[str]:
+        kinds = ("answer.json", "figures/*.svg", "figures/*.png")
+        return [path for kind in kinds for path in sorted(glob(f"results/cage/{kind}"))]
+
+
+def study_of_cages(plan: CagePlan) -> CageStudy:
     """A map of cages, each an ensemble; its figure and table."""
-    return Study(
+    return CageStudy(
         "cage",
         plan,
         step(
@@ -51,6 +60,7 @@ def study_of_cages(plan: CagePlan) -> Study:
             paths="points/{point}.nc",
             settings={"plan": asdict(plan)},
         ),
+        step("answer", "answer.json", "tables.cage_answer", motions="cage.nc"),
         figure_step("cage", "figures.cage_figure", motions="cage.nc"),
         table_step("cage", "tables.cage_table", motions="cage.nc"),
     )

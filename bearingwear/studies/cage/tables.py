@@ -7,19 +7,26 @@ from pathlib import Path
 
 import xarray as xr
 
+from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
+from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.units import digits, display
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.studies.cage.advice import mapped_wear, quiet_region, recommended_cage
 from bearingwear.studies.cage.gather import CAGE_AXES
-from bearingwear.studies.cage.show import name_of, shares_in_words, within
+from bearingwear.studies.cage.show import shares_in_words, within
 from bearingwear.studies.dataset import loaded
 
 
 def cage_table(motions: Path) -> str:
     """Step: every cage of a map, as Markdown."""
     return as_markdown(cage_document(loaded(motions, cage_friction=(), gravity=())))
+
+
+def cage_answer(motions: Path) -> str:
+    """Step: what a map of cages says, for the page."""
+    return cage_document(loaded(motions, cage_friction=(), gravity=())).stored
 
 
 def cage_document(motions: xr.Dataset) -> Document:
@@ -67,10 +74,20 @@ def cage_document(motions: xr.Dataset) -> Document:
         "Work: normal force times slip in a shaft turn, mean and its 90 % interval. Wear follows "
         "by K_s/H of the cage's material.",
     )
-    heading = (f"{name_of(motions.attrs)}: motions of its cage", f"{recommended_cage(motions)}.")
-    facts = {"kind": "cage map", "scene": name_of(motions.attrs)}
-    block = Block("", (), rows, (f"{quiet_region(motions)}.", *lines), axes=len(axes))
-    return Document(heading, facts, (block,))
+    scene = scene_of(motions)
+    said = Block(
+        "Which cage to take",
+        lines=(f"{recommended_cage(motions)}.", f"{quiet_region(motions)}."),
+        place="lead",
+    )
+    return Document(
+        (f"{scene['name']}: motions of its cage",),
+        {"scene": scene["name"], "bearing": bearing_line(scene)},
+        (said, Block("Every cage", (), rows, lines, axes=len(axes))),
+        subject="The cage",
+        rank=_RANK,
+    )
 
 
 _WORK = ("pocket", "land")
+_RANK = 9  # behind what is said of preloads and lives

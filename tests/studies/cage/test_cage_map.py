@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from support import ROOT, with_value
 
+from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
 from bearingwear.scene.checking import read_record
 from bearingwear.scene.variant import variant
 from bearingwear.studies.cage import ensemble
-from bearingwear.studies.cage.advice import cage_message, designs, quiet_region, recommended_cage
+from bearingwear.studies.cage.advice import designs, quiet_region, recommended_cage
 from bearingwear.studies.cage.figures import cage_figure
 from bearingwear.studies.cage.gather import gathered_ensembles
 from bearingwear.studies.cage.motion import (
@@ -25,7 +26,7 @@ from bearingwear.studies.cage.motion import (
 )
 from bearingwear.studies.cage.plan import CagePlan
 from bearingwear.studies.cage.study import study_of_cages
-from bearingwear.studies.cage.tables import cage_table
+from bearingwear.studies.cage.tables import cage_answer, cage_table
 from bearingwear.studies.dataset import write_dataset
 
 PLAN_FILE = ROOT / "config" / "cage.yaml"
@@ -161,7 +162,6 @@ def test_what_a_map_says(small):
     said = recommended_cage(motions)
     assert said.startswith("Take a friction of 0.02 (now 0.05): turns with the balls 100 %;")
     assert "it wears 10 times less (10 to 10) than the cage as it is (whirls 100 %)" in said
-    assert cage_message(motions) == f"{said}. {quiet_region(motions)}"
 
 
 def test_what_cannot_be_improved_is_kept(small):
@@ -178,6 +178,9 @@ def test_figure_and_table_of_a_map(small, tmp_path):
     save(cage_figure(path), [tmp_path / "cage.svg", tmp_path / "cage.png"])
     text = cage_table(path)
     assert recommended_cage(motions) in text and quiet_region(motions) in text
+    (tmp_path / "answer.json").write_text(cage_answer(path), encoding="utf-8")
+    shown = page(answers=[tmp_path / "answer.json"])
+    assert "Which cage to take" in shown and "Take a friction of" in shown
     assert text.count("turns with the balls 100 % | 20 |") == 2
     assert text.count("whirls 100 % | 20 |") == 4 and "nan" not in text
 
