@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from bearingwear.measures import ENDS
-from bearingwear.scene.scene import EndOfLife, Scene, SceneError
+from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+from bearingwear.solvers.bearing.mounted import MM
 from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.state import State
 
@@ -14,11 +15,16 @@ NO_CRITERION = len(ENDS)
 """Index of no criterion in `CRITERIA`."""
 
 
+def largest_loss(scene: Scene) -> float:
+    """Loss of ball diameter of a bearing beyond which no life is followed [m]."""
+    return LARGEST_LOSS * (scene.bearing.ball_diameter_mm * MM)
+
+
 class Criteria:
-    """What ends the life of a scene, of one bearing or of two."""
+    """What ends the life of a scene, of one bearing or of two that differ."""
 
     def __init__(self, scene: Scene):
-        self.preloads_N = [side.operation.preload_N for side in scene.sides]
+        self.preloads_N = [side.operation.preload_N for side in scene.one_of_alike.sides]
         end = scene.wear.end_of_life or EndOfLife()
         self._asked = [
             (k, measure, limit)

@@ -1,4 +1,4 @@
-"""Numerical errors of lives, estimated by lives with other settings (see `model.estimate`)."""
+"""Numerical errors of lives, estimated by lives with other settings (see `solvers.estimates`)."""
 
 import math
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
@@ -165,6 +166,23 @@ class Life:
     def states(self) -> list[State]:
         """States of the first bearing."""
         return [node.states[0] for node in self.nodes]
+
+    def first(self, ends: Criteria, counts: int = 1) -> float:
+        """When it first meets other ends, by a way of counting [s]; NaN if it does not.
+
+        Between the nodes, margins are monotone cubics of time.
+        """
+        if self.nodes[0].status != code.OK:
+            return np.nan
+        times, first = self.times[:, counts], np.inf
+        for margin in np.array([ends.margins(node.states) for node in self.nodes]).T:
+            met = np.flatnonzero(margin <= 0.0)
+            if met.size and met[0] == 0:
+                return 0.0
+            if met.size:
+                a, b = times[met[0] - 1], times[met[0]]
+                first = min(first, float(brentq(PchipInterpolator(times, margin), a, b)))
+        return first if np.isfinite(first) else np.nan
 
     def ends_by(self, criterion: int) -> None:
         self.criterion, self.status = criterion, code.OK

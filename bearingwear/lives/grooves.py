@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import Criteria
+from bearingwear.lives.ends import Criteria, largest_loss
 from bearingwear.lives.follow import Life, Node, States, follow
 from bearingwear.lives.methods import Heun
-from bearingwear.scene.scene import LARGEST_LOSS, Scene
+from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
 from bearingwear.solvers.compose import worn_bearings
@@ -150,7 +150,7 @@ class Grooves:
     def events(self, node: Node) -> np.ndarray:
         """The largest loss that is followed."""
         left = [
-            1.0 - state.loss / (LARGEST_LOSS * side.scene.bearing.ball_diameter_mm * parameters.MM)
+            1.0 - state.loss / largest_loss(side.scene)
             for side, state in zip(self.sides, node.states, strict=True)
         ]
         return np.array([min(left)])

@@ -5,8 +5,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, with_end
@@ -137,23 +135,4 @@ def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[End
     asked = replace(with_end(scene, farthest), model=replace(scene.model, contact="worn"))
     life = worn_life(asked, quick=False, only_times=True)
     assert life is not None
-    return lambda end: first_met(life, with_end(asked, end))
-
-
-def first_met(life: Life, scene: Scene) -> float:
-    """When a life with worn grooves first meets the end of another scene [s]; NaN if it does not.
-
-    Between its nodes, margins are monotone cubics of time.
-    """
-    if life.nodes[0].status != code.OK:
-        return np.nan
-    times, criteria, first = life.times[:, 1], Criteria(scene.one_of_alike), np.inf
-    for margin in np.array([criteria.margins(node.states) for node in life.nodes]).T:
-        met = np.flatnonzero(margin <= 0.0)
-        if not met.size:
-            continue
-        if met[0] == 0:
-            return 0.0
-        a, b = times[met[0] - 1], times[met[0]]
-        first = min(first, float(brentq(PchipInterpolator(times, margin), a, b)))
-    return first if np.isfinite(first) else np.nan
+    return lambda end: life.first(Criteria(with_end(asked, end)))

@@ -96,7 +96,7 @@ class RungeKutta(Method):
     tolerance : float
         Relative, of a step.
     first : float
-        LifeStep [m].
+        First step [m].
     counts : int
         Which way of counting wear has its clock followed.
     between : sequence of float
@@ -145,15 +145,8 @@ class RungeKutta(Method):
                 atol = np.full(y.size, self.tolerance * self.first)
                 atol[-1] /= self._counted(start)
                 first = min(self.length, bound - start.x)
-                self.solver = RK45(
-                    self._derivative,
-                    start.x,
-                    y,
-                    bound,
-                    rtol=self.tolerance,
-                    first_step=first,
-                    atol=atol,
-                )
+                how = {"rtol": self.tolerance, "atol": atol, "first_step": first}
+                self.solver = RK45(self._derivative, start.x, y, bound, **how)
             self.solver.step()
         except Unsolved as failure:
             return LifeStep(end=bound, status=failure.status)
@@ -180,28 +173,61 @@ class RungeKutta(Method):
         return self.length >= self.shortest
 
 
-class Heun(Method):
-    """Heun's steps in time, as long as the deepest place may wear in one."""
+class InTime(Method):
+    """Steps in time from the last two nodes; a node within one is solved once."""
+
+    _from: Sequence[Any] = (None,)  # those two
+    _known: dict[float, Node]
+
+    def longest(self, now: Node) -> float:
+        """Longest step from a node [s]; what else is known of it is kept."""
+        raise NotImplementedError
+
+    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
+        """A node at a time after the last one, before which there may be another."""
+        raise NotImplementedError
+
+    def at(self, x: float) -> Node:
+        if x not in self._known:
+            *before, now = self._from
+            self._known[x] = self.after(x, before, now)
+        return self._known[x]
+
+    def step(self, life: Life, bound: float) -> LifeStep:
+        if life.last is not self._from[-1]:
+            self._from, self._known = life.nodes[-2:], {}
+            self._longest = self.longest(life.last)
+        if math.isinf(self._longest):
+            return LifeStep(end=math.inf, status=code.CRITERION_NOT_REACHED)
+        return self.tried(min(life.last.x + self._longest, bound))
+
+    def tried(self, end: float) -> LifeStep:
+        """A step to an end."""
+        node = self.at(end)
+        if node.status != code.OK:
+            return LifeStep(end=end, status=node.status, failed=node)
+        return LifeStep(end=end, nodes=[node])
+
+
+class Heun(InTime):
+    """Heun's steps, as long as the deepest place may wear in one."""
 
     most_steps = 1000
     root = 1e-3
-    _from: Sequence[Any] = (None,)  # the last two nodes
-    _known: dict[float, Node]
 
-    def step(self, life: Life, bound: float) -> LifeStep:
-        now, wearing = life.last, self.wearing
-        if now is not self._from[-1]:
-            self._from, self._known = life.nodes[-2:], {}
-            self._rates = wearing.rates(now)
-            self._longest = wearing.longest_step(now, self._rates)
-            self.shortest = 0.1 * self.root * self._longest
-        h = min(self._longest, bound - now.x)
+    def longest(self, now: Node) -> float:
+        self._rates = self.wearing.rates(now)
+        longest = self.wearing.longest_step(now, self._rates)
+        self.shortest = 0.1 * self.root * longest
+        return longest
+
+    def tried(self, end: float) -> LifeStep:
+        now = self._from[-1]
         for k in range(_SHORTENINGS + 1):
-            node = self.at(now.x + 0.5**k * h)
-            if node.status == code.OK and not wearing.is_too_deep(now, node):
+            step = super().tried(now.x + 0.5**k * (end - now.x) if k else end)
+            if step.nodes and not self.wearing.is_too_deep(now, step.nodes[0]):
                 break
-        solved = [node] if node.status == code.OK else []
-        return LifeStep(end=node.x, nodes=solved, status=node.status)
+        return step
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
         first = super().begin(wearing, node)
@@ -210,16 +236,10 @@ class Heun(Method):
     def kept(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
-    def at(self, x: float) -> Node:
-        if x not in self._known:
-            self._known[x] = self._after(x)
-        return self._known[x]
-
-    def _after(self, x: float) -> Node:
-        wearing, (*earlier, now) = self.wearing, self._from
-        h, time = x - now.x, np.array([np.nan, x])
-        for before in earlier:
-            wearing.start_ahead(before, now, h / (now.x - before.x))
+    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
+        wearing, h, time = self.wearing, x - now.x, np.array([np.nan, x])
+        for earlier in before:
+            wearing.start_ahead(earlier, now, h / (now.x - earlier.x))
         worn, states = wearing.moved(now.worn, h, self._rates, on_the_way=True)
         ahead = Node(x, worn, states, time)
         if ahead.status != code.OK:
@@ -229,48 +249,27 @@ class Heun(Method):
         return Node(x, worn, states, time)
 
 
-class Trapezoid(Method):
-    """A predictor and the trapezoidal rule in time, for rates that scatter (theory.md section 13).
+class Trapezoid(InTime):
+    """A predictor and the trapezoidal rule, for rates that scatter (theory.md section 13).
 
-    Parameters
-    ----------
-    steps : int
-        In which the life is to be followed, as long as it seems to be.
-    most : int
-        Steps, because rates may fall on the way.
+    The life is followed in `steps` as long as it seems to be, in `most` where rates fall.
     """
-
-    _from: Sequence[Any] = (None,)  # the last two nodes
-    _known: dict[float, Node]
 
     def __init__(self, steps: int, most: int):
         self.steps, self.most_steps = steps, most
         self._errors: dict[float, float] = {}  # of ends [s]
 
-    def step(self, life: Life, bound: float) -> LifeStep:
-        now, wearing = life.last, self.wearing
-        if now is not self._from[-1]:
-            self._from, self._known = life.nodes[-2:], {}
-            self._horizon = wearing.horizon(now)
-            if math.isinf(self._horizon):
-                return LifeStep(end=math.inf, status=code.CRITERION_NOT_REACHED)
-            wearing.report_progress(now, self._horizon)
-        node = self.at(min(now.x + self._horizon / self.steps, bound))
-        if node.status != code.OK:
-            return LifeStep(end=node.x, status=node.status, failed=node)
-        return LifeStep(end=node.x, nodes=[node])
+    def longest(self, now: Node) -> float:
+        horizon: float = self.wearing.horizon(now)
+        if not math.isinf(horizon):
+            self.wearing.report_progress(now, horizon)
+        return horizon / self.steps
 
-    def at(self, x: float) -> Node:
-        if x not in self._known:
-            self._known[x] = self._after(x)
-        return self._known[x]
-
-    def _after(self, x: float) -> Node:
-        wearing, (*earlier, now) = self.wearing, self._from
-        h, rates = x - now.x, wearing.rates(now)
-        ahead = rates
-        for before in earlier:
-            slope = (rates - wearing.rates(before)) / (now.x - before.x)
+    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
+        wearing, h = self.wearing, x - now.x
+        ahead = rates = wearing.rates(now)
+        for earlier in before:
+            slope = (rates - wearing.rates(earlier)) / (now.x - earlier.x)
             ahead = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
         worn = now.worn + h * ahead
         found = Node(x, worn, wearing.state(worn, now.states), wearing.clock(x))

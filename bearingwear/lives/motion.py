@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.lives.ends import largest_loss
 from bearingwear.lives.follow import Node, States
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
-from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
+from bearingwear.scene.scene import EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.condition import Condition, SolvedBearing, Solver
 from bearingwear.solvers.dynamic.run import solve_dynamic
@@ -194,8 +195,7 @@ class Motion:
         # at the start, one second at its rates
         time, worn = (node.x, node.worn) if node.x > 0.0 else (1.0, run_at(node).rates)
         um = self.end.ball_diameter_loss_um
-        largest = LARGEST_LOSS * self.scene.bearing.ball_diameter_mm * parameters.MM
-        limits = [largest if um is None else um * parameters.UM]
+        limits = [largest_loss(self.scene) if um is None else um * parameters.UM]
         given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
         limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
         then, now = (

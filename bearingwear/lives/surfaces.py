@@ -10,11 +10,11 @@ from itertools import accumulate
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import NO_CRITERION, Criteria
+from bearingwear.lives.ends import NO_CRITERION, Criteria, largest_loss
 from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
 from bearingwear.scene.friction import changes_as_it_wears
-from bearingwear.scene.scene import COUNTS, LARGEST_LOSS, Scene
+from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing.films import Cover, Films, mean_pressure
 from bearingwear.solvers.bearing.mounted import MM, UM
 from bearingwear.solvers.compose import Remembered
@@ -32,13 +32,13 @@ class EvenWear:
 
     def __init__(self, scene: Scene):
         self.present = scene.wear.ball_diameter_loss_um[0] * UM
-        self.ball_diameter = scene.bearing.ball_diameter_mm * MM
+        self.largest = largest_loss(scene)
         self.start = np.array([self.present])
 
     @property
     def room(self) -> float:
         """Loss that can be followed [m]."""
-        return LARGEST_LOSS * self.ball_diameter - self.present
+        return self.largest - self.present
 
     def condition(self, worn: np.ndarray, counts: int) -> Condition:
         return Condition(float(worn[0]))
@@ -160,8 +160,7 @@ class Surfaces:
         """The largest loss that is followed, and the end of each film."""
         room, films = [], list[float]()
         for wear, part in self.parts(node.worn):
-            largest = LARGEST_LOSS * wear.ball_diameter
-            room.append(1.0 - wear.condition(part, self.counts).loss / largest)
+            room.append(1.0 - wear.condition(part, self.counts).loss / wear.largest)
             films += wear.film_left(part)
         return np.array([min(room), *films])
 

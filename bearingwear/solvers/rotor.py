@@ -35,6 +35,7 @@ from bearingwear.solvers.bearing.rotor_balance import (
     worse_status,
 )
 from bearingwear.solvers.condition import (
+    USABLE,
     CaseValues,
     Conditions,
     Force,
@@ -203,7 +204,7 @@ class OnRotor:
         if not any(isinstance(side, Warm) for side in self.sides):
             return self._balanced(self.sides, conditions, tolerance)
         found = self._balanced(self.sides, conditions, max(tolerance, WARM_BALANCED))
-        if found.status not in (code.OK, code.UNVERIFIED):
+        if found.status not in USABLE:
             return found
         # the last steps, at temperatures that are known well enough
         kept = tuple(

@@ -9,6 +9,7 @@ from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
+from bearingwear.solvers.condition import USABLE
 from bearingwear.solvers.race_control import race_control_motion
 
 
@@ -36,7 +37,7 @@ def start_of(scene: Scene) -> Start:
     if problem.undetermined() == code.OK:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
-        if case.status in (code.OK, code.UNVERIFIED):
+        if case.status in USABLE:
             eigenvalues = np.linalg.eigvals(problem.linear_motion(D, case))
             scales = {
                 "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),

@@ -39,7 +39,14 @@ from bearingwear.solvers.bearing.outputs import (
 )
 from bearingwear.solvers.bearing.stiffness import quasistatic_matrix
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
-from bearingwear.solvers.condition import Accuracy, CaseValues, Condition, Place, SolvedBearing
+from bearingwear.solvers.condition import (
+    USABLE,
+    Accuracy,
+    CaseValues,
+    Condition,
+    Place,
+    SolvedBearing,
+)
 from bearingwear.solvers.estimates import DOUBLED, changed, halved_part, summed
 from bearingwear.solvers.state import State
 from bearingwear.solvers.thermal import HeatFlow
@@ -181,7 +188,7 @@ def steady_case(scene: Scene, mounted: float, solution: SolvedBearing) -> CaseVa
     if case is None:
         return values, {"residual": "not solved"}
     attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
-    if case.status in (code.OK, code.UNVERIFIED):
+    if case.status in USABLE:
         scales = problem.time_scales(D, case)
         stable = {id(case): problem.stable(D, case, scales)}
         others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)

@@ -17,9 +17,9 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.lives.ends import with_end
+from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.groove_life import grooves_followed
-from bearingwear.lives.many import HertzianLives, first_met, worn_life, worse_states
+from bearingwear.lives.many import HertzianLives, worn_life, worse_states
 from bearingwear.lives.margin import least_margin
 from bearingwear.measures import LIMITED
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -215,7 +215,7 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
         ball, reached = found.get("time_to_slip_limit", np.full(2, np.nan))[0], np.inf
         if kept[SLIP_SHARE] >= slip_limit:
             share = EndOfLife(gyroscopic_slip_share=slip_limit)
-            reached = first_met(worn, with_end(scene, share))
+            reached = worn.first(Criteria(with_end(scene, share)))
         kept["time_to_slip_limit"] = np.array([ball, reached])
     return kept
 

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.lives.ends import with_end
+from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.life import life
-from bearingwear.lives.many import first_met, lives_by_end, worn_life
+from bearingwear.lives.many import lives_by_end, worn_life
 from bearingwear.measures import LIMITED
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.read import load_scene
@@ -183,4 +183,4 @@ def test_one_march_has_the_lives_of_all_ends(scene):
     history = worn_life(at)
     assert history is not None
     never = at.with_({"wear.end_of_life.preload_fraction": 0.01}).wear.end_of_life
-    assert np.isnan(first_met(history, with_end(at, never))) and end.preload_fraction == 0.4
+    assert np.isnan(history.first(Criteria(with_end(at, never)))) and end.preload_fraction == 0.4
