@@ -60,8 +60,7 @@ def life(
         values, attrs = motion_life(chosen.reduced(scene), progress)
     else:
         followed, why = grooves_followed(scene, chosen.fidelity)
-        if why:
-            chosen = replace(chosen, reasons=(*chosen.reasons, why))
+        chosen = replace(chosen, grooves=why)
         if followed is None:
             check_depth(scene)
         with Interrupt():

@@ -1,6 +1,6 @@
 """The warnings in the attributes of results and files: read, counted over many, as lines of text.
 
-What is warned of is decided in `bearingwear.solvers.effects.cautions`.
+What is warned of is decided in `bearingwear.solvers.effects.table`.
 """
 
 import json

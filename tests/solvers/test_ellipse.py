@@ -11,7 +11,8 @@ from bearingwear.kernels.contact.summary import ANGLE, QV
 from bearingwear.lives.life import life
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
-from bearingwear.solvers.effects.choice import choice, spin_across_share
+from bearingwear.solvers.effects.choice import choice
+from bearingwear.solvers.effects.motion import spin_across_share
 from bearingwear.solvers.solve import solve
 
 HERTZ = {

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bearingwear.solvers.effects.choice import centrifugal_share, choice
+from bearingwear.solvers.effects.choice import choice
+from bearingwear.solvers.effects.motion import centrifugal_share
 from bearingwear.solvers.solve import solve
 
 FEW = {"model.simulated_turns": 8, "model.history_points_per_turn": 0}

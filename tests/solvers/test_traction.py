@@ -24,7 +24,8 @@ from bearingwear.lives.life import life
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.quadrature import gauss_legendre
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
-from bearingwear.solvers.effects.choice import choice, gyroscopic_share
+from bearingwear.solvers.effects.choice import choice
+from bearingwear.solvers.effects.motion import gyroscopic_share
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.steady import axial_force
 

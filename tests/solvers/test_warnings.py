@@ -23,8 +23,8 @@ from bearingwear.results.warnings import (
 )
 from bearingwear.scene.scene import SceneError
 from bearingwear.scene.variant import variant
-from bearingwear.solvers.effects.cautions import CAUTIONS
 from bearingwear.solvers.effects.choice import choice
+from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.solve import solve
 
@@ -298,11 +298,11 @@ def test_a_cage_without_weight():
 
 def test_every_caution_is_tested_and_documented():
     told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
-    known = {caution.id for caution in CAUTIONS}
-    assert len(known) == len(CAUTIONS)
+    known = {warning.id for warning in WARNINGS}
+    assert len(known) == len(WARNINGS)
     marks = dict(re.findall(r"^- `(\w+)`(\\\*)?: ", told, re.MULTILINE))
     assert {name: bool(mark) for name, mark in marks.items()} == {
-        caution.id: caution.impractical for caution in CAUTIONS
+        warning.id: warning.impractical for warning in WARNINGS
     }
     tested = set().union(*(expected for _, expected in ABSURD.values()))
     of_lives_and_cages = {"over_limit_when_new", "criterion_not_watched", "cage_weightless"}

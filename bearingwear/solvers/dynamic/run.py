@@ -13,11 +13,10 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, found_periodic
 from bearingwear.solvers.dynamic.outputs import histories, window_values
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
-from bearingwear.solvers.dynamic.stability import is_marched_instead
+from bearingwear.solvers.dynamic.stability import is_found_periodic, is_marched_instead
 from bearingwear.solvers.dynamic.system import STEPS_PER_TURN, DynamicSystem
 from bearingwear.solvers.dynamic.windows import FAR_FROM_LAND, RunGrid, TimeRun
-from bearingwear.solvers.effects.choice import NotAvailable
-from bearingwear.solvers.effects.motion import is_found_periodic
+from bearingwear.solvers.errors import NotAvailable
 from bearingwear.solvers.interrupt import Interrupt
 from bearingwear.solvers.start import Start, start_of
 

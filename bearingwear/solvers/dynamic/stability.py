@@ -1,12 +1,14 @@
-"""Whether a periodic motion lasts: what small disturbances of it grow to (theory.md section 22)."""
+"""Whether a scene has a periodic motion, and whether it lasts (theory.md section 22)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.errors import NotAvailable
+
+LIKE = 1e-9  # of the diameter: balls that differ by less are alike
 
 LEAST_GROWTH = 1e-5
 """Growth a turn from which a motion is unstable: less is left open by `tangents`."""
@@ -15,6 +17,42 @@ GROWTHS = ("spacing_growth_per_turn", "disturbance_growth_per_turn")
 """Variables of the two fields of `GrowthRates`."""
 
 _NOTHING = 1e-300  # the least of multipliers: all others may underflow
+
+
+def why_not_periodic(scene: Scene) -> str:
+    """Why a scene (with its cage if that is solved) has no periodic motion; empty if it has one."""
+    operation = scene.operation
+    standing = any(operation.radial_load_N) or operation.tilt_mrad
+    if scene.cage is not None:
+        return "a cage"
+    if 1e-3 * np.ptp(scene.wear.ball_diameter_loss_um) > LIKE * scene.bearing.ball_diameter_mm:
+        return "unequal ball diameters"
+    if standing and operation.rotating_load_N:
+        return "loads that stand still beside one that turns"
+    if not standing and not operation.rotating_load_N:
+        return "thrust alone"
+    return ""
+
+
+def is_found_periodic(scene: Scene) -> bool:
+    """Whether a periodic motion is looked for: on request, or where no history is asked for."""
+    asked = scene.model.dynamic_solution
+    if asked == "auto":
+        return not (scene.model.history_points_per_turn or why_not_periodic(scene))
+    return asked == "periodic"
+
+
+def check_solution(scene: Scene) -> None:
+    """Refuse to look for a periodic motion where there is none.
+
+    Raises
+    ------
+    NotAvailable
+    """
+    if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
+        raise NotAvailable(
+            f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto, march"
+        )
 
 
 @dataclass(frozen=True)
@@ -76,16 +114,16 @@ def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
     return asked == "auto" and growth is not None and growth.other > LEAST_GROWTH
 
 
-def instability(scene: Scene, values: Mapping[str, float]) -> tuple[None, Mapping[str, Any]] | None:
+def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | None:
     """What is said of a periodic motion that does not last, and the advice."""
     spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
     if other > LEAST_GROWTH:
         said = f"its disturbances grow e-fold in {_turns(other)}"
-        return None, {"said": said, "advice": "set model.dynamic_solution: march"}
+        return {"said": said, "advice": "set model.dynamic_solution: march"}
     if spacing > LEAST_GROWTH and scene.cage is None:
         said = (
             "nothing keeps the balls apart, and disturbances of their even spacing grow e-fold in "
             f"{_turns(spacing)}"
         )
-        return None, {"said": said, "advice": "give the scene its cage"}
+        return {"said": said, "advice": "give the scene its cage"}
     return None

@@ -14,6 +14,10 @@ from bearingwear.solvers.state import State
 
 INNER_SIDE, OUTER_SIDE = 0, 1
 
+Finding = dict[str, Any]
+"""What fills the sentence of a warning: `value` and `limit`, or the `excess` of the one over the
+other; neither of a fact."""
+
 
 @dataclass(frozen=True)
 class Evidence:

@@ -1,28 +1,27 @@
 """Sentences and warnings on films and running in."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
-from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.films import Films, friction_at, friction_law, pressure_of_load
 from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
+from bearingwear.solvers.effects.choice import Choice
+from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 
-def film_sentences(scene: Scene) -> list[str]:
-    """Films and running in of a scene, in words; nothing where there are none."""
-    films, given = Films.of(scene), scene.friction.film
-    sentences = []
+def film_sentences(chosen: Choice) -> Iterator[str]:
+    """Films and running in of a scene."""
+    scene, films, given = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
     if given is not None:
-        sentences.append(
+        yield (
             f"friction: of a film, {given.shear_strength_MPa:g} MPa over the mean pressure of each "
             f"contact{_and(given.pressure_coefficient)}; about {_at_rest(scene)} at rest"
         )
     if films.exponent:
-        sentences.append(
+        yield (
             f"wear of films: as (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, p the mean "
             "pressure of each contact; of a dynamic case by its mean load, in its history by the "
             "load at the instant"
@@ -35,40 +34,26 @@ def film_sentences(scene: Scene) -> list[str]:
         thick = "never worn through"
         if math.isfinite(surface.thickness):
             thick = f"{surface.thickness / UM:g} um on each, {_then(scene)}"
-        sentences.append(f"film of the {part}: K_s/H {factor:.2g} m2/N; {thick}")
+        yield f"film of the {part}: K_s/H {factor:.2g} m2/N; {thick}"
     for part, surface in coated.items():
         if surface.running_in:
-            sentences.append(
+            yield (
                 f"running in of the {part}: K_s from {surface.first:g} to "
                 f"{float(surface.below.K_s):g}, over {surface.running_in / UM:g} um"
             )
-    return sentences
 
 
-def films_refused(scene: Scene, fidelity: str) -> str:
-    """Why a life cannot follow the films of a scene; nothing where it can."""
-    given = scene.friction.film
-    pressed = given is not None and given.pressure_exponent is not None
-    if not (changes_as_it_wears(scene) or pressed) or fidelity != "dynamic":
-        return ""
-    return (
-        "friction.film, materials: got films that wear through or by pressure, or running in, with "
-        "fidelity dynamic; expected, for a life, fidelity steady or race_control"
-    )
-
-
-def film_worn(scene: Scene, life: Mapping[str, Any] | None) -> tuple[None, dict] | None:
-    """That a film is worn through in a life which goes on with the film's friction."""
-    if life is None or "history_film_worn_share" not in life:
+def film_worn(e: Evidence) -> Finding | None:
+    """A film is worn through in a life which goes on with the film's friction."""
+    if e.life is None or "history_film_worn_share" not in e.life:
         return None
-    shares = life["history_film_worn_share"]
-    given = scene.friction.film
+    shares, given = e.life["history_film_worn_share"], e.scene.friction.film
     if not shares.max() > 0.0 or (given is not None and given.bare_ball_race is not None):
         return None
     if len(shares) < 3 or not shares[:-1].max() > 0.0:  # it ends there
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
-    return None, {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
+    return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
 
 
 def _and(coefficient: float) -> str:

@@ -2,8 +2,7 @@
 
 import functools
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Arrangement, Scene
@@ -19,6 +18,8 @@ from bearingwear.solvers.bearing.growth import (
     is_held,
 )
 from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
+from bearingwear.solvers.effects.choice import Choice
+from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 USUAL_BORE = 1.75
 """Pitch diameter less bore over ball diameter that is assumed where no bore is given."""
@@ -28,9 +29,6 @@ MOST_LEFT_OUT = 0.1
 
 WARMER = 5.0
 """Inner ring above the rest [K] in the warning, assumed."""
-
-LeftOut = tuple[float | None, Mapping[str, Any]]
-"""A change over the negligible one (None for a fact), and what fills a warning."""
 
 _STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
 _COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
@@ -88,62 +86,66 @@ def _effect(scene: Scene, change: float) -> str:
     return f"about {size} % of the preload at rest"
 
 
-def growth_sentences(scene: Scene) -> list[str]:
-    """Sentences on the growth that a solve includes or leaves out."""
-    b, o = scene.bearing, scene.operation
-    sentences = []
+def growth_at_speed(chosen: Choice) -> Iterator[str]:
+    scene, b, o = chosen.scene, chosen.scene.bearing, chosen.scene.operation
     if o.shaft_speed_rpm or o.outer_speed_rpm:
         size = _effect(scene, change_at_speed(scene))
         if b.bore_mm is not None:
-            sentences.append(f"growth of the rings at speed: solved; {size}")
+            yield f"growth of the rings at speed: solved; {size}"
         else:
-            bore = f"a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate"
-            sentences.append(
+            bore = f" (a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate)"
+            yield (
                 "growth of the rings at speed: left out, bearing.bore_mm is not given; "
-                + (f"{size} ({bore})" if is_held(scene) else size)
+                f"{size}{bore if is_held(scene) else ''}"
             )
     if o.outer_speed_rpm and b.outside_diameter_mm is None:
-        sentences.append(
+        yield (
             "growth of the turning outer ring: left out, bearing.outside_diameter_mm is not given"
         )
-    growth = growth_of(scene)
+
+
+def temperature(chosen: Choice) -> Iterator[str]:
+    scene, held = chosen.scene, is_held(chosen.scene)
     if scene.thermal is not None:
-        rough = "; conductances are known roughly, and so is the preload" if is_held(scene) else ""
-        sentences.append(f"temperature: of rings and balls, found from the friction heat{rough}")
+        rough = "; conductances are known roughly, and so is the preload" if held else ""
+        yield f"temperature: of rings and balls, found from the friction heat{rough}"
     elif scene.temperature is not None:
-        alone = Growth(growth.heat, _STILL, _STILL)
-        sentences.append(f"temperature: given; {_effect(scene, preload_change(scene, alone))}")
-    elif is_held(scene):
-        size = _effect(scene, change_by_warm_ring(scene, 1.0))
-        sentences.append(f"temperature: left out; {size} for each K that the inner ring is warmer")
+        alone = Growth(growth_of(scene).heat, _STILL, _STILL)
+        yield f"temperature: given; {_effect(scene, preload_change(scene, alone))}"
     else:
-        sentences.append(f"temperature: left out; {_effect(scene, math.nan)}")
+        size = _effect(scene, change_by_warm_ring(scene, 1.0) if held else math.nan)
+        each = " for each K that the inner ring is warmer" if held else ""
+        yield f"temperature: left out; {size}{each}"
+
+
+def seats(chosen: Choice) -> Iterator[str]:
+    scene, growth = chosen.scene, growth_of(chosen.scene)
     if scene.fits is not None:
         alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
-        sentences.append(f"fits: solved; {_effect(scene, preload_change(scene, alone))}")
-    return sentences
+        yield f"fits: solved; {_effect(scene, preload_change(scene, alone))}"
 
 
-def growth_left_out(scene: Scene) -> LeftOut | None:
-    """The warning of growth at speed that is left out at a fixed position."""
-    if scene.bearing.bore_mm is not None or not is_held(scene):
+def growth_left_out(e: Evidence) -> Finding | None:
+    """At speed and at a fixed position."""
+    if e.scene.bearing.bore_mm is not None or not is_held(e.scene):
         return None
-    change = change_at_speed(scene)
-    words = {"value": 100.0 * change, "bore": assumed_bore(scene) / MM}
-    return abs(change) / MOST_LEFT_OUT, words
+    return _left_out(change_at_speed(e.scene)) | {"bore": assumed_bore(e.scene) / MM}
 
 
-def temperature_left_out(scene: Scene) -> LeftOut | None:
-    """The warning of temperatures that are left out at a fixed position."""
-    if scene.temperature is not None or scene.thermal is not None or not is_held(scene):
+def temperature_left_out(e: Evidence) -> Finding | None:
+    given = e.scene.temperature is not None or e.scene.thermal is not None
+    if given or not is_held(e.scene):
         return None
-    change = change_by_warm_ring(scene, WARMER)
-    return abs(change) / MOST_LEFT_OUT, {"value": 100.0 * change, "kelvin": WARMER}
+    return _left_out(change_by_warm_ring(e.scene, WARMER)) | {"kelvin": WARMER}
 
 
-def fit_lost(scene: Scene) -> LeftOut | None:
-    """The warning of seats that are tight at rest and loose when the bearing runs."""
-    growth = growth_of(scene)
-    seats = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
-    lost = [seat for seat, is_lost in seats.items() if is_lost]
-    return (None, {"seats": " and ".join(lost)}) if lost else None
+def _left_out(change: float) -> Finding:
+    return {"value": 100.0 * change, "excess": abs(change) / MOST_LEFT_OUT}
+
+
+def fit_lost(e: Evidence) -> Finding | None:
+    """Seats that are tight at rest and loose when the bearing runs."""
+    growth = growth_of(e.scene)
+    lost = {"shaft": growth.inner.seat_lost, "housing": growth.outer.seat_lost}
+    named = " and ".join(seat for seat, is_lost in lost.items() if is_lost)
+    return {"seats": named} if named else None

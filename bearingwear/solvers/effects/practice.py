@@ -1,21 +1,16 @@
 """How far a bearing is beyond what practice allows: the limits of warnings, and their findings.
 
-Each limit has a source or is called assumed, or a rule of thumb. The sentences stand in `cautions`.
+Each limit has a source or is called assumed, or a rule of thumb. The sentences stand in `table`.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
 from bearingwear.scene.catalogue import MAKERS, entry_of_bearing
 from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
-from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence
-
-Finding = tuple[float | None, Mapping[str, Any]]
-"""The value over its limit (None for a fact), and what fills the sentence."""
+from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence, Finding
 
 LONG_LIVED = 2.0 / STEEL_YIELD
 """Share of the yield pressure up to which a long life is usual: 2 GPa for steel."""
@@ -82,8 +77,7 @@ def _for_less_pressure(e: Evidence) -> str:
 def dents(e: Evidence) -> Finding:
     limit, source = yield_pressure(e.scene)
     value = float(np.max(e.state["maximum_pressure"])) / _GPA
-    words = {"value": value, "limit": limit, "source": source, "take": _for_less_pressure(e)}
-    return value / limit, words
+    return {"value": value, "limit": limit, "source": source, "take": _for_less_pressure(e)}
 
 
 def pressed_hard(e: Evidence) -> Finding | None:
@@ -91,8 +85,7 @@ def pressed_hard(e: Evidence) -> Finding | None:
     value = float(np.max(e.state["maximum_pressure"])) / _GPA
     if value > limit:  # another warning says so
         return None
-    words = {"value": value, "limit": LONG_LIVED * limit, "take": _for_less_pressure(e)}
-    return value / (LONG_LIVED * limit), words
+    return {"value": value, "limit": LONG_LIVED * limit, "take": _for_less_pressure(e)}
 
 
 def over_shoulder(e: Evidence) -> Finding:
@@ -119,15 +112,15 @@ def over_shoulder(e: Evidence) -> Finding:
             rise = side * (0.5 * shoulder - centre) / r
             limit, source = math.degrees(math.acos(min(max(rise, -1.0), 1.0))), "its shoulder"
         words = {"value": edges.max(), "limit": limit, "source": source}
-        found.append((edges.max() / limit, words | {"race": ("inner", "outer")[race]}))
-    return max(found, key=lambda one: one[0])
+        found.append(words | {"race": ("inner", "outer")[race]})
+    return max(found, key=lambda one: one["value"] / one["limit"])
 
 
 def too_fast(e: Evidence) -> Finding:
     o = e.scene.operation
     relative = abs(o.shaft_speed_rpm - o.outer_speed_rpm)
     value = 1e-6 * relative * e.scene.bearing.pitch_diameter_mm
-    return value / FASTEST, {"value": value, "limit": FASTEST}
+    return {"value": value, "limit": FASTEST}
 
 
 def faster_than_made_for(e: Evidence) -> Finding | None:
@@ -140,7 +133,7 @@ def faster_than_made_for(e: Evidence) -> Finding | None:
     factor, name = entry.speed_factor(o.preload_method, o.preload_N)
     limit, value = factor * entry.speed_grease, abs(o.shaft_speed_rpm - o.outer_speed_rpm)
     kind = f"a rigid pair of class {name}" if name else "one under a light spring"
-    return value / limit, {
+    return {
         "value": value,
         "limit": limit,
         "oil": factor * entry.speed_oil,
@@ -162,7 +155,7 @@ def hoop_stress(e: Evidence) -> Finding | None:
     nu, omega = steel.poisson_ratio, math.pi / 30.0 * e.scene.operation.shaft_speed_rpm
     squares = (3.0 + nu) * outside**2 + (1.0 - nu) * inside**2
     value = 0.25 * steel.density_kg_m3 * omega**2 * squares / _MPA
-    return value / HOOP_MPA, {"value": value, "limit": HOOP_MPA}
+    return {"value": value, "limit": HOOP_MPA}
 
 
 def inner_load(e: Evidence) -> Finding | None:
@@ -174,9 +167,9 @@ def inner_load(e: Evidence) -> Finding | None:
     lifted = float(np.max(known[:, INNER_SIDE]))
     if lifted > LONGEST_LIFTED:
         said = f"a ball is off the inner race {lifted:.2g} of the time, above {LONGEST_LIFTED:g}"
-        return lifted / LONGEST_LIFTED, {"said": said}
+        return {"excess": lifted / LONGEST_LIFTED, "said": said}
     said = f"a ball's inner load is {share:.2g} of its outer one, below {LIGHTEST_INNER:g}"
-    return LIGHTEST_INNER / share, {"said": said}
+    return {"excess": LIGHTEST_INNER / share, "said": said}
 
 
 def tiny_preload(e: Evidence) -> Finding | None:
@@ -185,16 +178,17 @@ def tiny_preload(e: Evidence) -> Finding | None:
         return None
     limit = LEAST_PRELOAD * b.ball_count * b.ball_diameter_mm**2
     words = {"value": preload, "limit": limit, "n": b.ball_count, "D": b.ball_diameter_mm}
-    return limit / preload, words
+    return words | {"excess": limit / preload}
 
 
 def friction_beyond(e: Evidence) -> Finding | None:
     value, (least, most) = e.scene.friction.ball_race, USUAL_FRICTION
     if not value:  # a film has none, and 0 has a status of its own
         return None
+    excess, said = least / value, f"below {least:g}, the least that was measured"
     if value > most:
-        return value / most, {"value": value, "said": f"above {most:g}, at which metals seize"}
-    return least / value, {"value": value, "said": f"below {least:g}, the least that was measured"}
+        excess, said = value / most, f"above {most:g}, at which metals seize"
+    return {"value": value, "said": said, "excess": excess}
 
 
 def temperature_beyond(e: Evidence) -> Finding | None:
@@ -207,14 +201,13 @@ def temperature_beyond(e: Evidence) -> Finding | None:
             found.append((part, name, kelvin, WARMEST_STEEL))
     if cage is not None and e.scene.materials[cage.material].youngs_modulus_GPa < POLYMER_GPA:
         found.append(("cage", cage.material, max(inner, outer), WARMEST_POLYMER))
-    worst = None
+    each = []
     for part, name, value, warmest in found:
-        for limit, side in ((warmest, "above"), (COLDEST, "below")):
-            beyond = (value - limit) / (warmest - COLDEST) * (1.0 if side == "above" else -1.0)
-            if worst is None or beyond > worst[0]:
-                words = {"part": part, "name": name, "value": value, "limit": limit}
-                worst = beyond, words | {"side": side}
-    return None if worst is None else (1.0 + worst[0], worst[1])
+        for limit, side, sign in ((warmest, "above", 1.0), (COLDEST, "below", -1.0)):
+            excess = 1.0 + (value - limit) / (warmest - COLDEST) * sign
+            words = {"part": part, "name": name, "value": value, "limit": limit}
+            each.append(words | {"side": side, "excess": excess})
+    return max(each, key=lambda one: one["excess"], default=None)
 
 
 def radial_load(e: Evidence) -> Finding | None:
@@ -224,8 +217,8 @@ def radial_load(e: Evidence) -> Finding | None:
         return None
     tangent = math.tan(math.radians(e.scene.bearing.contact_angle_deg))
     lost = UNLOADING * o.preload_N / tangent if tangent > 0.0 else math.inf
-    words = {"load": load, "preload": o.preload_N, "lost": lost}
-    return load * UNLOADING / (MOST_RADIAL * lost), words
+    excess = load * UNLOADING / (MOST_RADIAL * lost)
+    return {"load": load, "preload": o.preload_N, "lost": lost, "excess": excess}
 
 
 def grown_preload(e: Evidence) -> Finding | None:
@@ -234,10 +227,11 @@ def grown_preload(e: Evidence) -> Finding | None:
         return None
     preload = e.mean("residual_preload")
     ratio = preload / o.preload_N
-    return ratio / MOST_GROWN, {"ratio": ratio, "value": preload, "preload": o.preload_N}
+    excess = ratio / MOST_GROWN
+    return {"ratio": ratio, "value": preload, "preload": o.preload_N, "excess": excess}
 
 
 def tilt_beyond(e: Evidence) -> Finding:
     value = abs(e.scene.operation.tilt_mrad)
     minutes = math.degrees(1e-3 * value) * 60.0
-    return value / MOST_TILT, {"value": value, "minutes": minutes, "limit": MOST_TILT}
+    return {"value": value, "minutes": minutes, "limit": MOST_TILT}

@@ -1,4 +1,4 @@
-"""What the table of `cautions` says of a result, or of a scene before any solve."""
+"""Warnings of a result, or of a scene before any solve, from the table of effects."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -7,9 +7,9 @@ import numpy as np
 
 from bearingwear.scene.scene import Scene
 from bearingwear.sides import of_bearing
-from bearingwear.solvers.effects.cautions import CAUTIONS, Caution, Finding
 from bearingwear.solvers.effects.choice import Choice
-from bearingwear.solvers.effects.evidence import Evidence, evidence_of
+from bearingwear.solvers.effects.evidence import Evidence, Finding, evidence_of
+from bearingwear.solvers.effects.table import WARNINGS, Effect
 
 LARGEST_EXCESS = 1e6
 """Stands for a ratio whose denominator is zero."""
@@ -18,29 +18,18 @@ LARGEST_EXCESS = 1e6
 def warnings_of(
     scene: Scene, chosen: Choice, values: Mapping[str, Any] | None = None
 ) -> list[dict[str, Any]]:
-    """Warnings of a solved case or life, or of a scene before any solve.
+    """Warnings of a solved case or life, by its values, or of a scene before any solve.
 
-    Parameters
-    ----------
-    scene : Scene
-    chosen : Choice
-        The model that solves it.
-    values : mapping, optional
-        Of the result.
-
-    Returns
-    -------
-    list of dict
-        id, sentence, advice, whether it is `impractical` (`cautions.Caution`), and `excess`: how
-        many times the value is the limit, None for a fact.
+    Each has id, sentence, advice, whether it is `impractical` (`table.Effect`), and `excess`: how
+    many times the value is the limit, None for a fact.
     """
     if len(scene.sides) > 1:
         return _of_both(scene, chosen, values or {})
     every = list(evidence_of(scene, chosen, values or {}))
     return [
-        _said(caution, *max(findings, key=lambda finding: finding[0] or 0.0))
-        for caution in CAUTIONS
-        if (findings := list(_beyond(caution, every)))
+        _said(effect, max(found, key=lambda one: excess_of(one) or 0.0))
+        for effect in WARNINGS
+        if (found := list(_beyond(effect, every)))
     ]
 
 
@@ -60,19 +49,27 @@ def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[di
     return worst
 
 
-def _beyond(caution: Caution, every: Iterable[Evidence]) -> Iterator[Finding]:
+def excess_of(found: Finding) -> float | None:
+    """A value over its limit; None of a fact."""
+    if "excess" in found or not found.keys() >= {"value", "limit"}:
+        return found.get("excess")
+    return found["value"] / found["limit"]
+
+
+def _beyond(effect: Effect, every: Iterable[Evidence]) -> Iterator[Finding]:
     for e in every:
         with np.errstate(divide="ignore", invalid="ignore"):
-            finding = caution.look(e)
-        if finding is not None and (finding[0] is None or finding[0] > 1.0):
-            yield finding
+            found = effect.size(e)
+        if found is not None and ((excess := excess_of(found)) is None or excess > 1.0):
+            yield found
 
 
-def _said(caution: Caution, excess: float | None, words: Mapping[str, Any]) -> dict[str, Any]:
+def _said(effect: Effect, found: Finding) -> dict[str, Any]:
+    excess = excess_of(found)
     return {
-        "id": caution.id,
-        "sentence": caution.sentence.format(**words),
-        "advice": caution.advice.format(**words),
-        "impractical": caution.impractical,
+        "id": effect.id,
+        "sentence": effect.sentence.format(**found),
+        "advice": effect.advice.format(**found),
+        "impractical": effect.impractical,
         "excess": None if excess is None else float(f"{min(excess, LARGEST_EXCESS):.3g}"),
     }

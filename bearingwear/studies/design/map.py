@@ -29,8 +29,8 @@ from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS, EndOfLife, Scene
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.bearing.launch import launch_values
-from bearingwear.solvers.effects.cautions import CAUTIONS
 from bearingwear.solvers.effects.choice import choice_for_life
+from bearingwear.solvers.effects.table import WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.state import State, history_values
 from bearingwear.studies.dataset import LOSS_BASIS, filled
@@ -41,7 +41,7 @@ SLIP_SHARE = "gyroscopic_slip_share"
 GROOVE_SHAPES = ("hertzian", "worn")
 HERTZIAN_GROOVE, WORN_GROOVE = range(len(GROOVE_SHAPES))
 
-IMPRACTICAL = tuple(caution.id for caution in CAUTIONS if caution.impractical)
+IMPRACTICAL = tuple(warning.id for warning in WARNINGS if warning.impractical)
 """Warnings of a bearing that nobody would build or run; a limit of every recommendation."""
 
 MAP_AXES = table(

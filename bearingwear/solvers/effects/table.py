@@ -1,39 +1,22 @@
-"""Warnings beside a result: solved, but beyond what bearings withstand or the model covers.
+"""The table of effects: what a solve includes or leaves out, and what practice allows.
 
-`CAUTIONS` is the one table: the value, its limit, the sentence and the advice. The limits of
-practice stand in `practice`, with their sources. No warning is an error. A result has its warnings
-in the attribute `warnings`, which `bearingwear.results.warnings` reads.
+A row has the sentences before a solve, and the warning after it: the limits of practice stand in
+`practice`, with their sources. No warning is an error. A result has its warnings in the attribute
+`warnings`, which `bearingwear.results.warnings` reads.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from bearingwear.measures import ENDS
 from bearingwear.solvers.dynamic.stability import instability
-from bearingwear.solvers.effects.choice import unwatched
+from bearingwear.solvers.effects import films, growth, motion, practice
+from bearingwear.solvers.effects.choice import Choice, unwatched
 from bearingwear.solvers.effects.criterion import criteria_passed, criterion_met, value_along
-from bearingwear.solvers.effects.evidence import Evidence
-from bearingwear.solvers.effects.films import film_worn
-from bearingwear.solvers.effects.growth import fit_lost, growth_left_out, temperature_left_out
-from bearingwear.solvers.effects.practice import (
-    Finding,
-    dents,
-    faster_than_made_for,
-    friction_beyond,
-    grown_preload,
-    hoop_stress,
-    inner_load,
-    over_shoulder,
-    pressed_hard,
-    radial_load,
-    temperature_beyond,
-    tilt_beyond,
-    tiny_preload,
-    too_fast,
-)
+from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 FLAT_GROOVE = 0.1
 """Loss over the gap at the ellipse's edge above which a worn groove's contact is not Hertzian."""
@@ -52,19 +35,28 @@ _UM, _MM = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
-class Caution:
-    """A warning: its id, what it looks at, its sentence, and what to do.
+class Effect:
+    """An effect on the bearing, or a limit: its id, and what is said of it.
 
-    `look` returns None where the warning does not apply. A fact is always warned of, a value beyond
-    its limit. `impractical` says that nobody would build or run such a bearing; the others speak of
-    what the model leaves out, or of what the user may want.
+    Attributes
+    ----------
+    size : callable
+        How large it is in a state, which fills the sentence and the advice of the warning; None
+        where it does not apply. A fact is always warned of, a value beyond its limit: a finding has
+        both, or their ratio as `excess`.
+    impractical : bool
+        Nobody would build or run such a bearing; the others speak of what the model leaves out, or
+        of what the user may want.
+    modelled : callable
+        Sentences before the solve: whether it is included, and how large it is.
     """
 
     id: str
-    look: Callable[[Evidence], Finding | None]
-    sentence: str
-    advice: str
+    size: Callable[[Evidence], Finding | None] = lambda e: None
+    sentence: str = ""
+    advice: str = ""
     impractical: bool = False
+    modelled: Callable[[Choice], Iterable[str]] = lambda chosen: ()
 
 
 def _groove(e: Evidence) -> Finding | None:
@@ -75,8 +67,7 @@ def _groove(e: Evidence) -> Finding | None:
     curvature = 0.5 * (2.0 / (_MM * b.ball_diameter_mm) - 1.0 / radii)
     loss, major = e.mean("ball_diameter_loss"), e.contacts("semi_major_axis").mean(axis=0)
     value = loss / np.min(curvature * major**2)
-    words = {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
-    return value / FLAT_GROOVE, words
+    return {"loss": loss / _UM, "value": value, "limit": FLAT_GROOVE}
 
 
 def _rounded(e: Evidence) -> Finding | None:
@@ -87,23 +78,28 @@ def _rounded(e: Evidence) -> Finding | None:
         return None
     v_r, error = e.scene.friction.slip_regularisation_m_s, e.state["shaft_torque_error_estimate"]
     by = f", by about {100.0 * error:.2g} %" if error < 1.0 else ""
-    words = {"v_r": v_r, "slip": slip, "by": by, "better": 0.01 * slip}
-    return v_r / (ROUNDED_SLIP * slip), words
+    excess = v_r / (ROUNDED_SLIP * slip)
+    return {"v_r": v_r, "slip": slip, "by": by, "better": 0.01 * slip, "excess": excess}
 
 
 def _unwatched(e: Evidence) -> Finding | None:
     names = [ENDS[name].words for name in unwatched(e.scene, e.chosen)]
-    return (None, {"names": ", ".join(names), "fidelity": e.chosen.fidelity}) if names else None
+    return {"names": ", ".join(names), "fidelity": e.chosen.fidelity} if names else None
+
+
+def _not_watched(chosen: Choice) -> Iterator[str]:
+    if chosen.of_life and (unseen := unwatched(chosen.scene, chosen)):
+        yield f"criteria: {', '.join(unseen)} not watched"
 
 
 def _assumed(e: Evidence) -> Finding | None:
     speed = e.scene.operation.shaft_speed_rpm
     is_assumed = SPEED_ASSUMED.format(speed) in e.scene.description
-    return (None, {"value": speed}) if is_assumed else None
+    return {"value": speed} if is_assumed else None
 
 
 def _weightless(e: Evidence) -> Finding | None:
-    return None if not e.chosen.cage or any(e.scene.operation.gravity_m_s2) else (None, {})
+    return None if not e.chosen.cage or any(e.scene.operation.gravity_m_s2) else {}
 
 
 def _when_new(e: Evidence) -> Finding | None:
@@ -118,7 +114,7 @@ def _when_new(e: Evidence) -> Finding | None:
     new = "when new" if max(e.scene.wear.ball_diameter_loss_um) == 0.0 else "from the start"
     excess = max(measure.excess(value, limit), JUST_MET)
     said = measure.passed(value, limit, name)
-    return excess, {"said": said, "new": new, "advice": measure.advice}
+    return {"said": said, "new": new, "advice": measure.advice, "excess": excess}
 
 
 def _limit_passed(e: Evidence) -> Finding | None:
@@ -127,183 +123,199 @@ def _limit_passed(e: Evidence) -> Finding | None:
     if not found:
         return None
     said = ", ".join(one.words for one in found)
-    return found[0].excess, {"said": said, "advice": found[0].measure.advice}
+    return {"said": said, "advice": found[0].measure.advice, "excess": found[0].excess}
 
 
-CAUTIONS = (
-    Caution(
+EFFECTS = (
+    Effect(
         "over_limit_when_new",
         _when_new,
         "over the limit {new}: {said}",
         "{advice}",
     ),
-    Caution(
+    Effect(
         "limit_passed",
         _limit_passed,
         "a life would end at once: {said}",
         "{advice}",
     ),
-    Caution(
+    Effect(
         "criterion_not_watched",
         _unwatched,
         "the model {fidelity} does not watch the end of life by {names}",
         "fidelity dynamic watches all",
     ),
-    Caution(
+    Effect(
         "tilt_beyond_practice",
-        tilt_beyond,
+        practice.tilt_beyond,
         "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above {limit:g}, "
         "the most that catalogues allow (rule of thumb)",
         "align the seats, or check the unit, mrad",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "pressure_above_yield",
-        dents,
+        practice.dents,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
         "balls and races dent: take {take}",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "pressure_above_practice",
-        pressed_hard,
+        practice.pressed_hard,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, usual for a long life "
         "(assumed)",
         "fatigue is not modelled: take {take}",
     ),
-    Caution(
+    Effect(
         "ellipse_over_shoulder",
-        over_shoulder,
+        practice.over_shoulder,
         "the {race} contact ellipse reaches {value:.3g} degrees up its groove, past {limit:.3g}, "
         "{source}",
         "pressure at the edge is not modelled: take less thrust, or higher shoulders",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "speed_beyond_practice",
-        too_fast,
+        practice.too_fast,
         "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the most "
         "that steel bearings reached on rigs",
         "check the speed and its unit, r/min",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "speed_beyond_makers",
-        faster_than_made_for,
+        practice.faster_than_made_for,
         "{value:.6g} r/min is above the limit for {kind} of {bearing}: {limit:.0f} with grease, "
         "{oil:.0f} with oil ({source})",
         "take less speed or preload, or ask the maker",
     ),
-    Caution(
+    Effect(
         "hoop_stress",
-        hoop_stress,
+        practice.hoop_stress,
         "rotation alone stresses the inner ring to {value:.0f} MPa, above {limit:g} MPa (assumed "
         "for hardened steel)",
         "take less speed, or a ring of tough steel",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "inner_load_lost",
-        inner_load,
+        practice.inner_load,
         "{said} (rule of thumb)",
         "it may skid: take more preload, less speed or radial load, or ceramic balls",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "preload_too_small",
-        tiny_preload,
+        practice.tiny_preload,
         "a preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below "
         "{limit:.2g} N (assumed)",
         "check its unit, newtons",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "radial_load_large",
-        radial_load,
+        practice.radial_load,
         "a radial load of {load:.4g} N is large against a preload of {preload:.4g} N: at rest the "
         "first ball loses its load at {lost:.3g} N",
         "take more preload, or a larger contact angle",
     ),
-    Caution(
+    Effect(
         "preload_grown",
-        grown_preload,
+        practice.grown_preload,
         "the running preload of {value:.4g} N is {ratio:.2g} times the {preload:.4g} N that are "
         "set (rule of thumb: at most three times)",
         "take a spring, less preload, or cooler inner rings",
     ),
-    Caution(
+    Effect(
         "temperature_beyond_practice",
-        temperature_beyond,
+        practice.temperature_beyond,
         "the {part} of {name} is at {value:.4g} degC, {side} {limit:g} (rule of thumb)",
         "take a material for it; hardness, wear and friction are those of room temperature",
         impractical=True,
     ),
-    Caution(
+    Effect(
         "friction_beyond_practice",
-        friction_beyond,
+        practice.friction_beyond,
         "a friction coefficient of {value:.3g} is {said}",
         "check friction.ball_race",
     ),
-    Caution(
+    Effect(
         "groove_worn",
         _groove,
         "a loss of {loss:.3g} um is {value:.2g} times the gap between ball and groove at the edge "
         "of the ellipse; above {limit:g} the contact is no longer Hertzian",
         "pressure, slip and wear are estimates",
     ),
-    Caution(
+    Effect("model", modelled=lambda chosen: [f"{chosen.fidelity}: {chosen.why}"]),
+    Effect("pair", modelled=motion.pair),
+    Effect(
         "film_worn",
-        lambda e: film_worn(e.scene, e.life),
+        films.film_worn,
         "the film is worn through ({races} race, {share:.0f} % of the track), and the life "
         "goes on with the film's friction",
         "set friction.film.bare_ball_race, or end the life by film_worn_share",
+        modelled=films.film_sentences,
     ),
-    Caution(
+    Effect("balls", modelled=motion.balls),
+    Effect(
         "growth_left_out",
-        lambda e: growth_left_out(e.scene),
+        growth.growth_left_out,
         "growth of the inner ring at speed is left out: with a bore of {bore:.3g} mm (assumed) it "
         "would change the preload of the fixed position by about {value:+.0f} %",
         "set bearing.bore_mm",
+        modelled=growth.growth_at_speed,
     ),
-    Caution(
+    Effect(
         "temperature_left_out",
-        lambda e: temperature_left_out(e.scene),
+        growth.temperature_left_out,
         "temperature is left out: an inner ring {kelvin:g} K warmer than the rest would change the "
         "preload of the fixed position by about {value:+.0f} %",
         "set temperature or thermal",
+        modelled=growth.temperature,
     ),
-    Caution(
+    Effect(
         "fit_lost",
-        lambda e: fit_lost(e.scene),
+        growth.fit_lost,
         "the ring is loose on its seat ({seats}): heat and speed have used up the interference",
         "take more interference, or less speed",
         impractical=True,
+        modelled=growth.seats,
     ),
-    Caution(
+    Effect(
         "cage_weightless",
         _weightless,
         "the cage has no weight: gravity may change its motion, and the wear of pockets and land "
         "tenfold or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",
+        modelled=motion.no_cage,
     ),
-    Caution(
+    Effect(
         "motion_unstable",
         lambda e: instability(e.scene, e.state.values),
         "the periodic motion does not last: {said}",
         "{advice}",
+        modelled=motion.solution,
     ),
-    Caution(
+    Effect(
         "slip_rounded",
         _rounded,
         "friction is rounded below a slip of {v_r:g} m/s, and the balls slip at {slip:.2g} m/s on "
         "average: friction torque and power come out too small{by}",
         "set friction.slip_regularisation_m_s to {better:.0e} or less",
+        modelled=motion.slip,
     ),
-    Caution(
+    Effect("traction", modelled=motion.traction_borne),
+    Effect("criteria", modelled=_not_watched),
+    Effect("grooves", modelled=lambda chosen: [chosen.grooves] if chosen.grooves else []),
+    Effect(
         "speed_assumed",
         _assumed,
         "the speed of {value:.6g} r/min is assumed by `bearingwear new`",
         "set operation.shaft_speed_rpm",
     ),
 )
-"""The table; the warnings that decide a result come first."""
+"""The table: sentences before a solve in this order, and warnings, those that decide first."""
+
+WARNINGS = tuple(effect for effect in EFFECTS if effect.sentence)
+"""Those that a result may be warned of."""
