@@ -30,18 +30,8 @@ _MOST_STEPS = 20  # times the steps asked for, because rates may fall on the way
 def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> tuple[dict, dict]:
     """Wear life of a scene with a dynamic run at every step, and the steady life beside it.
 
-    Parameters
-    ----------
-    scene : Scene
-        With `wear.end_of_life`, and with its cage where that is to be solved.
-    progress : callable, optional
-        Given one line of text at each step.
-
-    Returns
-    -------
-    values, attrs : dict
-        Of a life file. Only one way of counting wear is followed, that of `wear.counts`, since it
-        decides which wear the runs see; what belongs to the other is NaN.
+    Returns values and attributes of a life file. Only the scene's own way of counting wear is
+    followed, since it decides which wear the runs see; what belongs to the other is NaN.
     """
     values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)

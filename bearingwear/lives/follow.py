@@ -121,19 +121,7 @@ class Method:
 
 @dataclass
 class Life:
-    """Nodes up to the end of a life, and how it ended.
-
-    Attributes
-    ----------
-    wearing : Wearing
-        That was followed.
-    error : (2,) ndarray
-        Bound on the last time [s].
-    criterion : int
-        Index into `CRITERIA`.
-    beyond : Node, optional
-        What could not be solved.
-    """
+    """Nodes up to the end of a life, and how it ended."""
 
     nodes: list[Node]
     wearing: Any

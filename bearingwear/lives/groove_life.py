@@ -53,13 +53,7 @@ def wear_over_gap(scene: Scene) -> float:
 
 
 def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
-    """Whether a life follows the grooves as they wear, and why.
-
-    Raises
-    ------
-    NotAvailable
-        Where the scene asks for it and it cannot be.
-    """
+    """Whether a life follows the grooves as they wear, and why; refuses what is impossible."""
     ball = scene.materials[scene.bearing.ball_material]
     in_bands = scene.wear.ball_track == "bands" and bool(ball.film or ball.running_in)
     obstacles = {
@@ -91,13 +85,7 @@ def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
 
 
 def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
-    """The scene whose grooves a life follows, one of two identical ones; None without; and why.
-
-    Raises
-    ------
-    NotAvailable
-        As `follows_grooves`.
-    """
+    """The scene whose grooves a life follows, one of two identical ones; None without; and why."""
     alone = scene.one_of_alike
     worn, why = follows_grooves(alone, fidelity)
     return (alone if worn else None), why

@@ -37,14 +37,7 @@ def point_of(state: State) -> WornPoint:
 class Grooves:
     """The wear of the grooves and balls of a bearing, or of two on a rotor.
 
-    Parameters
-    ----------
-    scene : Scene
-    cells, step
-        Instead of the usual ones.
-    accuracy : Accuracy
-    only_times : bool
-        Whether states have no stiffness where nothing ends by it.
+    Where `only_times` count, states have no stiffness unless the life ends by it.
     """
 
     origin, range = 0.0, math.inf

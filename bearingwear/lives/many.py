@@ -28,13 +28,7 @@ from bearingwear.solvers.state import OF_EACH_CONTACT, State
 
 
 class HertzianLives:
-    """Lives of a scene with different ends; known states are not solved again.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a steady state.
-    """
+    """Lives of a scene with different ends; known states are not solved again."""
 
     def __init__(self, scene: Scene):
         self._between = QUARTERS if len(scene.one_of_alike.sides) == 1 else (0.5,)
@@ -56,15 +50,8 @@ class HertzianLives:
 def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Life | None:
     """The life with grooves as they wear, where `life` follows them; None where it does not.
 
-    Parameters
-    ----------
-    scene : Scene
-        With a steady state and an end of life.
-    quick : bool
-        With fewer cells and longer steps than `life` has: 2.5e-3 of the life in the median, 7e-3 in
-        nine of ten, 3 % at worst, for two fifths of the time.
-    only_times : bool
-        As of `Grooves`.
+    A quick one has fewer cells and longer steps: 2.5e-3 of the life in the median, 7e-3 in nine of
+    ten, 3 % at worst, for two fifths of the time. `only_times` is that of `Grooves`.
     """
     alone, _ = grooves_followed(scene, "steady")
     if alone is None:
@@ -108,18 +95,11 @@ def _worse(first: Any, second: Any, measure: Measure) -> Any:
 
 
 def lives_by_end(scene: Scene, farthest: EndOfLife, basis: int) -> Callable[[EndOfLife], float]:
-    """Function from an end of life to the life [s], NaN where it was not solved.
+    """Function from an end of life to the life [s] on a loss basis, NaN where it was not solved.
 
     Grooves are followed where `life` does, with its cells and steps. They wear alike whatever ends
-    the life, so they are followed once, to an end that comes after all others.
-
-    Parameters
-    ----------
-    scene : Scene
-    farthest : EndOfLife
-        With every limit as loose as it is asked for.
-    basis : int
-        Index along the loss basis.
+    the life, so they are followed once, to the `farthest` end: every limit as loose as it is asked
+    for.
     """
     if scene.cases:
         each = [lives_by_end(one, farthest, basis) for one in scene.in_cases.values()]

@@ -91,16 +91,8 @@ class RungeKutta(Method):
 
         d(what is worn, t)/ds = their rates over the sum of the counted loss rates.
 
-    Parameters
-    ----------
-    tolerance : float
-        Relative, of a step.
-    first : float
-        First step [m].
-    counts : int
-        Which way of counting wear has its clock followed.
-    between : sequence of float
-        Shares of each step after which a node is kept, too.
+    The tolerance of a step is relative, the first step in m. The clock of one way of counting wear
+    is followed. After shares `between` of each step a node is kept, too.
     """
 
     def __init__(

@@ -54,16 +54,9 @@ def run_at(node: Node) -> Run:
 
 
 class Motion:
-    """The wear of a scene that moves.
+    """The wear of a scene that moves: without its cage where that is not solved.
 
-    Parameters
-    ----------
-    scene : Scene
-        As it is solved: without its cage where that is not asked for.
-    steady : float
-        Life by the steady model [s], NaN if not known: what steps are made for.
-    progress : callable, optional
-        Called with a line that says how far the life has come.
+    Steps are made for its life by the steady model [s], NaN if not known.
     """
 
     origin, range = 0.0, math.inf

@@ -116,16 +116,7 @@ class FilmWear(EvenWear):
 
 
 class Surfaces:
-    """The wear of one bearing, or of two on a rotor, by one way of counting it.
-
-    Parameters
-    ----------
-    scene : Scene
-    states : callable
-        From the condition of each bearing to its state.
-    counts : int
-        Index into `COUNTS`.
-    """
+    """The wear of one bearing, or of two on a rotor, by one of `COUNTS`."""
 
     def __init__(self, scene: Scene, states: Remembered, counts: int):
         self.states, self.counts = states, counts
@@ -185,19 +176,9 @@ def surface_life(
     """The life of a scene whose contacts stay Hertzian.
 
     One bearing without films has both clocks from one integral. Others wear by the scene's own way
-    of counting, and the last time by the other way is that of a life of its own.
-
-    Parameters
-    ----------
-    scene : Scene
-    states : Remembered
-        Of that scene, or of one that differs by its end.
-    bounded : bool
-        Whether the error of a way of its own is found, by a looser one.
-    counts : sequence of int
-        Ways of counting to follow, the scene's own among them.
-    between : sequence of float
-        As of `RungeKutta`.
+    of counting, which is among `counts`; the last time by another way is that of a life of its own,
+    whose error is found by a looser one where it is `bounded`. `states` may be those of a scene
+    that differs by its end.
     """
     scene = scene.one_of_alike
     ends, tolerance, own = Criteria(scene), scene.model.tolerance, COUNTS.index(scene.wear.counts)

@@ -34,13 +34,7 @@ def cage_surfaces(scene: Scene) -> tuple[float, float]:
 
 
 class WornParts:
-    """Wear of the balls, grooves and cage of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-        As it is solved: without its cage where that is not asked for.
-    """
+    """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved."""
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -77,13 +71,7 @@ class WornParts:
         return cage.pocket_clearance_mm * MM + pocket + ball, cage.guide_clearance_mm * MM + land
 
     def worn_scene(self, worn: np.ndarray) -> Scene:
-        """The scene at that wear.
-
-        Raises
-        ------
-        SceneError
-            Where so much has worn that it makes no sense any more.
-        """
+        """The scene at that wear; SceneError where too much has worn to make sense."""
         wear = replace(
             self.scene.wear, ball_diameter_loss_um=tuple((self.loss(worn) / parameters.UM).tolist())
         )

@@ -80,16 +80,10 @@ def solver_of(
     accuracy: Accuracy = Accuracy.BRIEF,
     tolerance: float | None = None,
 ) -> Remembered:
-    """The states of a scene.
+    """The states of a scene, by the fidelity `steady` or `race_control`.
 
-    Parameters
-    ----------
-    scene : Scene
-    fidelity : str
-        `steady` or `race_control`.
-    accuracy : Accuracy
-    tolerance : float, optional
-        Force left on a rotor, over the larger one, if not what goes with the accuracy.
+    The tolerance is the force left on a rotor, over the larger one, if not what goes with the
+    accuracy.
     """
     sides = tuple(_bearing(one, fidelity, accuracy) for one in scene.one_of_alike.sides)
     if len(sides) == 1:
@@ -113,12 +107,7 @@ def worn_bearings(
 ) -> tuple[int, Alone | OnRotor]:
     """The bearings of a scene with grooves that are followed as they wear, unworn at the start.
 
-    Returns
-    -------
-    status : int
-        Of the unworn state.
-    bearings
-        By `Worn` where that was found.
+    Returns the status of the unworn state, and its bearings, which are `Worn` where it was found.
     """
     bearings = solver_of(scene, "steady", accuracy, ROTOR_BALANCED).bearings
     found = bearings.solve(bearings.start)

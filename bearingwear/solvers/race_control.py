@@ -214,11 +214,7 @@ def controlled_error_estimates(
 def solve_race_control(scene: Scene, problem: RaceControlProblem | None = None) -> CaseValues:
     """Values and attributes of the race-control solution.
 
-    Parameters
-    ----------
-    scene : Scene
-    problem : RaceControlProblem, optional
-        In place of the scene's own, where something else holds the bearing.
+    Of a problem in place of the scene's own where something else holds the bearing.
     """
     problem = problem or RaceControlProblem.of(scene)
     g, op, D = problem.g, problem.op, problem.D

@@ -170,13 +170,7 @@ class Alone:
 class OnRotor:
     """Two bearings that differ, or under a force.
 
-    Attributes
-    ----------
-    scene : Scene
-    arrangement : Arrangement
-    sides : tuple of Solver
-    tolerance : float
-        Force left on the rotor, over the larger one.
+    The tolerance is the force left on the rotor, over the larger one.
     """
 
     scene: Scene

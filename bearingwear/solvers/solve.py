@@ -76,12 +76,7 @@ def solved(
 
 
 def check_restart(scene: Scene, chosen: Choice) -> None:
-    """Refuse to continue from a state with a model that has none.
-
-    Raises
-    ------
-    NotAvailable
-    """
+    """Refuse to continue from a state with a model that has none."""
     if chosen.fidelity != "dynamic":
         raise NotAvailable(
             f"{scene.name}: restart: got a scene solved with {chosen.fidelity}, expected one "

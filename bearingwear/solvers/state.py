@@ -39,14 +39,9 @@ OF_EACH_CONTACT = ("contact_load", "contact_angle", "semi_major_axis")
 class State:
     """A bearing with some wear, solved or not.
 
-    Attributes
-    ----------
-    status : int
-    values : mapping
-        By the names of result variables [SI]. One number, or one of each race, stands for all
-        balls. A name that is not known is not there.
-    answer : Any
-        Of the solver, where the next solve starts from it.
+    Values go by the names of result variables [SI]. One number, or one of each race, stands for all
+    balls. A name that is not known is not there. The next solve starts from the answer of the
+    solver.
     """
 
     status: int
@@ -82,14 +77,9 @@ class State:
 
 
 def case_state(loss: float, values: Mapping[str, Any]) -> State:
-    """State of a solved case: means over its balls, of what may end a life their worst.
+    """State of a solved case at a loss of ball diameter, as counted [m].
 
-    Parameters
-    ----------
-    loss : float
-        Of ball diameter, as counted [m].
-    values : mapping
-        Of the case.
+    Means over its balls, of what may end a life their worst.
     """
     status = int(values["status"])
     if status != code.OK:

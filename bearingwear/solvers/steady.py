@@ -171,12 +171,7 @@ def solve_steady(scene: Scene) -> CaseValues:
 def steady_case(scene: Scene, mounted: float, solution: SolvedBearing) -> CaseValues:
     """Values and attributes of a solution, or of a stable state near an unstable one.
 
-    Parameters
-    ----------
-    scene : Scene
-    mounted : float
-        Axial displacement when mounted [m].
-    solution : SolvedBearing
+    `mounted` is the axial displacement when mounted [m].
     """
     problem, case = solution.problem, solution.answer
     D = problem.g.D0 - solution.condition.loss

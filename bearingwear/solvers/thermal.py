@@ -134,20 +134,12 @@ def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
 
 
 def warmed(scene: Scene, heats: Heats, start: Warmed | None = None) -> Warmed:
-    """Find the temperatures of a scene with a thermal network, from cold upwards.
+    """Find the temperatures of a scene with a thermal network, from a solve nearby or from cold.
 
     The heat h is a fixed point: at the temperatures of h the bearing makes h. Broyden's method
     finds it, and takes the heat as found for its first step. While one more watt of heat makes a
     watt or more, no balance is near. The heat is then followed upwards, to a balance or to where
     the bearing has none (`warm_seizure`).
-
-    Parameters
-    ----------
-    scene : Scene
-        With `thermal`.
-    heats : callable
-    start : Warmed, optional
-        Of a solve nearby.
     """
     if start is not None:
         found = _search(scene, heats, np.array(start.heat), start.slope.copy())

@@ -30,15 +30,7 @@ NOTHING = HeatFlow(inner=0.0, outer=0.0, drag=0.0)
 
 
 class Warm(Wrapper):
-    """A bearing with a thermal network.
-
-    Parameters
-    ----------
-    solver : Solver
-        Of the bearing at any temperatures.
-    kept : Warmed, optional
-        Temperatures to keep, in place of those of the heat.
-    """
+    """A bearing with a thermal network, or at temperatures `kept` in place of those of the heat."""
 
     def __init__(self, solver: Solver, kept: Warmed | None = None):
         super().__init__(solver)

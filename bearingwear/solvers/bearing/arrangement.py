@@ -27,12 +27,7 @@ _AXIAL, _PLANE = 0, (2, 3)
 def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:
     """Stiffness (5, 5) of the rotor about the middle between its bearings [N/m, N, N m].
 
-    Parameters
-    ----------
-    a : Arrangement
-        With a span.
-    sides : ndarray (2, 5, 5)
-        Stiffness of each bearing in its own frame.
+    From that of each bearing in its own frame (2, 5, 5).
     """
     assert a.span_mm is not None
     # Contact lines of the first bearing meet the axis on its -X side.
@@ -55,23 +50,12 @@ def transverse_inertia(a: Arrangement) -> float:
 
 
 def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.ndarray | None:
-    """Axial, radial and conical frequency of a rotor that is not turning [Hz].
+    """Axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
+    None without mass or span. From the stiffness of each bearing in its own frame (2, 5, 5), and
+    the axial one of the arrangement, whose spring gives way where a bearing does not [N/m].
     Gyroscopic moments of the rotor and its bending are left out. Radial and conical motion in one
     plane are those of the larger and the smaller share of translation.
-
-    Parameters
-    ----------
-    a : Arrangement
-    sides : ndarray (2, 5, 5)
-        Stiffness of each bearing in its own frame.
-    axial : float
-        Axial stiffness of the arrangement: a spring gives way where a bearing does not [N/m].
-
-    Returns
-    -------
-    ndarray (3,) or None
-        None where mass or span are not given.
     """
     if a.rotor_mass_kg is None or a.span_mm is None:
         return None
@@ -93,14 +77,9 @@ def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray
 def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
     """Lowest natural frequency of the rotor in a state of a life; NaN without mass and span [Hz].
 
-    A single bearing is half of a symmetric pair. The stiffness in other directions goes with the
-    axial one, which may be that of worn grooves, as it does with Hertz' contacts (assumed).
-
-    Parameters
-    ----------
-    scene : Scene
-    states : sequence of State
-        Of both bearings.
+    A single bearing is half of a symmetric pair, and there are two states. The stiffness in other
+    directions goes with the axial one, which may be that of worn grooves, as it does with Hertz'
+    contacts (assumed).
     """
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None or a.span_mm is None:
@@ -122,13 +101,7 @@ def lowest_frequency(scene: Scene, states: Sequence[State]) -> float:
 def lift_off(scene: Scene, resting: Sequence[Mechanics], mounted: Sequence[float]) -> float:
     """Least axial force on the rotor that lifts off a bearing at rest [N].
 
-    Parameters
-    ----------
-    scene : Scene
-    resting : sequence of Mechanics
-        Both sides, with all their bearings.
-    mounted : sequence of float
-        Their axial displacements when mounted [m].
+    From both sides with all their bearings, and their axial displacements when mounted [m].
     """
     a, (first, second), (one, two) = scene.pair, resting, mounted
     assert a is not None

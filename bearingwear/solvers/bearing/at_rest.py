@@ -83,12 +83,7 @@ class RestingPair(NamedTuple):
 def lift_off_rigid(first: Mechanics, second: Mechanics, closed: float) -> float:
     """Least axial force, either way, that lifts off a bearing of a rigid pair [N].
 
-    Parameters
-    ----------
-    first, second : Mechanics
-        At rest.
-    closed : float
-        Sum of the axial displacements of both [m].
+    Both axial displacements add up to `closed` [m].
     """
     on_first, on_second = first.force(closed - second.touch), second.force(closed - first.touch)
     return min(on_first, on_second)
@@ -99,14 +94,7 @@ def lift_off_spring(
 ) -> float:
     """Axial force away from the first bearing of a spring pair that lifts it off [N].
 
-    Parameters
-    ----------
-    first, second : Mechanics
-        At rest.
-    mounted : tuple of float
-        Axial displacements of both when mounted [m].
-    F_s, k_s : float
-        Force of the spring then [N] and its stiffness [N/m].
+    When mounted, the bearings have these axial displacements [m], and the spring the force F_s [N].
     """
 
     def left(F: float) -> float:

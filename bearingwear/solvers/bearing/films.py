@@ -56,19 +56,11 @@ class Surface:
 def worn_as(
     part: Surface, partner: Surface, depth, covered, partner_covered, pressed=1.0
 ) -> Archard:
-    """Wear properties of a part: numbers, or one for each place.
+    """Wear properties of a part worn so deep [m]: numbers, or one for each place.
 
-    Those of its own film. Without one, or where it is worn through, those of its partner's film,
-    which covers the part (assumed). Where neither is left, those of what lies below.
-
-    Parameters
-    ----------
-    depth : float or ndarray
-        Worn off the part [m].
-    covered, partner_covered : bool or ndarray
-        Whether each has film left.
-    pressed : float or ndarray
-        Factor on the wear of films by their pressure.
+    Those of its own film, times the factor of its pressure. Without one, or where it is worn
+    through, those of its partner's film, which covers the part (assumed). Where neither is left,
+    those of what lies below.
     """
     found = part.below_at(depth)
     for film, stands in ((partner.film, partner_covered), (part.film, covered)):
@@ -132,16 +124,9 @@ class Films:
     def wearing(
         self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0
     ) -> tuple[Archard, Archard]:
-        """Wear properties of a ball in both of its contacts, and of both races.
+        """Wear properties of a ball in both of its contacts, and of both races, worn so deep [m].
 
-        Parameters
-        ----------
-        ball_depth : float
-            [m]
-        race_depths : ndarray (2,)
-            [m]
-        pressed : float or ndarray (..., 2)
-            As of `worn_as`.
+        Races and the factors of `worn_as` are those of inner and outer contact (..., 2).
         """
         races = np.array([cover.inner, cover.outer])
         return (

@@ -17,12 +17,8 @@ STEEPEST = 0.5 * math.pi - 1e-3
 def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, float]:
     """Factors K, c_a, c_b of a point contact, as `bearingwear.kernels.contact.hertz.point_contact`.
 
-    Parameters
-    ----------
-    A, B : float
-        Half the sum of the curvatures along the major axis and along rolling [1/m], B >= A.
-    E_star : float
-        Contact modulus [Pa].
+    A and B are half the sum of the curvatures along the major axis and along rolling, B >= A [1/m];
+    E_star is the contact modulus [Pa].
     """
     ratio = B / A
     kappa = 1.0339 * ratio**0.636

@@ -145,13 +145,7 @@ def ring_of(material: Material, inside: float, outside: float, rpm: float) -> Ri
 
 
 def inner_growth(scene: Scene, heat: Expansion, bore: float | None) -> RingGrowth:
-    """What speed and fit do to the inner ring, a plane annulus from bore to track.
-
-    Parameters
-    ----------
-    bore : float, optional
-        Diameter [m].
-    """
+    """What speed and fit do to the inner ring, a plane annulus from bore [m] to track."""
     if bore is None:
         return RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
     b, fits = scene.bearing, scene.fits
@@ -203,13 +197,7 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
 
 
 def growth_of(scene: Scene, bore: float | None = None) -> Growth:
-    """All that changes the bearing as mounted.
-
-    Parameters
-    ----------
-    bore : float, optional
-        Diameter of the inner ring's bore [m], where the scene does not say it.
-    """
+    """All that changes the bearing as mounted; with a bore [m] where the scene does not say it."""
     heat, b = thermal_expansion(scene), scene.bearing
     bore = bore if b.bore_mm is None else b.bore_mm * MM
     return Growth(heat, inner_growth(scene, heat, bore), outer_growth(scene, heat))
@@ -220,18 +208,10 @@ def axial_change(
 ) -> float:
     """Change of the axial distance A1 of a bearing's groove centres by its shaft and housing [m].
 
-    The inner grooves of a symmetric pair lie span - A1 apart on the shaft and the outer ones
-    span + A1 in the housing, back to back; the other way round, face to face. A single bearing is
-    half of a pair of no span: its own offset grows with the mean of shaft and housing.
-
-    Parameters
-    ----------
-    A1 : float
-        As mounted [m].
-    span : float
-        Between the middles of the two bearings [m].
-    orientation : str
-        back_to_back: a longer shaft takes preload away; face_to_face: it adds preload.
+    The inner grooves of a symmetric pair lie span - A1 apart on the shaft and the outer ones span +
+    A1 in the housing, back to back: a longer shaft takes preload away. Face to face it adds
+    preload. The span is that between the middles of the bearings [m]. A single bearing is half of a
+    pair of no span: its own offset grows with the mean of shaft and housing.
     """
     side = -1.0 if orientation == "back_to_back" else 1.0
     return 0.5 * (A1 * (heat.shaft + heat.housing) + side * span * (heat.shaft - heat.housing))
@@ -240,14 +220,9 @@ def axial_change(
 def grown(g: Geometry, growth: Growth, axial: float) -> Geometry:
     """Geometry of the running bearing, from `g` as mounted.
 
-    `BD` and `alpha0` are length and direction of the line between the grown groove centres at
-    axial displacement 0, so that Eq. (5) holds for the running bearing; the grooves touch the balls
-    at another angle.
-
-    Parameters
-    ----------
-    axial : float
-        Change of the axial distance of the groove centres [m].
+    `BD` and `alpha0` are length and direction of the line between the grown groove centres at axial
+    displacement 0, so that Eq. (5) holds for the running bearing; the grooves touch the balls at
+    another angle. `axial` is the change of the axial distance of the groove centres [m].
     """
     heat = growth.heat
     moved_i = g.R_i * heat.inner_ring + growth.inner.speed + growth.inner.fit

@@ -30,24 +30,11 @@ TURN = 2.0 * np.pi
 
 
 def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows, axial) -> dict:
-    """Variables of the contacts and their wear.
+    """Variables of the contacts and their wear, of the n balls solved.
 
-    Parameters
-    ----------
-    D : ndarray (n,)
-        Worn diameters of the n balls solved [m].
-    u : ndarray (n, 4)
-        (w_x, w_y, w_z, Omega) [rad/s].
-    r : ndarray (n,)
-        Orbit radii [m].
-    rows : ndarray (n, 2, COLUMNS)
-        `bearingwear.kernels.contact.summary` rows.
-    axial : ndarray (n,)
-        Axial force of the inner race on each ball [N].
-
-    Returns
-    -------
-    dict
+    D (n,) are worn diameters [m], u (n, 4) the motions (w_x, w_y, w_z, Omega) [rad/s], r (n,) orbit
+    radii [m], rows (n, 2, COLUMNS) those of `bearingwear.kernels.contact.summary`, axial (n,) the
+    axial forces of the inner race [N].
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
@@ -93,14 +80,8 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
 def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
     """Share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that gyroscopic moments [N m] take up [1].
 
-    Parameters
-    ----------
-    mu : ndarray (n, 2)
-        Friction coefficients of the contacts [1].
-    D : ndarray (n,)
-        Worn ball diameters [m].
-    Q : ndarray (n, 2)
-        Contact loads [N].
+    Friction coefficients [1] and loads [N] are those of the contacts (n, 2), D (n,) worn diameters
+    [m].
     """
     friction = mu[..., 1] * Q.sum(axis=-1) + (mu[..., 0] - mu[..., 1]) * Q[..., 0]
     most = friction * 0.5 * D
@@ -118,12 +99,8 @@ def stiffness_of_loads(
 ) -> np.ndarray:
     """Stiffness (5, 5) against axial, Y and Z displacement and tilt about Y and Z [N/m, N, N m].
 
-    Parameters
-    ----------
-    D : ndarray (n,)
-        Worn diameters of the n balls solved, one where it stands for all [m].
-    load, angle : ndarray (n, 2)
-        Of their contacts [N], [rad]; the first ball stands at +Z.
+    From worn diameters (n,) [m], loads and contact angles (n, 2) [N, rad] of the n balls solved,
+    one where it stands for all; the first ball stands at +Z.
     """
     N = g.n_balls
     Ds, Qs, alphas, K = np.empty(N), np.empty((N, 2)), np.empty((N, 2)), np.empty((DOF, DOF))
@@ -135,18 +112,9 @@ def stiffness_of_loads(
 def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
     """Archard wear rates and the loss of ball diameter.
 
-    Parameters
-    ----------
-    D : ndarray (n,)
-        Worn ball diameters of the n balls solved [m].
-    qv, a, track : ndarray (n, 2)
-        QV [W], semi-major axis [m] and track radius [m] of each contact.
-
-    Returns
-    -------
-    dict
-        ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s]: mean
-        over the balls, counting the balls alone, and balls and races.
+    ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s], mean over
+    the balls, counting the balls alone, and balls and races: from worn diameters (n,) [m], and QV
+    [W], semi-major axis and track radius [m] of each contact (n, 2).
     """
     n = scene.bearing.ball_count
     ball_rate, race_rate = wear_rates(scene, qv, a)
@@ -172,23 +140,10 @@ def wear_rates(scene: Scene, qv: np.ndarray, a: np.ndarray) -> tuple[np.ndarray,
 
 
 def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray:
-    """Rates at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24).
+    """Rates (k, 2) at which the fit loosens, as a loss of ball diameter (theory.md Eq. 24) [m/s].
 
-    Parameters
-    ----------
-    n : int
-        Balls of the bearing.
-    D : ndarray (k,)
-        Worn ball diameters [m].
-    ball_rate, race_rate : ndarray (k, 2)
-        Wear of the ball and of the race in each contact [m3/s].
-    a, track : ndarray (k, 2)
-        Semi-major axes, radii of the tracks [m].
-
-    Returns
-    -------
-    ndarray (k, 2)
-        Counting the balls alone, and balls and races [m/s].
+    Counting the balls alone, and balls and races: from worn diameters (k,) [m], the wear of ball
+    and race in each contact [m3/s], semi-major axes and radii of the tracks [m] (k, 2).
     """
     rates = np.empty((len(D), 2))
     rates[:, 0] = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
@@ -198,19 +153,10 @@ def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray
 
 
 def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
-    """Rates of loss over K_s/H, mean over the balls: of what each contact wears off both parts.
+    """Rates (2, 2) of loss over K_s/H, mean over the balls: what each contact wears off.
 
-    Parameters
-    ----------
-    n : int
-        Balls of the bearing.
-    D, qv, a, track : ndarray
-        As in `wear_values`.
-
-    Returns
-    -------
-    ndarray (2, 2)
-        Of ball diameter, and of depth of the groove [m Pa/s]; inner, outer.
+    Of ball diameter, and of depth of the groove [m Pa/s], inner and outer; from what `wear_values`
+    takes.
     """
     off_ball = 2.0 * qv / (np.pi * D[:, None] ** 2)
     loaded = np.where(a > 0.0, a, np.inf)

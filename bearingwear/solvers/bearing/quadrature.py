@@ -12,13 +12,9 @@ SLOPE = 0.1  # ds/dz at 0 of a split rule: benchmarks/rules.py
 
 
 def equal_strips(n):
-    """Positions and load shares of n equal strips (the paper's way).
+    """Positions and load shares (n,) of n equal strips (the paper's way).
 
     The share is the strip's own part of the semi-ellipsoidal pressure, exact for constant slip.
-
-    Returns
-    -------
-    t, weight : ndarray (n,)
     """
     edges = np.linspace(-1.0, 1.0, n + 1)
     t = 0.5 * (edges[1:] + edges[:-1])
@@ -101,10 +97,6 @@ def chebyshev(n):
 
     Gauss-Chebyshev points of the second kind: exact for polynomials of the degree 2 n - 1 under the
     semi-ellipse that Hertz' pressure is across the contact. One point is the line model.
-
-    Returns
-    -------
-    across, share : ndarray (n,)
     """
     angle = np.pi * np.arange(1, n + 1) / (n + 1)
     across = np.cos(angle)
@@ -147,7 +139,7 @@ def chebyshev_halves(n):
 
 
 def spread_ellipse(m, across):
-    """Points of a split rule over the ellipse as the motion in time takes them.
+    """Points of a split rule over the ellipse as the motion in time takes them, as `EllipsePoints`.
 
     For m points a segment and so many across. They err as little with half as many points
     (benchmarks/ellipse.py): about the pure-rolling point there are three for four across, farther
@@ -155,11 +147,6 @@ def spread_ellipse(m, across):
     there, they err on little load; with `MANY_ACROSS` all strips are alike. With less than
     `FEWEST_ACROSS` the points' own motion would upset the balance that they measure, so these are
     taken.
-
-    Returns
-    -------
-    s, weight, y, moved, area, tip : ndarray (n,)
-        As in kernels.ellipse_friction.EllipsePoints.
     """
     t, weight = gathered(m, power=2)
     across = max(across, FEWEST_ACROSS)

@@ -188,17 +188,11 @@ def outer_controls(state: BallState) -> bool:
 
 
 def controlled_balance(problem: RaceControlProblem) -> tuple[Balance, np.ndarray]:
-    """Equilibrium with the controlling race of each ball chosen by the spin-moment check.
+    """Equilibrium with the controlling race of each ball (n,) chosen by the spin-moment check.
 
     All balls start under outer control; those that fail the check, or all if that has no
-    equilibrium, go over to inner control and stay there. Where that has none (a friction force on
-    a ball without load), the equilibrium found before is kept.
-
-    Returns
-    -------
-    Balance
-    models : ndarray (n,)
-        OUTER_CONTROL or INNER_CONTROL of each ball.
+    equilibrium, go over to inner control and stay there. Where that has none (a friction force on a
+    ball without load), the equilibrium found before is kept.
     """
     models = np.full(len(problem.D), OUTER_CONTROL)
     balance = problem.balance(models)

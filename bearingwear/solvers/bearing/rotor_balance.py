@@ -114,25 +114,10 @@ def balanced(
 ) -> tuple[float, RotorTrial | int]:
     """The place of balance: Newton's method with the slope of a trial, then secants.
 
-    Light loads reach rounding before they balance; the check afterwards says by how much.
-
-    Parameters
-    ----------
-    trial : callable
-        Of a place [m]; or a status.
-    x : float
-        The start [m].
-    rounded : float
-        Step that changes nothing [m].
-    nearby : Nearby
-        Its steepness is taken for the first step, and renewed.
-    tolerance : float
-        Force left, over the larger one.
-
-    Returns
-    -------
-    x, found
-        The place, and the trial there or the status of what failed.
+    A trial is that of a place [m], or a status. `nearby` has the steepness of the first step, which
+    is renewed; steps of `rounded` [m] change nothing; the tolerance is the force left, over the
+    larger one. Light loads reach rounding before they balance; the check afterwards says by how
+    much. Returns the place, and the trial there or the status of what failed.
     """
     secants, stalled = _Secants(nearby), 0
     best: tuple[float, RotorTrial] | None = None

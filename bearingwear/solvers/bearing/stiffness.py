@@ -75,12 +75,8 @@ def race_control_matrix(
 ) -> np.ndarray:
     """Quasi-static stiffness (5, 5) under race control, whose forces follow the place at once.
 
-    Parameters
-    ----------
-    D, loads, states
-        Of the n balls solved, one where it stands for all.
-    delta : ndarray (3,)
-        Displacement of the inner race [m].
+    Diameters, loads and states are those of the n balls solved, one where it stands for all; delta
+    (3,) is the displacement of the inner race [m].
     """
     psi = azimuths(g.n_balls)[: len(D)]
     each = np.array(

@@ -132,15 +132,10 @@ class ThrustProblem:
         return np.linalg.eigvals(self.linear_motion(D, case))
 
     def stable(self, D: float, case: ThrustCase, scales: np.ndarray | None = None) -> bool:
-        """Whether a small disturbance of the state decays.
+        """Whether a small disturbance of the state decays, by its `time_scales` if they are known.
 
         With a tiny v_r the slowest motions are damped in narrow places where the slip reverses,
         which few points may miss. A state that seems unstable is checked again with many.
-
-        Parameters
-        ----------
-        scales : ndarray (4,), optional
-            The state's `time_scales`, if they are known.
         """
         if (self.time_scales(D, case) if scales is None else scales).real.max() < 0.0:
             return True

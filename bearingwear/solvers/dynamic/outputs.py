@@ -63,13 +63,7 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
 def averages(
     scene: Scene, bearing: BearingModel, sums: Sums, contacts: np.ndarray
 ) -> dict[str, Any]:
-    """Means over the instants of a window.
-
-    Parameters
-    ----------
-    contacts : ndarray (n, 2, COLUMNS)
-        Means of the contacts' summaries.
-    """
+    """Means over the instants of a window; contacts (n, 2, COLUMNS) are means already."""
     count, D = sums.count[0], bearing.D
     ball, whole = sums.ball / count, sums.bearing / count
     motion = np.ascontiguousarray(ball[:, :RADIUS])
@@ -96,12 +90,8 @@ def averages(
 def account_values(change: dict[str, float], kinetic: float) -> dict[str, float]:
     """Gap of the energy account, and the shares of the terms left out.
 
-    Parameters
-    ----------
-    change : dict
-        Of each term of `DynamicSystem.energy` over the window [J].
-    kinetic : float
-        Energy at its end [J].
+    From the change of each term of `DynamicSystem.energy` over the window, and the kinetic energy
+    at its end [J].
     """
     supplied = change.pop("supplied")
     lost = sum(change[key] for key in ("heat", "cage heat", "damping")) + abs(change["drag"])
@@ -123,12 +113,7 @@ def add_cage_values(
 ) -> None:
     """Add torques, heat and wear of the cage, and what its pockets wear off the balls.
 
-    Parameters
-    ----------
-    integrals : ndarray
-        Of the state over the window, from the first of them on.
-    time : float
-        Its length [s].
+    The integrals are those of the state over the window, from the first of them on.
     """
     p, offset, D = system.layout, system.layout.qv, system.bearing.D
     pockets = integrals[p.pockets - offset : p.land - offset] / time

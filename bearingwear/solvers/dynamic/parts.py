@@ -91,18 +91,9 @@ def exact_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple
 def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndarray:
     """Hertz factors of both contacts of each ball as cubic splines in the cosine of the angle.
 
-    They depend on the angle so weakly that the spline is exact to rounding. Solving Hertz' equation
-    each time would take a third of a step's time.
-
-    Parameters
-    ----------
-    factors_of : callable
-        As `exact_factors`, or an approximation of it.
-
-    Returns
-    -------
-    ndarray (n, 2, HERTZ_INTERVALS, 12)
-        See quasistatic.hertz_at.
+    (n, 2, HERTZ_INTERVALS, 12), see quasistatic.hertz_at. They depend on the angle so weakly that
+    the spline is exact to rounding. Solving Hertz' equation each time would take a third of a
+    step's time.
     """
     cosine = np.linspace(0.0, 1.0, HERTZ_INTERVALS + 1)
     powers = HERTZ_INTERVALS ** -np.arange(3.0, -1.0, -1.0)

@@ -48,12 +48,7 @@ class PeriodicMotion:
 class Passing:
     """Change of the balls' states by one passing, as seen from the load.
 
-    Parameters
-    ----------
-    system : DynamicSystem
-        Whose balls the search begins from; it is moved about.
-    tolerance, method
-        See `DynamicSystem.control`.
+    The search begins from the balls of a system, which is moved about.
     """
 
     def __init__(self, system: DynamicSystem, tolerance: float, method: Tableau) -> None:
@@ -210,15 +205,9 @@ def periodic_motion(
 ) -> PeriodicMotion | None:
     """The periodic motion that the balls of a system come to; None where none is found.
 
-    Parameters
-    ----------
-    system : DynamicSystem
-        Begins near it, or as a run would; it is left somewhere else.
-    tolerance, method
-        See `DynamicSystem.control`.
-    near : PeriodicMotion, optional
-        Of much the same system, where the balls are already; the growth of disturbances is not
-        asked for again.
+    The system begins near it, or as a run would; it is left somewhere else. Where the balls are
+    already at a motion `near`, of much the same system, the growth of disturbances is not asked for
+    again.
     """
     passing = Passing(system, tolerance, method)
     tries: list[tuple[float, np.ndarray | None]] = [(orbits, None) for orbits in MARCHED]

@@ -34,20 +34,9 @@ def solve_dynamic(
 ) -> tuple[dict, dict]:
     """Values and attributes of a dynamic run.
 
-    Parameters
-    ----------
-    scene : Scene
-    restart : mapping, optional
-        `state` and `time` where another run of the same scene ended (its `final_state`,
-        `final_time`).
-    progress : callable, optional
-        Called every few seconds with a line that says how far the run has come.
-
-    Returns
-    -------
-    values, attrs : dict
-        Averages over the evaluated window under the names of the steady solution, histories of the
-        whole run, checks.
+    Averages over the evaluated window under the names of the steady solution, histories of the
+    whole run, checks. A restart is the `state` and `time` where another run of the scene ended (its
+    `final_state`, `final_time`).
     """
     start, tolerance, longest = start_of(scene), scene.model.dynamic_tolerance, 1.0
     while True:
@@ -98,10 +87,7 @@ class LastWindow:
 def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interrupt) -> LastWindow:
     """Simulate window by window until the averages have settled or the turns are used up.
 
-    Parameters
-    ----------
-    slow : float
-        Slow time scale in shaft turns, 0 if not known.
+    The slow time scale is in shaft turns, 0 if not known.
     """
     for length in run.grid.windows:
         turns = length / run.grid.points * run.grid.turns
@@ -211,12 +197,7 @@ def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
 def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: float) -> bool:
     """Whether what is left of the drift, over the slow time scale, no longer matters.
 
-    Parameters
-    ----------
-    slow, turns : float
-        Slow time scale and length of the window in shaft turns.
-    allowed : float
-        Largest change still to come, relative.
+    Time scale and length of the window are in shaft turns, the change still allowed is relative.
     """
     return slopes is not None and bool(np.abs(slopes[:2]).max() * max(slow, turns) <= allowed)
 

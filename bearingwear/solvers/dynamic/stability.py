@@ -43,12 +43,7 @@ def is_found_periodic(scene: Scene) -> bool:
 
 
 def check_solution(scene: Scene) -> None:
-    """Refuse to look for a periodic motion where there is none.
-
-    Raises
-    ------
-    NotAvailable
-    """
+    """Refuse to look for a periodic motion where there is none."""
     if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
         raise NotAvailable(
             f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto, march"

@@ -42,15 +42,10 @@ RECENT_REPORTS = 3  # lines of progress that tell the time left, as turns differ
 
 
 class Trend:
-    """Straight lines through the values of successive turns, without keeping them.
+    """Straight lines through the values of successive turns, or passings, without keeping them.
 
     QV, wear of all parts, of the balls, of balls and races, preload, shaft torque; last the room
-    between the cage and its land, as a share of their clearance.
-
-    Parameters
-    ----------
-    turns : float
-        That each value is of; a turn, or a passing of a periodic motion.
+    between the cage and its land, as a share of their clearance. Each value is of so many turns.
     """
 
     def __init__(self, turns: float = 1.0) -> None:

@@ -70,10 +70,7 @@ def stands_still(scene: Scene) -> bool:
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """Choose the model; `fidelity` overrides `model.fidelity` of the scene.
 
-    Raises
-    ------
-    NotAvailable
-        Where the fidelity asked for cannot solve this scene, or does not exist.
+    NotAvailable where the fidelity asked for cannot solve this scene, or does not exist.
     """
     wanted = fidelity or scene.model.fidelity
     _check(scene, wanted)
@@ -138,10 +135,8 @@ def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     """Choose the model of a wear life: that of a solve, if it watches any criterion of the scene.
 
-    Raises
-    ------
-    NotAvailable
-        Where the fidelity asked for cannot solve this scene, or watches no end of its life.
+    NotAvailable where the fidelity asked for cannot solve this scene, or watches no end of its
+    life.
     """
     chosen = choice(scene, fidelity)
     if refused := films_refused(scene, chosen.fidelity):

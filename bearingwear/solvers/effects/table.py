@@ -38,17 +38,11 @@ _UM, _MM = 1e-6, 1e-3
 class Effect:
     """An effect on the bearing, or a limit: its id, and what is said of it.
 
-    Attributes
-    ----------
-    size : callable
-        How large it is in a state, which fills the sentence and the advice of the warning; None
-        where it does not apply. A fact is always warned of, a value beyond its limit: a finding has
-        both, or their ratio as `excess`.
-    impractical : bool
-        Nobody would build or run such a bearing; the others speak of what the model leaves out, or
-        of what the user may want.
-    modelled : callable
-        Sentences before the solve: whether it is included, and how large it is.
+    `size` says how large it is in a state, which fills sentence and advice; None where it does not
+    apply. A fact is always warned of, a value beyond its limit. An `impractical` bearing is one
+    that nobody would build or run; the others speak of what the model leaves out, or of what the
+    user may want. `modelled` makes the sentences before the solve: whether it is included, and how
+    large it is.
     """
 
     id: str

@@ -59,22 +59,10 @@ SMALL, NEARBY = 3e-5, 1e-3  # of the approach: moves that lead to a way, and the
 class WornBearing:
     """A bearing under thrust whose contacts follow its worn grooves.
 
-    Parameters
-    ----------
-    problem : ThrustProblem
-        As new; a state may have another geometry and preload.
-    case : ThrustCase
-        Its unworn state, the start.
-    loss : float
-        Of ball diameter, as new [m].
-    cells : tuple of int
-        Along the major axis, and on each side of it.
-    bands : bool
-        Whether the balls wear in bands, not evenly.
-    wander : float
-        rms of the track's places, over the initial semi-major axes.
-    films : WornFilms, optional
-        Where friction or wear go by films or running in.
+    From the problem as new, of which a state may have another geometry and preload, its unworn
+    state and its loss of ball diameter [m]. There are so many cells along the major axis and on
+    each side of it; the track wanders by an rms over the initial semi-major axes. Films are there
+    where friction or wear go by films or running in.
     """
 
     def __init__(
@@ -298,10 +286,7 @@ class WornBearing:
     ) -> np.ndarray:
         """Shares over the arc of groove k at places along its contact under an angle.
 
-        Parameters
-        ----------
-        g : Geometry
-            Of the state, which may be warmer than the start.
+        The geometry is that of the state, which may be warmer than the start.
         """
         shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], SIDES[k], alpha)
         there = CubicSpline(self.arc[k], values)(np.clip(x + shift, *self.arc[k][[0, -1]]))
@@ -322,10 +307,7 @@ class WornBearing:
     def rate(self, point: WornPoint, ball: float, race: float) -> WornDepths:
         """Wear per second in a state (theory.md Eqs. 73-74).
 
-        Parameters
-        ----------
-        ball, race : float
-            K_s/H of ball and race [1/Pa], where films and running in do not decide them.
+        By K_s/H of ball and race [1/Pa], where films and running in do not decide them.
         """
         g, D = point.problem.g, point.D
         R = 0.5 * D

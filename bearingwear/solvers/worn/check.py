@@ -19,10 +19,7 @@ LARGEST_POWER_ERROR = 1e-8  # of the shaft power
 class WornCheck:
     """What a check knows of the cells is kept as long as they are the same.
 
-    Attributes
-    ----------
-    power_error : float
-        That was found last, over the shaft power.
+    So is the power error found last, over the shaft power.
     """
 
     def __init__(self) -> None:
@@ -41,12 +38,8 @@ class WornCheck:
     ) -> bool:
         """Whether contacts, friction of films and power balance.
 
-        Parameters
-        ----------
-        slip : ndarray (2, 5)
-            Of `worn_dissipation`.
-        bare : sequence of 2 ndarray (cells,)
-            Shares of the cells without film; none where there are no films.
+        slip (2, 5) is that of `worn_dissipation`, bare the shares of the cells of both contacts
+        without film, none where there are no films.
         """
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
             if not self._closed(k, race, force):

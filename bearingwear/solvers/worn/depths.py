@@ -85,10 +85,7 @@ def wandering(
 ) -> np.ndarray:
     """Values at equally spaced places on a grid, wandering about; their integral is kept.
 
-    Parameters
-    ----------
-    wander : float
-        rms of the places, in the unit of the grid.
+    `wander` is the rms of the places, in the unit of the grid.
     """
     found = np.interp(grid, places, values, left=0.0, right=0.0)
     step = grid[1] - grid[0]
@@ -112,13 +109,7 @@ def _gaussian(rms: float) -> np.ndarray:
 def seat_of_case(case: ThrustCase, g: Geometry, D: float, worn: float) -> WornSeat:
     """Position of a ball whose contacts bear the loads of a Hertzian state.
 
-    Parameters
-    ----------
-    case : ThrustCase
-    D : float
-        Ball diameter [m].
-    worn : float
-        Depth of the outer groove beyond its pressed surface [m].
+    `worn` is the depth of the outer groove beyond its pressed surface [m].
     """
     alpha = case.contacts[1, ANGLE]
     hertz = race_contact(g, OUTER, D, np.cos(alpha), np.nan)

@@ -44,12 +44,8 @@ class WornFilms:
     def cover_of_race(self, depth: np.ndarray, spread: float) -> np.ndarray:
         """Share of each place of a track that its film covers, as a track sees it that wanders.
 
-        Parameters
-        ----------
-        depth : ndarray
-            Over equal steps of the groove [m].
-        spread : float
-            rms of the wander, in these steps.
+        Depths [m] stand over equal steps of the groove; `spread` is the rms of the wander in these
+        steps.
         """
         return gaussian_filter1d(cover(self.films.race, depth), spread, truncate=6.0)
 

@@ -54,17 +54,7 @@ class _Memory:
 
 
 class Worn(Steady):
-    """A bearing with worn grooves; each solve starts from the last one.
-
-    Parameters
-    ----------
-    scene : Scene
-        Of this bearing alone.
-    unworn : SolvedBearing
-        Of `Steady`, as it is held at the start.
-    cells : tuple of int
-        See `WornBearing`.
-    """
+    """A bearing with worn grooves, unworn by `Steady`; each solve starts from the last one."""
 
     def __init__(self, scene: Scene, unworn: SolvedBearing, cells: tuple[int, int]):
         self.scene, self.problem, self.start = scene, unworn.problem, unworn.condition
