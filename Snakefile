@@ -27,4 +27,4 @@ rule all:
         rules.verdict.input,
         rules.verdict.output,
     message:
-        "all of it"
+        "the main study"

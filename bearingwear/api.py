@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from bearingwear.kernels.status import STATUS_SENTENCES
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.labels import coded, labelled
-from bearingwear.results.netcdf import dataset
+from bearingwear.results.netcdf import CaseFileError, dataset
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
@@ -239,13 +239,14 @@ def _made(result: Result, scene: Scene) -> xr.Dataset:
     return made
 
 
-def load(path: str | os.PathLike[str]) -> xr.Dataset | Any:
+def load(path: str | os.PathLike[str] | xr.Dataset) -> xr.Dataset | Any:
     """Read a file of this package.
 
     Parameters
     ----------
-    path : path
-        A result file of any kind, or a scene (`.yaml`, `.yml`).
+    path : path or Dataset
+        A result file of any kind, or a scene (`.yaml`, `.yml`). Of a dataset that xarray has read,
+        codes become names: `xr.open_mfdataset(..., preprocess=bearingwear.load)`.
 
     Returns
     -------
@@ -257,6 +258,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset | Any:
     SceneError, CaseFileError
         Both are ValueErrors of one line.
     """
+    if not isinstance(path, str | os.PathLike):
+        return labelled(path)
     if Path(path).suffix in SCENE_SUFFIXES:
         return load_scene(path)
     found = labelled(read_file(path))
@@ -380,30 +383,34 @@ class Plot:
     >>> bearingwear.plot.life("life.nc").savefig("life.pdf")
     """
 
-    def __call__(self, data: str | os.PathLike[str] | xr.Dataset) -> Figure:
+    def __call__(
+        self, data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None
+    ) -> Figure:
         """The figure of a result, as `bearingwear plot` draws it.
 
         Parameters
         ----------
         data : path or Dataset
             A result file of any kind, or what this package has made of it.
+        bearing : {"first", "second"}, optional
+            Which bearing of a pair; needed where they differ.
 
         Raises
         ------
         CaseFileError
             A ValueError of one line: a file that cannot be read, or a kind that cannot be drawn.
         """
-        return self._drawn(data, registry("PLOTS"))
+        return self._drawn(data, registry("PLOTS"), bearing)
 
-    def __getattr__(self, name: str) -> Callable[[str | os.PathLike[str] | xr.Dataset], Figure]:
+    def __getattr__(self, name: str) -> Callable[..., Figure]:
         kinds = {kind.replace(" ", "_"): kind for kind in registry("PLOTS")}
         if name not in kinds:
             raise AttributeError(f"plot: got {name!r}, expected {', '.join(kinds)}")
         kind = kinds[name]
         drawing = function(registry("PLOTS")[kind])
 
-        def figure(data: str | os.PathLike[str] | xr.Dataset) -> Figure:
-            return self._drawn(data, {kind: registry("PLOTS")[kind]})
+        def figure(data: str | os.PathLike[str] | xr.Dataset, bearing: str | None = None) -> Figure:
+            return self._drawn(data, {kind: registry("PLOTS")[kind]}, bearing)
 
         figure.__name__, figure.__doc__ = name, drawing.__doc__
         return figure
@@ -412,15 +419,21 @@ class Plot:
         return [*super().__dir__(), *(kind.replace(" ", "_") for kind in registry("PLOTS"))]
 
     @staticmethod
-    def _drawn(data: str | os.PathLike[str] | xr.Dataset, figures: Registry) -> Figure:
+    def _drawn(
+        data: str | os.PathLike[str] | xr.Dataset, figures: Registry, bearing: str | None
+    ) -> Figure:
         import matplotlib
+        import xarray as xr
 
         from bearingwear.plotting.plot import figure_of
 
         with matplotlib.rc_context():  # figures have a style of their own
             if isinstance(data, str | os.PathLike):
-                return figure_of(read_file(data), os.fspath(data), figures)
-            return figure_of(coded(data), "plot", figures)
+                return figure_of(read_file(data), os.fspath(data), figures, bearing)
+            if isinstance(data, xr.Dataset):
+                return figure_of(coded(data), "plot", figures, bearing)
+        kind = type(data).__name__
+        raise CaseFileError(f"plot: got a {kind}, expected a result: a file or a Dataset")
 
 
 plot = Plot()

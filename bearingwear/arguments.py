@@ -256,7 +256,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
         "--output",
         metavar="FILE.nc",
         type=_file_name,
-        help="the file to write; missing folders are made",
+        help="the file to write; a new folder is made",
     )
     sub.add_argument(
         "--record-timing",
@@ -433,6 +433,11 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
         metavar="FIGURE",
         type=Path,
         help="SVG, PNG or PDF by the suffix; default: FILE.svg beside the file",
+    )
+    sub.add_argument(
+        "--bearing",
+        choices=("first", "second"),
+        help="which bearing of a pair; needed where they differ",
     )
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
-from bearingwear.results.replaced import check_output
+from bearingwear.results.replaced import check_folder, check_output
 from bearingwear.scene.new import OPTIONS
 from bearingwear.scene.records import SCENE_SUFFIXES
 
@@ -285,8 +285,9 @@ def plot(args: argparse.Namespace) -> int:
     from bearingwear.studies import registry
 
     for path in args.output:
+        check_folder(path)
         _tell_of_new_folder(path)
-    draw(args.file, args.output, registry("PLOTS"))
+    draw(args.file, args.output, registry("PLOTS"), args.bearing)
     for path in args.output:
         print(f"{path}: written")
     return OK
@@ -445,8 +446,7 @@ def _finish(result: Result, args: argparse.Namespace) -> int:
 
         _tell_of_new_folder(args.output)
         write_result(result, args.output)
-    # a terminal has them in the sheet already
-    if args.quiet or args.json or args.csv or not (sys.stdout.isatty() and sys.stderr.isatty()):
+    if args.quiet or args.json or args.csv:  # the sheet as text has them
         _warn(result.attrs)
     if not args.quiet:
         from bearingwear.document.show import sheet, sheet_of_result

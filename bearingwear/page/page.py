@@ -97,6 +97,7 @@ def page(
     docs: Iterable[Path] = (),
     answers: Iterable[Path] = (),
     data: Mapping[str, Sequence[str]] | None = None,
+    descriptions: Mapping[str, str] | None = None,
 ) -> str:
     """The page, as HTML.
 
@@ -113,6 +114,8 @@ def page(
         and figures in folders beside one belong to it.
     data : mapping, optional
         Files behind each figure, by its path.
+    descriptions : mapping, optional
+        Of scenes by their names, where they have changed since the results were made.
 
     Raises
     ------
@@ -124,6 +127,9 @@ def page(
     _check_kinds(leading, (".json", ".md", *SUFFIXES))
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
     scenes = _sections(datasets)
+    for section in scenes.values():
+        if text := (descriptions or {}).get(section.scene["name"]):
+            section.scene["description"] = text
     figures = list(drawings([*results, *leading], data or {}))
     answered = _answered(leading, figures)
     taken = {figure.path for one in answered for figure in one.drawn} | set(leading)

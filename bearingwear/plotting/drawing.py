@@ -1,5 +1,6 @@
 """What all figures share: style, colours, marks, words, saving."""
 
+import io
 import json
 import math
 import textwrap
@@ -55,13 +56,26 @@ ABSCISSAE = {
 Figure = matplotlib.figure.Figure
 
 
+class HouseFigure(Figure):
+    """A figure that keeps the house style wherever it is saved or shown."""
+
+    def savefig(self, *args: Any, **kwargs: Any) -> None:
+        with matplotlib.style.context(["default", STYLE]):
+            super().savefig(*args, **kwargs)
+
+    def _repr_png_(self) -> bytes:
+        file = io.BytesIO()
+        self.savefig(file, format="png")
+        return file.getvalue()
+
+
 def new_figure(
     rows: int, columns: int, width: float, height: float, **kwargs: Any
 ) -> tuple[Figure, np.ndarray]:
     """Figure and its panels (rows, columns) in the house style, drawn without a display."""
     matplotlib.rcdefaults()
     matplotlib.style.use(STYLE)
-    figure = Figure(figsize=(width, height))
+    figure = HouseFigure(figsize=(width, height))
     return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
 
 

@@ -8,10 +8,12 @@ import xarray as xr
 from bearingwear.plotting.drawing import Figure, save
 from bearingwear.results.kinds import Registry, function, kind_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.pair_variables import OF_BEARING
+from bearingwear.results.pair_variables import BEARINGS, OF_BEARING
 
 
-def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figure:
+def figure_of(
+    dataset: xr.Dataset, name: str | Path, figures: Registry, bearing: str | None = None
+) -> Figure:
     """The figure of a dataset as files have it.
 
     Parameters
@@ -21,6 +23,8 @@ def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figur
         What the error calls it.
     figures : Registry
         For each kind that can be drawn, a function that takes the dataset and returns a figure.
+    bearing : {"first", "second"}, optional
+        Which bearing of a pair.
 
     Raises
     ------
@@ -28,7 +32,13 @@ def figure_of(dataset: xr.Dataset, name: str | Path, figures: Registry) -> Figur
         A kind that cannot be drawn.
     """
     kind = kind_of(dataset)
-    if OF_BEARING in dataset.dims and not dataset["status"].dims:
+    is_pair = OF_BEARING in dataset.dims and not dataset["status"].dims
+    if bearing is not None:
+        if not is_pair or bearing not in BEARINGS:
+            allowed = " or ".join(BEARINGS) if is_pair else "no bearing, for the file is of one"
+            raise CaseFileError(f"{name}: got the bearing {bearing}, expected {allowed}")
+        dataset = dataset.isel({OF_BEARING: BEARINGS.index(bearing)}, drop=True)
+    elif is_pair:
         dataset = _one_of_both(dataset, name)
     if kind not in figures:
         known = ", ".join(figures) or "none"
@@ -42,17 +52,22 @@ def _one_of_both(dataset: xr.Dataset, name: str | Path) -> xr.Dataset:
     first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
     if not first.equals(second):
         raise CaseFileError(
-            f"{name}: got a file of two bearings that differ, expected one of them, in Python: "
-            "plot(case.sel(bearing='first'))"
+            f"{name}: got a file of two bearings that differ, expected one of them too: "
+            "--bearing first or second; in Python plot(..., bearing='first')"
         )
     return first
 
 
-def plot(path: str | Path, outputs: Iterable[str | Path], figures: Registry) -> None:
+def plot(
+    path: str | Path,
+    outputs: Iterable[str | Path],
+    figures: Registry,
+    bearing: str | None = None,
+) -> None:
     """Draw a result file into files whose suffixes name their formats.
 
     Raises
     ------
     CaseFileError, OutputError
     """
-    save(figure_of(load(path), path, figures), outputs)
+    save(figure_of(load(path), path, figures, bearing), outputs)

@@ -10,6 +10,7 @@ from bearingwear.atomic import OutputError
 def check_output(path: Path, scene: str) -> None:
     """Refuse, before anything is solved, an output that must not be replaced."""
     try:
+        check_folder(path)
         if path.exists():
             if not path.is_file():
                 raise OutputError(f"{path}: got something that is no file, expected a file name")
@@ -20,6 +21,12 @@ def check_output(path: Path, scene: str) -> None:
         raise
     except OSError as error:  # a name that is too long
         raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def check_folder(path: Path) -> None:
+    """Refuse more than one new folder: it is likelier a slip of the pen."""
+    if not path.parent.parent.exists():
+        raise OutputError(f"{path}: got more than one new folder, expected at most one")
 
 
 def _check_replaced(path: Path) -> None:

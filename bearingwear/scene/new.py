@@ -195,7 +195,7 @@ def _inside(entry: CatalogueBearing, D: float, Z: int) -> str:
 def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     """Write the text of `scene_text` to a new file.
 
-    The scene has the name of the file.
+    The scene has no name of its own, so a copy is named as its file.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def write_scene(path: str | os.PathLike[str], **known: Any) -> list[str]:
     if path.suffix not in SCENE_SUFFIXES or not re.search(NAME, path.stem):
         problem = f"got this name, expected NAME.yaml, NAME of {NAME_RULE}"
         raise OutputError(f"{path}: {problem}")
-    text, assumed = scene_text(path.stem, **known)
+    text, assumed = scene_text("", **known)
     if "\0" not in str(path) and os.path.lexists(path):
         raise OutputError(f"{path}: exists already and is not replaced; choose another name")
     write_text(path, text)
@@ -263,7 +263,7 @@ def _filled(
     D, dm, Z = _balls(numbers)
     grooves, groove_rule = grooves_of(size.entry)
     return _template().render(
-        name=json.dumps(name),  # quoted: 7008, true and null are names, too
+        name=name and json.dumps(name),  # quoted: 7008, true and null are names, too
         size=size,
         line=lambda key: _line(key, numbers[key]),
         rounded=lambda value: yaml_number(rounded_to(value, 4)),

@@ -158,7 +158,8 @@ def _read(path: str | os.PathLike[str], depth: int = 0) -> tuple[dict[str, Any],
         problem = f"got {shown(data)}, expected a block of keys, a scene"
         raise SceneError("", problem, source=source)
     if "based_on" not in data:
-        return data, [source]
+        stem = Path(source).stem
+        return ({"name": stem} if re.search(NAME, stem) else {}) | data, [source]
     this = record(BasedOn, data, source)
     if depth > DEEPEST:
         problem = f"got {this.based_on}, based on itself, expected another scene"

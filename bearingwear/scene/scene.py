@@ -11,6 +11,7 @@ import functools
 import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
+from html import escape
 from types import MappingProxyType
 from typing import Any
 
@@ -86,7 +87,9 @@ class Scene:
         that is not there, ...
     """
 
-    name: str = setting("Name of the scene", pattern=NAME)
+    name: str = setting(
+        "Name of the scene, that of its file if left out", pattern=NAME, default="bearing"
+    )
     description: str = setting(
         "What the scene is and where its numbers come from",
         pattern=NO_CONTROL,
@@ -176,6 +179,25 @@ class Scene:
         check_warmth(self)
         check_model(self)
         check_arrangement(self)
+
+    def __repr__(self) -> str:
+        b, o = self.bearing, self.operation
+        method = o.preload_method.replace("_", " ")
+        return (
+            f"<Scene {self.name}: {b.ball_count} balls of {b.ball_diameter_mm:g} mm, "
+            f"{o.shaft_speed_rpm:g} r/min, {method} preload {o.preload_N:g} N, "
+            f"friction {self.friction.coefficient:g}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the line, and every key below it."""
+        from bearingwear.scene.keys import leaves
+
+        rows = "".join(
+            f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"
+            for key, value in leaves(self.to_dict()).items()
+        )
+        return f"<details><summary>{escape(repr(self))}</summary><table>{rows}</table></details>"
 
     def __hash__(self) -> int:
         values = (getattr(self, f.name) for f in fields(self) if f.name != "cases")

@@ -9,7 +9,23 @@ from bearingwear.scene.checking import built, checked_data
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.records import keyed, setting
 
+GRID_KEYS = {
+    "preload_method": "operation.preload_method",
+    "friction": "friction.ball_race",
+    "ball_diameter_loss": "wear.ball_diameter_loss_um",
+}
+"""Keys of a scene by the names that they have as dimensions of files."""
+
 MOST_POINTS = 1000
+
+MOST_DECIMALS = 9
+"""Most decimals of a number that names files."""
+
+
+def in_name(value: float, decimals: int) -> str:
+    """A number in the name of a file: with its own decimals, and at least so many."""
+    whole, _, part = f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")
+    return f"{whole}.{part:0<{decimals}}"
 
 
 @keyed

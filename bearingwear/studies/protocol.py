@@ -105,6 +105,8 @@ class Step(Task):
         the jobs; no caption: they do not.
     shown : bool
         Whether it has a caption, by default that of its study.
+    replaced : tuple of str
+        Keys of its scene that the settings replace: what the file has there does not count.
     last : bool
         Whether it comes after all figures and tables before it, since it may fail.
     """
@@ -120,6 +122,7 @@ class Step(Task):
     category: str = ""
     result: str = ""
     shown: bool = False
+    replaced: Names = ()
     last: bool = False
 
     @property
@@ -388,6 +391,15 @@ class Study:
         """Those of them that a plain `snakemake` makes."""
         wanted = (job for job in self.jobs if job.default or self.default)
         return [path for job in wanted if not job.on_request for path in job.made()]
+
+    def point_folders(self) -> set[str]:
+        """Folders of the results that points name."""
+        named = [
+            one
+            for one in self.steps
+            if one.outputs[0].endswith(".nc") and wildcards_in(one.outputs[0].rpartition("/")[2])
+        ]
+        return {path.rpartition("/")[0] for one in named for path in one.made()}
 
     def inputs(self) -> list[str]:
         """Scenes that it is made from."""

@@ -4,6 +4,8 @@ Snakemake believes that a file is good if it is there, and up to date if it is n
 it was made from. Neither holds after a full disk, a broken transfer or a clock that was set back.
 """
 
+from __future__ import annotations
+
 import contextlib
 import json
 import os
@@ -11,8 +13,15 @@ import re
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bearingwear.studies.grid.grid import Case
+
+if TYPE_CHECKING:
+    from bearingwear.studies.protocol import Study
+
+OFF_GRID = "off_grid"
+"""Folder beside the points of a grid that holds those which it has no more."""
 
 SET_ASIDE = ".damaged"
 """Suffix a file gets that cannot be used, so that nothing is deleted and its place is free."""
@@ -73,6 +82,30 @@ def _remove_abandoned(paths: Iterable[str]) -> None:
                 with contextlib.suppress(FileNotFoundError):  # just now finished
                     if time.time() - part.stat().st_mtime > ABANDONED:
                         part.unlink()
+
+
+def off_grid(studies: Iterable[Study]) -> Iterator[str]:
+    """Set aside files of points that a grid has no more, and take back those that it has again.
+
+    Yields
+    ------
+    str
+        One line for each folder.
+    """
+    several = list(studies)
+    planned = {path for study in several for job in study.jobs for path in job.made()}
+    for folder in map(Path, sorted({name for study in several for name in study.point_folders()})):
+        aside = folder / OFF_GRID
+        for file in aside.glob("*.nc"):
+            place = folder / file.name
+            if str(place) in planned and not place.exists():
+                file.replace(place)
+        if stale := sorted(file for file in folder.glob("*.nc") if str(file) not in planned):
+            aside.mkdir(exist_ok=True)
+            for file in stale:
+                file.replace(aside / file.name)
+            some = ", ".join(file.name for file in stale[:2]) + (", ..." if stale[2:] else "")
+            yield f"{folder}: set aside in {OFF_GRID}/, no points of the grid: {len(stale)}, {some}"
 
 
 def damage(path: str) -> str | None:

@@ -86,12 +86,12 @@ def write_outputs(made: Any, outputs: Sequence[Path]) -> None:
         (path,) = outputs
         write_text(path, made)
         return
-    kind = type(made).__name__
-    if kind == "Figure":
+    kinds = {kind.__name__ for kind in type(made).__mro__}
+    if "Figure" in kinds:
         from bearingwear.plotting.drawing import save
 
         save(made, outputs)
-    elif kind == "Result":
+    elif "Result" in kinds:
         from bearingwear.results.netcdf import write_result
 
         (path,) = outputs

@@ -15,6 +15,7 @@ from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lin
 from bearingwear.scene.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.pool import LINE_EVERY, in_processes, told_in_lines
 from bearingwear.studies.sampling import usable_cores
 
@@ -71,7 +72,8 @@ def sweep(
     xarray.Dataset
         What a case or life file holds, along one more dimension for each key. It has the name of
         the key's last part (`preload_N`), or of all its parts where that name is taken
-        (`operation_preload_N`). A point that was not solved has its `status`, and NaN.
+        (`operation_preload_N`); that of `friction.ball_race` is `friction`. A point that was not
+        solved has its `status`, and NaN.
 
     Raises
     ------
@@ -215,8 +217,9 @@ def _side_by_side(
 
 
 def _dimensions(axes: Iterable[str], taken: set[str]) -> dict[str, str]:
-    """Name of the dimension of each key: its last part, if nothing else has that name."""
-    last = {key: key.rpartition(".")[2] for key in axes}
+    """Name of the dimension of each key: that of a study, else its last part, if it is free."""
+    of_study = {key: name for name, key in GRID_KEYS.items() if name not in taken}
+    last = {key: of_study.get(key, key.rpartition(".")[2]) for key in axes}
     often = Counter(last.values())
     return {
         key: key.replace(".", "_") if often[name] > 1 or name in taken else name

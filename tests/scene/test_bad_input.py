@@ -51,7 +51,6 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
     "missing key": (edited(("  preload_N: 7.0\n", "")), "operation.preload_N", ("nothing",)),
     "missing block": (edited((BEARING, "")), "bearing", ("nothing",)),
     "empty block": (edited((BEARING, "bearing:\n")), "bearing", ("nothing",)),
-    "missing name": (edited(("name: gyro_s1\n", "")), "name", ("nothing",)),
     "duplicate key": (put("bearing", "ball_count: 8"), "bearing.ball_count", ("second time",)),
     "list as a key": (GOOD + "? [a, b]\n: 1\n", "", ("as a key",)),
     # types

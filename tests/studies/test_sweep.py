@@ -33,11 +33,11 @@ def not_to_be_solved(*_):
 
 def test_a_point_is_what_solve_finds(coarse):
     made = bearingwear.sweep(coarse, {PRELOAD: [5, 7], FRICTION: np.array([0.05, 0.1])}, workers=1)
-    assert made.total_qv.dims == ("preload_N", "ball_race")
+    assert made.total_qv.dims == ("preload_N", "friction")
     assert made.preload_N.attrs["units"] == "N" and "preload" in made.preload_N.attrs["long_name"]
     assert made.attrs["message"] == "all points solved and verified"
     alone = bearingwear.solve(coarse.with_({PRELOAD: 7, FRICTION: 0.05}))
-    point = made.sel(preload_N=7, ball_race=0.05, race="inner")
+    point = made.sel(preload_N=7, friction=0.05, race="inner")
     for name in ("contact_load", "qv", "total_qv", "status"):
         there = alone[name].sel(race="inner") if "race" in alone[name].dims else alone[name]
         np.testing.assert_array_equal(point[name], there)
@@ -116,7 +116,7 @@ def test_names_of_the_dimensions():
     def names(*keys, taken=()):
         return list(module._dimensions(keys, set(taken)).values())
 
-    assert names(PRELOAD, FRICTION) == ["preload_N", "ball_race"]
+    assert names(PRELOAD, FRICTION) == ["preload_N", "friction"]
     assert names("wear.counts", taken=["counts"]) == ["wear_counts"]
     assert names("materials.a.density_kg_m3", "materials.b.density_kg_m3") == [
         "materials_a_density_kg_m3",

@@ -122,7 +122,7 @@ def test_the_report_of_the_jobs(solved):
     run = solved.run("--report", "report.html")
     assert run.status == 0, run.text
     report = (solved.root / "report.html").read_text(encoding="utf-8")
-    for category in ("across scenes", "gyro_s1_drag", "the page of everything"):
+    for category in ("across scenes", "gyro_s1_drag", "the report page"):
         assert category in report
     assert "Slip (race minus ball) over the contact ellipses" in report  # a caption
 

@@ -8,22 +8,34 @@ import sys
 from pathlib import Path
 
 from snakemake.io import report as in_report
+from snakemake.logging import logger
 
 from bearingwear import studies
 from bearingwear.provenance import contents_hash, result_hash, sources_hash, text_hash
 from bearingwear.document.document import load_document
+from bearingwear.scene.keys import leaves
 from bearingwear.scene.read import as_data
 from bearingwear.studies.protocol import flat_files
-from bearingwear.studies.repair import survey
+from bearingwear.studies.progress import JobLines
+from bearingwear.studies.repair import off_grid, survey
 
-# What is wrong stops here, with one line and no traceback.
+BAD_INPUT = 2
+
+
+def refuse(reason):
+    """Stop with one line and no traceback."""
+    print(reason, file=sys.stderr)
+    sys.exit(BAD_INPUT)
+
+
+# What is wrong stops here.
 try:
     STUDIES = studies.read(config)
     if workflow.is_main_process:  # not again in each job: it takes a millisecond a case
         for study in STUDIES.values():
             study.check()
 except ValueError as error:
-    sys.exit(str(error))
+    refuse(error)
 
 PAGE, VERDICT = "results/report/index.html", "results/verdict.txt"
 DOCS = list(filter(os.path.isfile, ["docs/verification.md", "docs/accuracy.md"]))
@@ -32,13 +44,16 @@ DOCS = list(filter(os.path.isfile, ["docs/verification.md", "docs/accuracy.md"])
 for target in sys.argv[1:] if workflow.is_main_process else ():
     for study in STUDIES.values():
         if reason := study.refused(target):
-            sys.exit(reason)
+            refuse(reason)
 
 # Jobs on a cluster read this file as well, while results come and go.
 if workflow.is_main_process:
     try:
         for line in survey([*studies.files(STUDIES), PAGE, VERDICT, *DOCS]):
             print(line, file=sys.stderr)
+        if not workflow.dryrun:
+            for line in off_grid(STUDIES.values()):
+                print(line, file=sys.stderr)
     except OSError as error:
         sys.exit(f"{error.filename}: cannot be set aside or dated ({error.strerror})")
 
@@ -49,10 +64,24 @@ shell.prefix(
 
 
 MADE = set()  # what this run is about to make
+VERBOSE = {"--verbose", "-p", "--printshellcmds"}
+LINES = None
+if workflow.is_main_process and not (workflow.dryrun or VERBOSE & {*sys.argv}):
+    terminal = [one for one in logger.handlers if one.name == "DefaultStreamHandler"]
+    LINES = JobLines(terminal[0]) if terminal else None
 
 
 onstart:
     MADE.update(path for job in workflow.dag.needrun_jobs() for path in job.output)
+    if LINES:
+        tasks = {
+            f"{name}_{job.name}": job
+            for name, study in STUDIES.items()
+            for job in study.jobs
+        }
+        LINES.begin(
+            {job.jobid: tasks.get(job.rule.name) for job in workflow.dag.needrun_jobs()}
+        )
     # A group of jobs that a cluster ends early is recorded as if each of them had ended, and an
     # outdated result of one that never began would then pass for new. A local run has no groups.
     if not (workflow.local_exec or workflow.touch):
@@ -119,9 +148,16 @@ def log_of(study, job):
 
 
 @functools.cache
-def said_by(scene):
-    """What a scene says, with those that it is based on, as text."""
-    return json.dumps(as_data(scene)[0], sort_keys=True)
+def decisive(scene, replaced=()):
+    """Values of a scene, with those that it is based on, that decide a result, as text.
+
+    Not those that a step replaces, nor the description; but a warning reads there that the speed
+    is assumed.
+    """
+    values = leaves(as_data(scene)[0])
+    assumed = "Speed assumed:" in str(values.pop("description", ""))
+    kept = {key: value for key, value in values.items() if key not in replaced}
+    return json.dumps([kept, assumed], sort_keys=True)
 
 
 def made_from(job):
@@ -133,7 +169,9 @@ def made_from(job):
     def contents(wildcards):
         modules = dict.fromkeys(step.module for step in job.steps)
         files = [path for path in files_of(job)(wildcards) if path[:8] != "results/"]
-        scenes = "".join(map(said_by, filter(is_scene, files)))
+        replaced = set.intersection(*(set(step.replaced) for step in job.steps))
+        keys = tuple(sorted(replaced))
+        scenes = "".join(decisive(path, keys) for path in files if is_scene(path))
         other = contents_hash(path for path in files if not is_scene(path))
         return "".join([*map(result_hash, modules), text_hash(scenes), other])
 

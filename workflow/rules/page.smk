@@ -1,9 +1,19 @@
-# The page of everything, for people, and the verdict. `snakemake --report` makes the report of the jobs.
+# The report page, for people, and the verdict. `snakemake --report` makes the report of the jobs.
+
+
+def described():
+    """Descriptions of the scenes by their names; no result is made again for one."""
+    files = [path for study in STUDIES.values() for path in study.inputs()]
+    scenes = (as_data(path)[0] for path in dict.fromkeys(files) if is_scene(path))
+    return {
+        scene["name"]: " ".join(scene.get("description", "").split())
+        for scene in scenes
+    }
 
 
 # One HTML page that needs no network: the answer, figures with links to their data, tables, provenance.
 rule page:
-    """the page of everything"""
+    """the report page"""
     input:
         sections=[path for study in STUDIES.values() for path in study.page_sections()],
         answers=[path for study in STUDIES.values() for path in study.page_answers()],
@@ -12,7 +22,7 @@ rule page:
         report(
             PAGE,
             caption="../report/page.rst",
-            category="the page of everything",
+            category="the report page",
             labels={"result": "page"},
         ),
     log:
@@ -28,19 +38,20 @@ rule page:
                         figure: data
                         for study in STUDIES.values()
                         for figure, data in study.behind_figures().items()
-                    }
+                    },
+                    "descriptions": described(),
                 }
             )
         ),
     message:
-        "the page of everything"
+        "the report page"
     shell:
         "bearingwear step page.page.page {params.inputs} --settings {params.settings} -o {output} > {log} 2>&1"
 
 
 # Comes last and fails, each time anew, if a case or a life could not be solved; or warns.
 rule verdict:
-    """look for cases that could not be solved"""
+    """check that every case was solved"""
     input:
         judged=[path for study in STUDIES.values() for path in study.judged()],
         rest=[path for study in STUDIES.values() for path in study.default_targets()],
@@ -56,7 +67,7 @@ rule verdict:
             json.dumps({"unsolved_is": config.get("unsolved", "error")})
         ),
     message:
-        "look for cases that could not be solved"
+        "check that every case was solved"
     shell:
         "bearingwear step studies.unsolved.verdict_text {params.inputs} --settings {params.settings} -o {output} 2>&1 | tee {log}"
 

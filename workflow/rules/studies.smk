@@ -9,6 +9,6 @@ for study in STUDIES.values():
             study.targets(),
         localrule: True
         message:
-            f"all of the study {study.name}"
+            f"the study {study.name}"
 
-    about(study.name, f"all of the study {study.name}")
+    about(study.name, f"the study {study.name}")

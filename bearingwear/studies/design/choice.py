@@ -17,6 +17,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.measures import LIMITED, Measure
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
 from bearingwear.studies.design.map import SLIP_SHARE
@@ -197,8 +198,8 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
     return before + "; ".join(
         f"{limit_text(name, limits.given[name])}, {but}"
-        f"{float(LIMITED[name].shown(LIMITED[name].worst(line)[k])):.3g} "
-        f"at {float(line['preload'][k]):.3g} N"
+        f"{digits(float(LIMITED[name].shown(LIMITED[name].worst(line)[k])))} "
+        f"at {digits(float(line['preload'][k]))} N"
         for name, k in failed.items()
     )
 

@@ -17,7 +17,7 @@ from bearingwear.scene.read import for_life
 from bearingwear.scene.records import Key, keyed, optional_numbers, setting
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.variant import variant
-from bearingwear.studies.axis import RisingAxis
+from bearingwear.studies.axis import MOST_DECIMALS, RisingAxis, in_name
 from bearingwear.studies.life_scene import life_scene
 
 FACTORS = tuple(2.0 ** (k / 2) for k in range(-6, 11))
@@ -147,9 +147,9 @@ class Design:
     )
 
     def __post_init__(self) -> None:
-        if self.map and any(mu != round(mu, 3) for mu in self.map.friction):
+        if self.map and any(mu != round(mu, MOST_DECIMALS) for mu in self.map.friction):
             # as the files of its parts are named
-            raise SceneError("map.friction", "expected numbers of at most three decimals")
+            raise SceneError("map.friction", f"expected at most {MOST_DECIMALS} decimals")
         if self.beside and not self.small_map:
             raise SceneError("beside", "got it without a small_map, expected both")
 
@@ -174,7 +174,7 @@ class DesignPlan:
     def map_parts(self) -> dict[tuple[str, ...], tuple[str, str, float]]:
         """Scene, method and friction coefficient of each part of the maps, by its names."""
         return {
-            (scene, method, f"{mu:.3f}"): (scene, method, mu)
+            (scene, method, in_name(mu, 3)): (scene, method, mu)
             for scene, axes in self.maps.items()
             for method in axes.preload_method
             for mu in axes.friction

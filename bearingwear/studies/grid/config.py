@@ -23,11 +23,9 @@ class GridBlock:
     preload_method: tuple[str, ...] = setting(
         "How the preload is applied", choices=PRELOAD_METHODS, least=1
     )
-    friction: tuple[float, ...] = setting(
-        "Ball/race friction coefficients, at most three decimals", minimum=0.0, least=1
-    )
+    friction: tuple[float, ...] = setting("Ball/race friction coefficients", minimum=0.0, least=1)
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "States of wear, at most two decimals", unit="um", minimum=0.0, least=1
+        "States of wear", unit="um", minimum=0.0, least=1
     )
 
 
@@ -91,14 +89,17 @@ class RunningAverage:
 class Figures:
     """What the figures compare."""
 
-    worn_loss_um: float = setting(
-        "The worn state in the figures against friction and of slip", unit="um"
+    worn_loss_um: float | None = setting(
+        "The worn state in the figures against friction and of slip; null: the most worn of the "
+        "first grid",
+        unit="um",
+        default=None,
     )
     friction: tuple[float, ...] = setting(
         "The coefficients compared in the figures of slip, wear and life; those a grid lacks "
-        "are left out",
+        "are left out; none: all of a grid",
         minimum=0.0,
-        least=1,
+        default=(),
     )
     wear_columns: tuple[Column, ...] = setting(
         "One more figure of QV, preload, angles and wear rate, columns of different scenes",
@@ -142,4 +143,4 @@ class Config:
     uncertain_lives: UncertainLives = setting(
         "Scenes whose lives are quoted with their spread", default=UncertainLives()
     )
-    figures: Figures = setting("What the figures compare")
+    figures: Figures = setting("What the figures compare", default=Figures())

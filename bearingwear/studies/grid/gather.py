@@ -14,6 +14,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.warnings import gathered_warnings
 from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.axis import GRID_KEYS
 from bearingwear.studies.dataset import attrs, flags, stacked
 from bearingwear.studies.grid.grid import Case, Grid
 
@@ -25,9 +26,6 @@ _LEFT_OUT = (
 
 # The same in every case of a study, or the cases do not belong together.
 _SHARED_ATTRS = ("fidelity", "source_hash", "package_version", "numpy_version", "numba_version")
-
-
-_AXES = ("preload_method", "friction", "ball_diameter_loss")
 
 
 def study(paths: Iterable[str | Path]) -> xr.Dataset:
@@ -99,7 +97,7 @@ class _Read:
                 self.files[case] = path
             self.first = self.first or dataset.attrs | shared
             for key, value in shared.items():
-                if value != self.first[key]:
+                if _compared(value) != _compared(self.first[key]):
                     other = next(iter(self.files.values()))
                     raise CaseFileError(f"{path}: {key} is not that of {other}")
             self.warnings = gathered_warnings([{"warnings": self.warnings}, dataset.attrs])
@@ -201,7 +199,7 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
             cases = [
                 Case(PRELOAD_METHODS[int(method)], float(friction), float(loss))
                 for method, friction, loss in zip(
-                    *(dataset[name].values for name in _AXES), strict=True
+                    *(dataset[name].values for name in GRID_KEYS), strict=True
                 )
             ]
         else:
@@ -217,6 +215,13 @@ def _identity(dataset: xr.Dataset, path: Path) -> tuple[list[Case], dict[str, An
     except (KeyError, TypeError, ValueError):
         raise CaseFileError(f"{path}: not a case of a study") from None
     return cases, {"scene": json.dumps(scene)} | shared
+
+
+def _compared(value: Any) -> Any:
+    """What cases share, without the description of their scene."""
+    if not isinstance(value, str) or not value.startswith("{"):
+        return value
+    return {key: part for key, part in json.loads(value).items() if key != "description"}
 
 
 def _numbers_of_solved(dataset: xr.Dataset) -> xr.Dataset:

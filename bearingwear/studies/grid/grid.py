@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.axis import GRID_KEYS, MOST_DECIMALS, in_name
 
 Line = tuple[str, float]
 """A preload method and a friction coefficient, whose cases differ in wear alone."""
@@ -36,7 +37,7 @@ class Case:
 
     @property
     def id(self) -> str:
-        """Name of the case and of its file; the same digits for every case."""
+        """Name of the case and of its file."""
         return f"{self.line_id}-{self.loss_id}"
 
     @property
@@ -52,11 +53,7 @@ class Case:
     @property
     def changes(self) -> dict[str, Any]:
         """What makes the scene this case."""
-        return {
-            "operation.preload_method": self.preload_method,
-            "friction.ball_race": self.friction,
-            "wear.ball_diameter_loss_um": self.ball_diameter_loss_um,
-        }
+        return dict(zip(GRID_KEYS.values(), vars(self).values(), strict=True))
 
     @property
     def label(self) -> str:
@@ -66,11 +63,11 @@ class Case:
 
     @property
     def _friction(self) -> str:
-        return f"{self.friction:.3f}"
+        return in_name(self.friction, 3)
 
     @property
     def _loss(self) -> str:
-        return f"{self.ball_diameter_loss_um:.2f}"
+        return in_name(self.ball_diameter_loss_um, 2)
 
 
 @dataclass(frozen=True)
@@ -90,15 +87,11 @@ class Grid:
         for method in self.preload_method:
             if method not in PRELOAD_METHODS:
                 raise ValueError(f"preload_method: got {method}, expected {PRELOAD_METHODS}")
-        # A value with more digits than its case id shows would be solved as another value.
-        for axis, values, digits in (
-            ("friction", self.friction, 3),
-            ("ball_diameter_loss_um", self.ball_diameter_loss_um, 2),
-        ):
-            for value in values:
-                if not value >= 0.0 or value != round(value, digits):
+        for axis in ("friction", "ball_diameter_loss_um"):
+            for value in getattr(self, axis):
+                if not value >= 0.0 or value != round(value, MOST_DECIMALS):
                     raise ValueError(
-                        f"{axis}: got {value}, expected 0 or more, at most {digits} decimals"
+                        f"{axis}: got {value}, expected 0 or more, at most {MOST_DECIMALS} decimals"
                     )
 
     @classmethod

@@ -3,6 +3,7 @@
 This file imports nothing heavy: the Snakefile reads it each time it is parsed.
 """
 
+import difflib
 import functools
 import re
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from bearingwear.provenance import text_hash
 from bearingwear.scene.arrangement import one_bearing
 from bearingwear.scene.checking import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
+from bearingwear.studies.axis import in_name
 from bearingwear.studies.grid.config import Config, Overlay, UncertainLives
 from bearingwear.studies.grid.grid import Case, Grid, Line, grids
 
@@ -103,7 +105,15 @@ class Plan:
     @property
     def losses(self) -> dict[str, float]:
         """State of wear of the figures against friction [um]."""
-        return {"fig07_fresh": 0.0, "fig08_worn": self.config.figures.worn_loss_um}
+        return {"fig07_fresh": 0.0, "fig08_worn": self.worn_loss_um}
+
+    @property
+    def worn_loss_um(self) -> float:
+        """Loss of ball diameter of the worn state that figures show [um]."""
+        given = self.config.figures.worn_loss_um
+        if given is not None or not self.grids:
+            return given or 0.0
+        return next(iter(self.grids.values())).ball_diameter_loss_um[-1]
 
     @property
     def compared(self) -> list[str]:
@@ -146,7 +156,8 @@ class Plan:
     def frictions(self, scene: str) -> list[float]:
         """Coefficients that the figures of one scene compare."""
         grid = self.grids[scene]
-        wanted = sorted(self.config.figures.friction)
+        if not (wanted := sorted(self.config.figures.friction)):
+            return [*grid.friction]
         return [mu for mu in wanted if mu in grid.friction] or [grid.friction[0]]
 
     def cases(self, *scenes: str) -> list[str]:
@@ -181,7 +192,7 @@ class Plan:
             _case_file(scene, case)
             for case in self.grids[scene].cases().values()
             if case.friction in self.frictions(scene)
-            and case.ball_diameter_loss_um == self.config.figures.worn_loss_um
+            and case.ball_diameter_loss_um == self.worn_loss_um
         ]
 
     def studies(self, *scenes: str) -> list[str]:
@@ -195,7 +206,7 @@ class Plan:
     def spreads_of_lives(self, *scenes: str) -> list[str]:
         """Files of how lives spread, of those of the given scenes that have one, or of all."""
         return [
-            f"results/{scene}/spread/mu{mu:.3f}.nc"
+            f"results/{scene}/spread/mu{in_name(mu, 3)}.nc"
             for scene in self.uncertain_lives.scenes
             if scene in (scenes or self.grids)
             for mu in self.grids[scene].friction
@@ -215,6 +226,8 @@ class Plan:
             return f"{path}: got scene {scene}, expected {', '.join(grids) or 'none'}"
         if case in grids[scene].cases():
             return None
+        if near := _meant(case, grids[scene].cases()):
+            return f"{path}: got a name of no point, did you mean {near}"
         axes = "; ".join(
             f"{axis} {', '.join(map(str, values))}" for axis, values in vars(grids[scene]).items()
         )
@@ -240,6 +253,14 @@ def _chunks(scene: str, grid: Grid, points: int) -> dict[str, tuple[Line, ...]]:
         f"results/{scene}/chunks/{k:05d}-{name}.nc": part
         for k, (name, part) in enumerate(zip(names, parts, strict=True))
     }
+
+
+def _meant(name: str, cases: Mapping[str, Case]) -> str | None:
+    """The case that a name stands for, if it has other digits or a slip of the pen."""
+    if found := re.fullmatch(r"(\w+)-mu(\d*\.?\d+)-loss(\d*\.?\d+)", name):
+        case = Case(found[1], float(found[2]), float(found[3]))
+        return case.id if case.id in cases else None
+    return next(iter(difflib.get_close_matches(name, cases, n=1)), None)
 
 
 def _scene_file(scene: str) -> str:

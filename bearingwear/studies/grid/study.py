@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from bearingwear.studies.axis import GRID_KEYS, in_name
 from bearingwear.studies.grid.drawn import bundles
 from bearingwear.studies.grid.grid import Case, Line
 from bearingwear.studies.grid.plan import Plan
@@ -89,6 +90,7 @@ def _solved(plan: Plan) -> list[Step]:
             "solve.solved_line",
             lines,
             scene=SCENE,
+            replaced=tuple(GRID_KEYS.values()),
             settings=functools.partial(_line_settings, losses),
             about="{scene}: cases of one preload method and friction, over the wear",
             label=f"{{scene}}: {{line}}, loss {_span(losses)} um",
@@ -107,6 +109,7 @@ def _solved(plan: Plan) -> list[Step]:
             for file, lines in plan.chunks(scene).items()
         },
         scene=SCENE,
+        replaced=tuple(GRID_KEYS.values()),
         settings=lambda chunk: {
             "lines": chunk[1],
             "losses_um": plan.grids[chunk[0]].ball_diameter_loss_um,
@@ -123,7 +126,7 @@ def _line_settings(losses: Sequence[float], line: Line) -> dict[str, Any]:
 
 
 def _span(losses: Sequence[float]) -> str:
-    return f"{losses[0]:.2f}" + (f" to {losses[-1]:.2f}" if len(losses) > 1 else "")
+    return f"{losses[0]:g}" + (f" to {losses[-1]:g}" if len(losses) > 1 else "")
 
 
 def _lived(plan: Plan) -> list[Step]:
@@ -138,6 +141,7 @@ def _lived(plan: Plan) -> list[Step]:
                 for name, case in grid.cases().items()
             },
             scene=SCENE,
+            replaced=tuple(GRID_KEYS.values()),
             settings=lambda of: {"changes": plan.dynamic_changes(*of), "fidelity": "dynamic"},
             about="{scene}: a case solved dynamically",
             label="{scene}, dynamic: {case}",
@@ -159,7 +163,7 @@ def _lived(plan: Plan) -> list[Step]:
             "spread/mu{mu}.nc",
             "studies.uncertainty.quantiles.life_quantiles",
             {
-                (scene, f"{mu:.3f}"): (scene, mu)
+                (scene, in_name(mu, 3)): (scene, mu)
                 for scene in plan.uncertain_lives.scenes
                 if scene in plan.grids
                 for mu in plan.grids[scene].friction
@@ -184,7 +188,7 @@ def _gathered(plan: Plan) -> list[Step]:
         "answer.lives_answer",
         lives=plan.lives(),
         uncertainty=plan.spreads_of_lives(),
-        label="what the lives say",
+        label="summary of the lives",
     )
     return [
         step(

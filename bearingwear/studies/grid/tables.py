@@ -82,7 +82,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     """
     scene = scene_of(study)
     unsolved = tuple(_unsolved(study)) or ("Nothing: every case was solved and verified.",)
-    heading = (scene["name"], scene.get("description", ""))
+    heading = (scene["name"],)
     blocks = (_wear(study), _lives(lives, scene, known), Block("Not solved", lines=unsolved))
     return as_markdown(Document(heading, blocks=blocks))
 

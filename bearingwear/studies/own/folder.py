@@ -61,7 +61,8 @@ def write_study(
     head = f"# Written by `bearingwear study {file.name}`"
     _check_folder(folder, head)
     texts = {
-        folder / path: f"{head} ({_hash(body)}); to change it, edit that file.\n{body}"
+        folder / path: f"{head} ({_hash(body)}). Edit {file.name} and run that "
+        f"again; or edit this, and run `bearingwear study` here.\n{body}"
         for path, body in bodies.items()
     }
     for path in texts:

@@ -97,7 +97,7 @@ def test_small_map_of_the_project_is_around_its_scene():
             "much",
             "got 'much', text, not a number, expected a number > 0",
         ),
-        ("scenes.gyro_s1.map.friction", [0.0805], "expected numbers of at most three decimals"),
+        ("scenes.gyro_s1.map.friction", [1 / 3], "expected at most 9 decimals"),
     ],
 )
 def test_bad_plan_takes_one_line(tmp_path, path, value, told):

@@ -28,6 +28,7 @@ def figures_of(plan):
 
 
 def test_id_of_a_case():
+    assert Case("constant_force", 0.0125, 0.005).id == "constant_force-mu0.0125-loss0.005"
     case = Case("fixed_position", 0.08, 0.5)
     assert case.id == "fixed_position-mu0.080-loss0.50"
     assert case.changes == {
@@ -42,7 +43,7 @@ def test_id_of_a_case():
     losses=st.lists(st.integers(0, 5000), min_size=1, max_size=5, unique=True),
 )
 def test_ids_are_unique_and_say_the_case(mus, losses):
-    grid = Grid.from_lists(PRELOAD_METHODS, [k / 1000 for k in mus], [k / 100 for k in losses])
+    grid = Grid.from_lists(PRELOAD_METHODS, [k / 1e4 for k in mus], [k / 1e3 for k in losses])
     cases = grid.cases()
     assert len(cases) == 2 * len(mus) * len(losses)
     for case in cases.values():
@@ -60,10 +61,9 @@ def test_order_does_not_matter():
     ("methods", "mus", "losses", "said"),
     [
         (["constant_force"], [0.1 + 0.2], [0.0], "friction: got 0.30000000000000004"),
-        (["constant_force"], [0.0005], [0.0], "friction: got 0.0005"),
         (["constant_force"], [-0.1], [0.0], "friction: got -0.1"),
         (["constant_force"], [float("nan")], [0.0], "friction: got nan"),
-        (["constant_force"], [0.1], [0.001], "ball_diameter_loss_um: got 0.001"),
+        (["constant_force"], [0.1], [1 / 3], "ball_diameter_loss_um: got 0.333"),
         (["constant_force"], [0.1, 0.1], [0.0], "expected each value once"),
         (["constant_force"], [], [0.0], "friction: empty"),
         (["rigid"], [0.1], [0.0], "preload_method: got rigid"),
@@ -224,7 +224,7 @@ def test_settings_of_what_is_solved_in_time():
     ("changes", "said"),
     [
         ({"friction": [0.03]}, "dynamic: got gyro_s1, constant_force-mu0.030-loss0.00, expected"),
-        ({"friction": [0.0201]}, "dynamic[0].friction: got 0.0201"),
+        ({"friction": [1 / 3]}, "dynamic[0].friction: got 0.333"),
         ({"scenes": ["turbine", "turbine"]}, "dynamic[0].scenes: got turbine twice"),
     ],
 )
@@ -252,3 +252,19 @@ def test_lives_that_cannot_be_spread(monkeypatch):
     }.items():
         with pytest.raises(ValueError, match=f"^config: uncertain_lives.scenes: {said}$"):
             Plan.from_config(config | {"uncertain_lives": {"scenes": [scene]}}).check_scenes()
+
+
+def test_a_point_named_with_other_digits_is_suggested():
+    plan = Plan.from_config(CONFIG)
+    case = next(iter(plan.grids["gyro_s1"].cases().values()))
+    name = f"{case.preload_method}-mu{case.friction:g}-loss{case.ball_diameter_loss_um:g}"
+    for text in (name, case.id.replace("-mu", "_mu")):
+        assert f"did you mean {case.id}" in plan.refused(f"results/gyro_s1/cases/{text}.nc")
+    off = plan.refused("results/gyro_s1/cases/constant_force-mu0.9-loss0.nc")
+    assert "expected preload_method" in off and "did you mean" not in off
+
+
+def test_the_smallest_configuration():
+    axes = {"preload_method": ["fixed_position"], "friction": [0.05], "ball_diameter_loss_um": [0]}
+    plan = Plan.from_config({"studies": [{"scenes": ["gyro_s1"], **axes}]})
+    assert plan.worn_loss_um == 0.0 and plan.frictions("gyro_s1") == [0.05]

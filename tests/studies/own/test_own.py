@@ -80,10 +80,9 @@ def test_own_friction_is_among_those_studied(scene, mu, frictions):
     assert config["studies"][0]["friction"] == frictions
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.0805])
-def test_a_friction_that_no_file_name_shows(scene, mu):
-    with pytest.raises(SceneError, match=r"mine.yaml: friction.ball_race: got .*three decimals"):
-        plans(with_friction(scene, mu))
+def test_without_friction_there_is_no_study(scene):
+    with pytest.raises(SceneError, match=r"mine.yaml: friction.ball_race: got 0, expected"):
+        plans(with_friction(scene, 0.0))
 
 
 def test_no_preload_to_study_around(scene):

@@ -1,0 +1,109 @@
+"""Progress of a study on the terminal: a line for each finished job, with the time left."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from bearingwear.studies.pool import LINE_EVERY
+from bearingwear.studies.protocol import Bundle, Step
+
+PROCESS, FIGURE = 1.0, 0.5
+"""What a process takes to start, and a figure or a table to make [s]."""
+
+_DROPPED = {"RUN_INFO", "JOB_STARTED", "PROGRESS", "RESOURCES_INFO", "JOB_INFO", "GROUP_INFO"}
+"""Events of Snakemake that take no line of their own."""
+
+_WITHOUT_EVENT = (
+    "Select jobs", "Using shell", "Provided", "Rules claiming", "Building DAG", "RuleException",
+    "Assuming unrestricted", "Shutting down", "Exiting because",
+)  # fmt: skip
+"""Beginnings of messages that say nothing of the study."""
+
+
+class JobLines(logging.Filter):
+    """What a handler of Snakemake's logger prints of a run: a line for each finished job.
+
+    Parameters
+    ----------
+    handler : logging.Handler
+        The one that writes to the terminal. Errors pass through it as they are.
+    """
+
+    def __init__(self, handler: logging.Handler) -> None:
+        super().__init__()
+        self._handler, self._format = handler, handler.format
+        self._seconds: dict[int, float] = {}  # estimates of the jobs that are left
+        self._labels: dict[int, str] = {}
+        self._started: dict[int, float] = {}
+        self._estimated = self._took = 0.0
+        self._done = self._count = 0
+        self._begin = self._last = time.monotonic()
+        handler.addFilter(self)
+        handler.format = self._line  # type: ignore[method-assign]
+
+    def begin(self, jobs: Mapping[int, Step | Bundle | None]) -> None:
+        """Take the jobs of a run by their numbers; none for those that are no study's."""
+        self._seconds = {
+            job: (one.seconds or PROCESS + FIGURE * len(one.steps)) if one else PROCESS
+            for job, one in jobs.items()
+        }
+        self._count, self._begin = len(jobs), time.monotonic()
+        self._last = self._begin
+        threading.Thread(target=self._break_silence, daemon=True).start()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        event = getattr(getattr(record, "event", None), "name", None)
+        if event == "JOB_INFO":
+            job: int = record.jobid  # type: ignore[attr-defined]
+            self._labels[job] = record.rule_msg or record.rule_name  # type: ignore[attr-defined]
+            self._started[job] = time.monotonic()
+        if event is None:
+            return not str(record.msg).lstrip().startswith(_WITHOUT_EVENT)
+        return event not in _DROPPED
+
+    def _line(self, record: logging.LogRecord) -> str:
+        event, values = getattr(getattr(record, "event", None), "name", None), vars(record)
+        if event == "JOB_FINISHED":
+            return self._finished(values["job_id"])
+        if event == "JOB_ERROR":
+            logs = ", ".join(values["log"])
+            return f"failed: {self._labels.get(values['jobid'], values['rule_name'])}; see {logs}"
+        return self._format(record)
+
+    def _finished(self, job: int) -> str:
+        self._last = time.monotonic()
+        took = self._last - self._started.pop(job, self._last)
+        self._estimated += self._seconds.pop(job, PROCESS)
+        self._took += took
+        self._done += 1
+        width = len(str(self._count))
+        text = f"{self._done:{width}} of {self._count}: {self._labels.get(job, job)}, {took:.0f} s"
+        return f"{text}; about {self._left():.0f} s left" if self._seconds else text
+
+    def _left(self) -> float:
+        """Time left: what is estimated, at the pace of the finished jobs, as many at a time [s]."""
+        now = time.monotonic()
+        pace = self._took / self._estimated if self._estimated else 1.0
+        at_a_time = max(self._took / max(now - self._begin, 1e-3), 1.0)
+        running = sum(
+            min(now - start, pace * self._seconds.get(job, PROCESS))
+            for job, start in list(self._started.items())
+        )
+        return max(pace * sum(self._seconds.values()) - running, 0.0) / at_a_time
+
+    def _break_silence(self) -> None:
+        silence = LINE_EVERY
+        while self._seconds:
+            time.sleep(0.2)
+            quiet = time.monotonic() - self._last
+            if quiet < LINE_EVERY:
+                silence = LINE_EVERY
+            elif quiet > silence and (running := list(self._started)):
+                silence *= 2.0
+                names = "; ".join(self._labels[job] for job in running)
+                record: dict[str, Any] = {"msg": f"running for {quiet:.0f} s: {names}"}
+                self._handler.handle(logging.makeLogRecord({"levelno": logging.INFO, **record}))

@@ -1,0 +1,55 @@
+"""Lines on the terminal for the jobs of a study, and points that a grid has no more."""
+
+import io
+import logging
+import re
+from types import SimpleNamespace
+
+from bearingwear.studies.progress import JobLines
+from bearingwear.studies.protocol import SCENE, Study, step
+from bearingwear.studies.repair import OFF_GRID, off_grid
+
+
+def record(event=None, message="", **values):
+    values |= {"event": event and SimpleNamespace(name=event)}
+    return logging.makeLogRecord({"msg": message, "levelno": logging.INFO, **values})
+
+
+def test_a_line_for_each_finished_job():
+    text = io.StringIO()
+    handler = logging.StreamHandler(text)
+    lines = JobLines(handler)
+    solve = step("solve", "{speed}.nc", "run.at", ["1", "2"], seconds=4.0)
+    lines.begin({1: solve, 2: solve, 0: None})
+    handler.handle(record(message="Select jobs to execute..."))
+    for job, label in ((1, "slow"), (2, "fast"), (0, "all")):
+        handler.handle(record("JOB_INFO", jobid=job, rule_msg=label, rule_name="solve"))
+    lines._started = {job: start - 4.0 for job, start in lines._started.items()}
+    lines._begin -= 4.0
+    for job in (1, 2, 0):
+        handler.handle(record("JOB_FINISHED", job_id=job))
+    handler.handle(record("JOB_ERROR", jobid=2, rule_name="solve", log=["logs/fast.log"]))
+    first, second, third, failed = text.getvalue().splitlines()
+    # as many seconds as the other one is expected to take, less those that it has run
+    assert re.fullmatch(r"1 of 3: slow, 4 s; about [01] s left", first)
+    assert second.startswith("2 of 3: fast, 4 s; about") and third == "3 of 3: all, 4 s"
+    assert failed == "failed: fast; see logs/fast.log"
+
+
+def test_points_off_the_grid_are_set_aside_and_come_back(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def study(*speeds):
+        solve = step("solve", "cases/{speed}.nc", "run.at", speeds, scene=SCENE.format(scene="a"))
+        return Study("toy", None, solve, step("gather", "cases/all.nc", "run.all"))
+
+    folder = tmp_path / "results" / "toy" / "cases"
+    folder.mkdir(parents=True)
+    for name in ("1", "2", "all"):
+        (folder / f"{name}.nc").write_text(name)
+    assert list(off_grid([study("1", "2")])) == []
+    (line,) = off_grid([study("1", "3")])
+    assert "results/toy/cases: set aside in off_grid/" in line and "2.nc" in line
+    assert {path.name for path in folder.iterdir()} == {"1.nc", "all.nc", OFF_GRID}
+    assert list(off_grid([study("1", "2")])) == []
+    assert (folder / "2.nc").read_text() == "2"
