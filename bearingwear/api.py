@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import tempfile
 import warnings
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
@@ -39,6 +40,7 @@ __all__ = [
     "new",
     "plot",
     "save",
+    "show",
     "solve",
     "sweep",
     "to_ross",
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from bearingwear.document.document import Document
     from bearingwear.solvers.result import Result
     from bearingwear.studies.uncertainty.calibration import Calibration
 
@@ -297,6 +300,35 @@ def save(data: xr.Dataset | Scene, path: str | os.PathLike[str]) -> None:
         from bearingwear.studies.dataset import write_dataset
 
         write_dataset(coded(data), Path(path))
+
+
+def show(data: str | os.PathLike[str] | xr.Dataset | Scene, every: bool = False) -> Document:
+    """The sheet that `bearingwear show` prints: `print(show(case))`, a table in a notebook.
+
+    Parameters
+    ----------
+    data : path, Dataset or Scene
+        A scene, a result file of any kind, or what this package has made of it.
+    every : bool
+        With residuals, error estimates and versions, as `bearingwear show --all`.
+
+    Raises
+    ------
+    SceneError, CaseFileError
+        Both are ValueErrors of one line.
+    """
+    from bearingwear.document.scene import scene_sheet
+    from bearingwear.document.show import sheet
+
+    if isinstance(data, str | os.PathLike) and Path(data).suffix in SCENE_SUFFIXES:
+        data = load_scene(data)
+    if isinstance(data, Scene):
+        return scene_sheet(data)
+    if isinstance(data, str | os.PathLike):
+        return sheet(data, registry("SHEETS"), every)
+    with tempfile.TemporaryDirectory() as folder:
+        save(data, path := Path(folder) / "result.nc")
+        return sheet(path, registry("SHEETS"), every)
 
 
 def new(

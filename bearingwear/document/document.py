@@ -124,6 +124,16 @@ class Document:
     subject: str = ""
     rank: int = 0
 
+    def __str__(self) -> str:
+        from bearingwear.document.text import as_text
+
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        from bearingwear.document.html import as_html
+
+        return as_html(self)
+
     @property
     def title(self) -> str:
         """The first line."""

@@ -63,6 +63,9 @@ def planner() -> subprocess.Popen:
     return process
 
 
+JOBS = re.compile(r"^Job stats:\njob +count\n[- ]+\n((?:\w+ +\d+\n)+)", re.M)
+
+
 @dataclass(frozen=True)
 class Project:
     """A copy of the project."""
@@ -79,6 +82,16 @@ class Project:
 
     def run(self, *arguments: str, jobs: int = 2, prefix: Sequence[str] = ()) -> "Run":
         """Run Snakemake in the copy, by another program if a prefix is given."""
+        before = self._logs()
+        made = self._run(arguments, jobs, prefix)
+        logs = sorted(self._logs() - before)  # which alone have the table of jobs of a run
+        table = JOBS.search(logs[-1].read_text(encoding="utf-8")) if logs else None
+        return Run(made.status, (table[0] if table else "") + made.text)
+
+    def _logs(self) -> set[Path]:
+        return set((self.root / ".snakemake/log").glob("*.log"))
+
+    def _run(self, arguments: Sequence[str], jobs: int, prefix: Sequence[str]) -> "Run":
         if not prefix:
             return self._planned([f"-j{jobs}", "--nocolor", *arguments])
         done = subprocess.run(
@@ -154,7 +167,7 @@ class Run:
     @property
     def jobs(self) -> dict[str, int]:
         """How many jobs of each rule were planned."""
-        table = re.search(r"^Job stats:\njob +count\n[- ]+\n((?:\w+ +\d+\n)+)", self.text, re.M)
+        table = JOBS.search(self.text)
         if not table:
             return {}
         rows = (line.split() for line in table.group(1).splitlines())

@@ -73,7 +73,7 @@ def test_lint():
 def test_a_run_makes_everything_and_then_nothing(first_run, solved):
     project, run = first_run
     assert run.jobs["grid_solve"] == 4 + 1
-    assert "gyro_s1: fixed_position-mu0.080, loss 0.00 to 0.50 um" in run.text
+    assert "gyro_s1: fixed_position-mu0.080, loss 0 to 0.5 um" in run.text
     results = project.results()
     for scene in ("gyro_s1", "gyro_s1_drag"):
         made = {f"{scene}/{name}" for name in ("study.nc", "wear_life.nc")}
@@ -115,7 +115,7 @@ def test_one_result_again_outside_a_clone(solved):
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    assert case.stat().st_mtime_ns > before and "1 of 1 steps" in done.stderr
+    assert case.stat().st_mtime_ns > before and "1 of 1: gyro_s1: " in done.stderr
 
 
 def test_the_report_of_the_jobs(solved):
@@ -246,7 +246,7 @@ def test_a_point_off_the_grid_is_refused(solved):
     case = "constant_force-mu0.030-loss0.00"
     run = solved.run("-n", f"results/gyro_s1/cases/{case}.nc")
     profile, refused = run.text.splitlines()  # the first line is Snakemake's own
-    assert run.status == 1 and profile.startswith("Using workflow specific profile")
+    assert run.status == 2 and profile.startswith("Using workflow specific profile")
     assert refused.startswith(f"results/gyro_s1/cases/{case}.nc: got a point off the grid")
     assert "friction 0.02, 0.08" in refused
 
@@ -299,6 +299,12 @@ def test_a_comment_in_a_scene_makes_nothing_anew(solved):
         scene.write("# said again\n")
     run = solved.run()
     assert run.status == 0 and "Nothing to be done" in run.text, run.text
+    # neither a description nor what the grid replaces solves a case again
+    solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.08", "ball_race: 0.09")
+    assert "grid_solve" not in solved.run("-n").jobs
+    solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.09", "ball_race: 0.08")
+    solved.edit("config/scenes/gyro_s1.yaml", "description: ", "description: Edited. ")
+    assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
 
 
 def test_an_edited_scene_counts_where_snakemake_knows_nothing(solved):

@@ -51,7 +51,7 @@ if workflow.is_main_process:
     try:
         for line in survey([*studies.files(STUDIES), PAGE, VERDICT, *DOCS]):
             print(line, file=sys.stderr)
-        if not workflow.dryrun:
+        if not workflow.output_settings.dryrun:
             for line in off_grid(STUDIES.values()):
                 print(line, file=sys.stderr)
     except OSError as error:
@@ -66,9 +66,16 @@ shell.prefix(
 MADE = set()  # what this run is about to make
 VERBOSE = {"--verbose", "-p", "--printshellcmds"}
 LINES = None
-if workflow.is_main_process and not (workflow.dryrun or VERBOSE & {*sys.argv}):
-    terminal = [one for one in logger.handlers if one.name == "DefaultStreamHandler"]
-    LINES = JobLines(terminal[0]) if terminal else None
+if workflow.is_main_process and not VERBOSE & {*sys.argv}:
+    for terminal in logger.handlers:
+        if terminal.name != "DefaultStreamHandler":
+            continue
+        if not workflow.output_settings.dryrun:
+            LINES = JobLines(terminal)
+        else:  # which prints its table of jobs twice
+            known = set()
+            terminal.addFilter(lambda record: record.msg not in known)
+            terminal.addFilter(lambda record: known.add(record.msg) or True)
 
 
 onstart:
@@ -80,7 +87,10 @@ onstart:
             for job in study.jobs
         }
         LINES.begin(
-            {job.jobid: tasks.get(job.rule.name) for job in workflow.dag.needrun_jobs()}
+            {
+                job.jobid: tasks.get(job.rule.name)
+                for job in workflow.dag.needrun_jobs()
+            }
         )
     # A group of jobs that a cluster ends early is recorded as if each of them had ended, and an
     # outdated result of one that never began would then pass for new. A local run has no groups.
@@ -158,6 +168,16 @@ def decisive(scene, replaced=()):
     assumed = "Speed assumed:" in str(values.pop("description", ""))
     kept = {key: value for key, value in values.items() if key not in replaced}
     return json.dumps([kept, assumed], sort_keys=True)
+
+
+def described():
+    """Descriptions of the scenes by their names; no result is made again for one."""
+    files = [path for study in STUDIES.values() for path in study.inputs()]
+    scenes = (as_data(path)[0] for path in dict.fromkeys(files) if is_scene(path))
+    return {
+        scene["name"]: " ".join(scene.get("description", "").split())
+        for scene in scenes
+    }
 
 
 def made_from(job):

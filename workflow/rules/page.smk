@@ -1,16 +1,6 @@
 # The report page, for people, and the verdict. `snakemake --report` makes the report of the jobs.
 
 
-def described():
-    """Descriptions of the scenes by their names; no result is made again for one."""
-    files = [path for study in STUDIES.values() for path in study.inputs()]
-    scenes = (as_data(path)[0] for path in dict.fromkeys(files) if is_scene(path))
-    return {
-        scene["name"]: " ".join(scene.get("description", "").split())
-        for scene in scenes
-    }
-
-
 # One HTML page that needs no network: the answer, figures with links to their data, tables, provenance.
 rule page:
     """the report page"""
