@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.markdown import markdown_table, plain_text
+from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, scene_of
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.units import Display, digits, display
+from bearingwear.results.units import Display, Rough, digits, display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES
@@ -21,6 +24,12 @@ from bearingwear.studies.design.recommend import RECOMMENDATION
 
 LOSS_RATE = display("m s-1", shown="um/1000 h")
 SHARE_LABEL = "largest gyroscopic slip share"
+CAGE_WORDS = (
+    "The scene has no cage.",
+    "Only the dynamic cases have the cage: its pockets slow the balls and wear them, which counts "
+    "in the interference loss (counting ball above all).",
+)
+"""Without a cage, and with one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,24 +106,58 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     method = in_words(first["operation"]["preload_method"])
     known = np.isfinite(chosen["preload"].values).any()
     middle = "its recommended preload" if known else "its own preload (none is recommended)"
-    text = [
-        f"# The dynamic model at the recommended preload of {scene['name']}",
-        agreement(points),
-        f"New bearing, {method}, {scene['operation']['shaft_speed_rpm']:g} r/min, friction "
-        f"{scene['friction']['ball_race']:g}, at and beside {middle}. "
-        + f"Life counts {in_words(scene['wear']['counts'])}. "
-        + _about_cage("cage" in first)
-        + " The dynamic run starts from the steady state: agreement says that the motion stays "
-        "there, not that every start leads there.",
-        markdown_table(
-            "preload (N) | number | steady, as in the map | dynamic | difference "
-            "| numerical error estimates of both | beyond them",
-            [row for point in points for row in _rows(point, limit)],
+    operation, friction = scene["operation"], scene["friction"]["ball_race"]
+    said = (
+        f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
+        f"and beside {middle}. Life counts {in_words(scene['wear']['counts'])}. "
+        f"{CAGE_WORDS['cage' in first]} The dynamic run starts from the steady state: agreement "
+        "says that the motion stays there, not that every start leads there. The gyroscopic slip "
+        "share has no error estimate."
+    )
+    settled = tuple(f"{digits(point.preload)} N: {point.settled}" for point in points)
+    made = Document(
+        (
+            f"The dynamic model at the recommended preload of {scene['name']}",
+            agreement(points),
+            said,
         ),
-        "The gyroscopic slip share has no error estimate. How far the dynamic means are settled:",
-        "\n".join(f"- {digits(point.preload)} N: {plain_text(point.settled)}" for point in points),
-    ]
-    return "\n\n".join(text) + "\n"
+        blocks=(_numbers_of(points, limit), Block("How far the means are settled", lines=settled)),
+    )
+    return as_markdown(made)
+
+
+def _numbers_of(points: Sequence[CheckedPreload], limit: float | None) -> Block:
+    """A line for each number by both models; of a preload that was not solved, its statuses."""
+    lines: list[tuple[Any, ...]] = []
+    for point in points:
+        if not point.numbers:
+            states = (in_words(point.status[name]) for name in CHECKED_FIDELITIES)
+            lines.append((point.preload, "not solved", *states, math.nan, math.nan, "–"))
+        for one in point.numbers:
+            errors = Rough(100.0 * one.errors)
+            numbers = (one.steady, one.dynamic, 100.0 * one.difference, errors)
+            lines.append((point.preload, one.name, *numbers, _beyond(one, limit)))
+    heads = (
+        ("preload", "N"),
+        ("number", ""),
+        ("steady, as in the map", ""),
+        ("dynamic", ""),
+        ("difference", "%"),
+        ("numerical error estimates of both", "%"),
+        ("beyond them", ""),
+    )
+    columns = zip(*lines, strict=True)
+    rows = (Row(label, unit, column) for (label, unit), column in zip(heads, columns, strict=True))
+    return Block(rows=tuple(rows), axes=2)
+
+
+def _beyond(one: Compared, limit: float | None) -> str:
+    """Whether both differ by more than their errors; of the slip share, which side of its limit."""
+    if one.name == SHARE_LABEL and limit is not None:
+        within = (one.steady <= limit) + (one.dynamic <= limit)
+        words = ("both beyond", "one within, one beyond", "both within")
+        return f"{words[within]} the limit {limit:g}"
+    return ("yes" if one.beyond else "no") if np.isfinite(one.errors) else "–"
 
 
 def _cases(
@@ -200,91 +243,33 @@ def agreement(points: Sequence[CheckedPreload]) -> str:
         if state != STATUS_NAMES[OK]
     ]
     numbers = [one for point in points for one in point.numbers]
-    said = []
-    if not numbers:
-        said.append("The dynamic model cannot be compared with the steady values.")
-    else:
+    said = ["The dynamic model cannot be compared with the steady values."]
+    if numbers:
         # of each name the last: beyond the estimates if any is, and there the largest
-        order = sorted(numbers, key=lambda one: (one.beyond, abs(one.difference)))
-        worst = {one.name: one for one in order}
-        rated = [one.name for one in numbers if np.isfinite(one.errors)]
-        beyond = {one.name for one in numbers if one.beyond}
-        told = {
-            name: f"{_short(name)} by {_percent(one.difference)} at {digits(one.preload)} N"
-            + (f" (estimates {100.0 * one.errors:.2g} %)" if np.isfinite(one.errors) else "")
-            for name, one in worst.items()
+        worst = {
+            one.name: one for one in sorted(numbers, key=lambda n: (n.beyond, abs(n.difference)))
         }
-        within = "; ".join(told[name] for name in dict.fromkeys(rated) if name not in beyond)
-        outside = "; ".join(told[name] for name in dict.fromkeys(rated) if name in beyond)
-        largest = "The largest differences"
-        if not outside:
-            said.append(
-                "The dynamic model agrees with the steady values of the map within the numerical "
-                f"error estimates of both. {largest}: {within}."
+        share = worst.pop(SHARE_LABEL)
+        within, beyond = (
+            "; ".join(
+                f"{one.name.partition(' (')[0]} {_at(one)} (estimates {100.0 * one.errors:.2g} %)"
+                for one in worst.values()
+                if one.beyond == way and np.isfinite(one.errors)
             )
-        elif not within:
-            said.append(
-                "The dynamic model does not agree with the steady values of the map within the "
-                f"numerical error estimates of both. {largest}: {outside}."
-            )
-        else:
-            said.append(
-                f"The dynamic model agrees with the steady values of the map in part. {largest} "
-                f"within the numerical error estimates of both: {within}. Beyond them: {outside}."
-            )
-        said.append(f"The {told[SHARE_LABEL].replace(' by ', ' differs by ')} at most.")
+            for way in (False, True)
+        )
+        agrees = "agrees" if within else "does not agree"
+        partly = "in part" if within and beyond else "within the numerical error estimates of both"
+        said = [
+            f"The dynamic model {agrees} with the steady values of the map {partly}.",
+            *([f"The largest differences within the estimates: {within}."] if within else []),
+            *([f"Beyond them: {beyond}."] if beyond else []),
+            f"The {SHARE_LABEL} differs {_at(share)} at most.",
+        ]
     if unsolved:
         said.append(f"Not solved: {'; '.join(unsolved)}.")
     return " ".join(said)
 
 
-def _short(name: str) -> str:
-    return name.partition(" (")[0]
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:+.2g} %"
-
-
-def _about_cage(there: bool) -> str:
-    if not there:
-        return "The scene has no cage."
-    return (
-        "Only the dynamic cases have the cage: its pockets slow the balls and wear them, "
-        "which counts in the interference loss (counting ball above all)."
-    )
-
-
-def _rows(point: CheckedPreload, limit: float | None) -> list[list[str]]:
-    preload = digits(point.preload)
-    if not point.numbers:
-        return [
-            [
-                preload,
-                "not solved",
-                *(in_words(point.status[t]) for t in CHECKED_FIDELITIES),
-                "",
-                "",
-                "",
-            ]
-        ]
-    rows = []
-    for one in point.numbers:
-        rated = np.isfinite(one.errors)
-        beyond = ("yes" if one.beyond else "no") if rated else "–"
-        if one.name == SHARE_LABEL and limit is not None:
-            within = (one.steady <= limit) + (one.dynamic <= limit)
-            words = ("both beyond", "one within, one beyond", "both within")
-            beyond = f"{words[within]} the limit {limit:g}"
-        rows.append(
-            [
-                preload,
-                one.name,
-                digits(one.steady),
-                digits(one.dynamic),
-                f"{100.0 * one.difference:+.3g} %",
-                f"{100.0 * one.errors:.2g} %" if rated else "–",
-                beyond,
-            ]
-        )
-    return rows
+def _at(one: Compared) -> str:
+    return f"by {100.0 * one.difference:+.2g} % at {digits(one.preload)} N"
