@@ -24,7 +24,7 @@ from bearingwear.studies.design.recommend import RECOMMENDATION
 
 LOSS_RATE = display("m s-1", shown="um/1000 h")
 SHARE_LABEL = "largest gyroscopic slip share"
-CAGE_WORDS = (
+WITH_CAGE = (
     "The scene has no cage.",
     "Only the dynamic cases have the cage: its pockets slow the balls and wear them, which counts "
     "in the interference loss (counting ball above all).",
@@ -110,7 +110,7 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     said = (
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
         f"and beside {middle}. Life counts {in_words(scene['wear']['counts'])}. "
-        f"{CAGE_WORDS['cage' in first]} The dynamic run starts from the steady state: agreement "
+        f"{WITH_CAGE['cage' in first]} The dynamic run starts from the steady state: agreement "
         "says that the motion stays there, not that every start leads there. The gyroscopic slip "
         "share has no error estimate."
     )

@@ -14,11 +14,11 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.document.bearing_line import bearing_line
-from bearingwear.document.data import dataset_csv, flag_names
 from bearingwear.document.document import Block, Document, Row, quantity_row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.document.rows import COUNTED
 from bearingwear.document.study import by_wear_row, spread_rows
+from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
 from bearingwear.plotting.drawing import in_words, methods, scene_of

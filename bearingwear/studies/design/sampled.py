@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import xarray as xr
 
-from bearingwear.document.data import flag_names
 from bearingwear.document.document import Block, Row
 from bearingwear.document.study import rough_value, spread_rows
+from bearingwear.document.table import flag_names
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.data import flag_names
 from bearingwear.document.document import Row
+from bearingwear.document.table import flag_names
 from bearingwear.measures import ENDS, LIMITED
 from bearingwear.plotting.drawing import methods, percent_in_text, scene_of
 from bearingwear.results.pair_variables import is_pair, method_words

@@ -3,24 +3,25 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
-from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
+from bearingwear.document.table import table_of
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import in_words, methods, scene_of
-from bearingwear.results.units import Display, display
 from bearingwear.results.variables import RACES
 from bearingwear.studies.dataset import both_ways
 from bearingwear.studies.grid.tables import AXES, cases_csv, over_all_balls
 
-_RATE, _PERCENT = display("m3 s-1"), display("1", shown="%")
+WAYS = ("steady", "dynamic")
 ALL_SOLVED = "Nothing: every case was solved and verified both ways."
-CAGE_WORDS = (
-    " Those solved dynamically also wear in the pockets of the cage. Where the land does not wear, "
-    "the cage did not reach it in the turns averaged."
+WEAR_WORDS = (
+    "The mean of all balls.",
+    "The mean of all balls. Those solved dynamically also wear in the pockets of the cage. Where "
+    "the land does not wear, the cage did not reach it in the turns averaged.",
 )
+"""Without a cage, and with one."""
 LARGEST_DRIFT = 0.02  # of a mean over the turns it is taken of; beyond, it is not settled
 
 
@@ -48,60 +49,42 @@ def comparison(study: Path, dynamic: Path) -> tuple[str, str]:
 
 
 def _text(both: xr.Dataset) -> str:
-    power = display("W", both["total_qv.steady"], both["total_qv.dynamic"])
-    ratio = _values(both["total_qv.dynamic"] / both["total_qv.steady"])
-    preload = display("N")
-    of_wear = "The mean of all balls." + CAGE_WORDS * ("cage_wear_rate" in both)
+    change = (both["total_qv.dynamic"] / both["total_qv.steady"] - 1.0).rename("total_qv")
+    change.attrs = {"units": "1", "shown": "%"}
+    wear: list[tuple[xr.DataArray | str, str]]
+    wear = [(f"ball_wear_rate.{way}", way) for way in WAYS]
+    wear += [
+        (both[f"race_wear_rate.{way}"].isel(race=k), f"{race}, {way}")
+        for k, race in enumerate(RACES)
+        for way in WAYS
+    ]
+    wear += [(name, "") for name in ("cage_wear_rate", "cage_land_wear_rate") if name in both]
+    drift = ("simulated_turns", "evaluated_turns", "qv_drift_per_turn", "wear_rate_drift_per_turn")
     still = f"No mean drifts by more than {100 * LARGEST_DRIFT:g} % over the turns averaged."
     blocks = (
-        _block(
+        table_of(
+            both,
+            [*AXES],
+            [
+                *((f"total_qv.{way}", way) for way in WAYS),
+                (change, "dynamic over steady less one"),
+                *((f"residual_preload.{way}", way) for way in WAYS),
+            ],
             "QV and preload",
-            _row(both, "QV, steady", "total_qv.steady", power),
-            _row(both, "dynamic", "total_qv.dynamic", power),
-            Row("dynamic over steady", "", tuple(_formed(x, ".4f") for x in ratio)),
-            _row(both, "residual preload, steady", "residual_preload.steady", preload),
-            _row(both, "dynamic", "residual_preload.dynamic", preload),
-            both=both,
-            lines=("QV is that of the whole bearing.",),
+            ("QV is that of the whole bearing.",),
         ),
-        _block("Wear rates", *_wear_rates(both), both=both, lines=(of_wear,)),
-        _block(
+        table_of(both, [*AXES], wear, "Wear rates", (WEAR_WORDS["cage_wear_rate" in both],)),
+        table_of(
+            both,
+            [*AXES],
+            [(name, "") for name in drift if name in both],
             "How settled the means are",
-            _row(both, "turns simulated", "simulated_turns"),
-            _row(both, "averaged over", "evaluated_turns"),
-            _row(both, "drift of QV per turn", "qv_drift_per_turn", _PERCENT, form="+z.3f"),
-            _row(
-                both, "drift of the wear of all parts per turn", "wear_rate_drift_per_turn",
-                _PERCENT, form="+z.3f",
-            ),
-            both=both,
-            lines=tuple(_unsettled(both)) or (still,),
+            tuple(_unsettled(both)) or (still,),
         ),
         Block("Not solved", lines=tuple(_unsolved(both)) or (ALL_SOLVED,)),
-    )  # fmt: skip
+    )
     title = f"{scene_of(both)['name']}: solved dynamically, beside the steady state"
     return as_markdown(Document((title,), blocks=blocks))
-
-
-def _wear_rates(both: xr.Dataset) -> list[Row]:
-    """Wear of each part, both ways."""
-    ways = ("steady", "dynamic")
-    parts: list[tuple[str, str, int | None]]
-    parts = [(f"one ball, {way}", f"ball_wear_rate.{way}", None) for way in ways]
-    parts += [
-        (f"{race} race, {way}", f"race_wear_rate.{way}", k)
-        for k, race in enumerate(RACES)
-        for way in ways
-    ]
-    parts += [("cage pockets", "cage_wear_rate", None), ("cage land", "cage_land_wear_rate", None)]
-    return [_row(both, label, name, _RATE, race) for label, name, race in parts if name in both]
-
-
-def _block(title: str, *rows: Row, both: xr.Dataset, lines: tuple[str, ...]) -> Block:
-    """A line for each case."""
-    names, mus, losses = zip(*(words for words, _ in _points(both)), strict=True)
-    axes = (Row("preload method", "", names), Row("friction", "", mus), Row("loss", "um", losses))
-    return Block(title, rows=(*axes, *rows), axes=len(axes), lines=lines)
 
 
 def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
@@ -110,31 +93,6 @@ def _points(both: xr.Dataset) -> Iterator[tuple[list[str], tuple[int, ...]]]:
         for j, mu in enumerate(both["friction"].values):
             for k, loss in enumerate(both["ball_diameter_loss"].values):
                 yield [in_words(name), f"{mu:g}", f"{loss:g}"], (i, j, k)
-
-
-def _row(
-    both: xr.Dataset,
-    label: str,
-    name: str,
-    unit: Display | None = None,
-    race: int | None = None,
-    form: str = "",
-) -> Row:
-    """A variable in all cases, with three digits or in a form."""
-    unit = unit or display("1")
-    if name not in both:
-        return Row(label, unit.unit, ("–",) * sum(1 for _ in _points(both)), name)
-    numbers = _values(unit.of(both[name] if race is None else both[name].isel(race=race)))
-    found = tuple(_formed(x, form) for x in numbers) if form else tuple(numbers)
-    return Row(label, unit.unit, found, name if race is None else f"{name}.{RACES[race]}")
-
-
-def _values(variable: xr.DataArray) -> list[float]:
-    return variable.transpose(*AXES).values.ravel().tolist()
-
-
-def _formed(value: float, form: str) -> str:
-    return f"{value:{form}}" if np.isfinite(value) else "–"
 
 
 def _unsettled(both: xr.Dataset) -> Iterator[str]:
@@ -150,7 +108,7 @@ def _unsettled(both: xr.Dataset) -> Iterator[str]:
 
 def _unsolved(both: xr.Dataset) -> Iterator[str]:
     for words, index in _points(both):
-        for way in ("steady", "dynamic"):
+        for way in WAYS:
             status = int(both[f"status.{way}"].transpose(*AXES).values[index])
             if status != OK:
                 yield f"{_case_in_words(words)}, {way}: {in_words(STATUS_NAMES[status])}"

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.data import dataset_csv
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
+from bearingwear.document.table import dataset_csv, table_of
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, scene_of
@@ -23,7 +23,7 @@ from bearingwear.results.quantiles import (
     spread_text,
     spreads_of,
 )
-from bearingwear.results.units import Display, display
+from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
@@ -89,25 +89,14 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
 
 def _wear(study: xr.Dataset) -> Block:
     """QV and residual preload at the first and the last loss."""
-    losses = study["ball_diameter_loss"].values
-    points = [
-        (in_words(name), float(mu), state.sel(friction=mu))
-        for name, state in methods(study)
-        for mu in study["friction"].values
+    ends = study.isel(ball_diameter_loss=[0, -1])
+    columns = [
+        (ends[name].isel(ball_diameter_loss=k), f"at {float(loss):g} µm")
+        for name in ("total_qv", "residual_preload")
+        for k, loss in enumerate(ends["ball_diameter_loss"])
     ]
-    power = display("W", study["total_qv"].isel(ball_diameter_loss=[0, -1]))
-
-    def at(label: str, name: str, unit: Display, k: int) -> Row:
-        numbers = tuple(float(unit.of(state[name][k])) for _, _, state in points)
-        return Row(f"{label} at {losses[k]:g} µm", unit.unit, numbers, f"{name}.{losses[k]:g}")
-
-    rows = (
-        Row("preload method", "", tuple(name for name, *_ in points)),
-        Row("friction", "", tuple(mu for _, mu, _ in points), given=True),
-        *(at("QV", "total_qv", power, k) for k in (0, -1)),
-        *(at("residual preload", "residual_preload", display("N"), k) for k in (0, -1)),
-    )
-    return Block("What wear does", rows=rows, axes=2, lines=("QV is that of the whole bearing.",))
+    said = ("QV is that of the whole bearing.",)
+    return table_of(study, ("preload_method", "friction"), columns, "What wear does", said)
 
 
 def _lives(lives: xr.Dataset, scene: Mapping[str, Any], known: Sequence[xr.Dataset]) -> Block:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.data import cell_text
+from bearingwear.document.table import cell_text
 from bearingwear.results.units import digits, display, span
 from bearingwear.scene.checking import read_record
 from bearingwear.studies.dataset import loaded
