@@ -239,15 +239,15 @@ def drawn() -> Figure:
     figure, panels = new_figure(1, 3, 7.2, 3.0)
     stiffness, deflection, off = panels[0]
     F = np.geomspace(100.0, 1500.0, 40)
-    stiffness.plot(F, [2e-6 * axial_stiffness_at(S6208C, one) for one in F], color="C0")
-    stiffness.plot(list(GMN), list(GMN.values()), color="C1", marker="o", linestyle="none")
+    stiffness.plot(F, [2e-6 * axial_stiffness_at(S6208C, one) for one in F], color="C2")
+    stiffness.plot(list(GMN), list(GMN.values()), color="C3", marker="o", linestyle="none")
     stiffness.set_xlabel("preload (N)")
     stiffness.set_title("GMN pair (N/µm)", loc="left")
     F = np.geomspace(SNFA_LOADS[0], SNFA_LOADS[-1], 30)
     for angle in SNFA_ANGLES:
-        deflection.plot(F, [snfa_deflection(angle, one) for one in F], color="C0")
+        deflection.plot(F, [snfa_deflection(angle, one) for one in F], color="C2")
         expected = [palmgren(7.938, 13, angle, one) for one in SNFA_LOADS]
-        deflection.plot(SNFA_LOADS, expected, color="C1", marker="o", linestyle="none")
+        deflection.plot(SNFA_LOADS, expected, color="C3", marker="o", linestyle="none")
         deflection.text(22.0, 0.75 * snfa_deflection(angle, 20.0), f"{angle:g}°")
     deflection.set_xlabel("thrust (N)")
     deflection.set_title("axial deflection (µm)", loc="left")
@@ -261,8 +261,8 @@ def drawn() -> Figure:
     kinds = small_groups()
     for k, group in enumerate(reversed(kinds)):
         off.plot(100 * np.maximum(np.abs(group.differences), 1e-5), np.full(len(group.rows), k),
-                 color="C0", marker="o", linestyle="none")  # fmt: skip
-        off.plot(100 * group.allowed, k, color="C1", marker="|", markersize=12)
+                 color="C2", marker="o", linestyle="none")  # fmt: skip
+        off.plot(100 * group.allowed, k, color="C3", marker="|", markersize=12)
         off.text(1e-3, k + 0.22, f"{group.name}, {group.source}")
     off.set_yticks([])
     off.set_ylim(-0.5, len(kinds) - 0.4)
@@ -277,10 +277,10 @@ def drawn() -> Figure:
         f"deflection within {100 * np.abs(bent.differences).max():.0f} % of Palmgren's formula"
     )
     handles = [
-        key("program", color="C0"),
-        key("theirs", color="C1", marker="o", linestyle="none"),
-        key("a row", color="C0", marker="o", linestyle="none"),
-        key("rms allowed", color="C1", marker="|", linestyle="none"),
+        key("program", color="C2"),
+        key("theirs", color="C3", marker="o", linestyle="none"),
+        key("a row", color="C2", marker="o", linestyle="none"),
+        key("rms allowed", color="C3", marker="|", linestyle="none"),
     ]
     frame(figure, title, handles, 4)
     return figure

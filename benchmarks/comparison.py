@@ -113,7 +113,7 @@ def scatter(axes: Any, rows: Sequence[Row], log: bool) -> None:
     theirs, ours = [row.expected for row in rows], [row.found for row in rows]
     ends = min(theirs + ours), max(theirs + ours)
     axes.plot(ends, ends, color="0.4", linewidth=0.8)
-    axes.plot(theirs, ours, color="C0", marker="o", markersize=2.5, linestyle="none")
+    axes.plot(theirs, ours, color="C2", marker="o", markersize=2.5, linestyle="none")
     if log:
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -122,6 +122,6 @@ def scatter(axes: Any, rows: Sequence[Row], log: bool) -> None:
 def histogram(axes: Any, values: np.ndarray, step: float) -> None:
     """How often differences of a size are, zero in the middle of a bar."""
     reach = step * (np.ceil(np.abs(values).max() / step) + 0.5)
-    axes.hist(values, bins=np.arange(-reach, reach + step, step), color="C0")
+    axes.hist(values, bins=np.arange(-reach, reach + step, step), color="C2")
     axes.set_ylabel("rows")
     axes.axvline(0.0, color="0.4", linewidth=0.8)

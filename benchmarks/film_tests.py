@@ -110,16 +110,16 @@ def _wrapped(line: str) -> str:
 
 def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
     figure, ((left, right),) = new_figure(1, 2, 7.2, 2.8)
-    left.plot(ends, (0, 0), color="C0", linewidth=6, alpha=0.4, solid_capstyle="butt")
-    left.plot(rev, 0, "o", color="C0")
-    left.plot(SEEN, 1, ">", color="C1")
+    left.plot(ends, (0, 0), color="C2", linewidth=6, alpha=0.4, solid_capstyle="butt")
+    left.plot(rev, 0, "o", color="C2")
+    left.plot(SEEN, 1, ">", color="C3")
     left.set_xscale("log")
     left.set_yticks((0, 1), ("program", "NASA"))
     left.set_ylim(-0.6, 1.6)
     left.set_xlabel("revolutions")
     lives = [LIVES[1] * archard, LIVES[1]]
-    right.plot(LOADS, LIVES, ">-", color="C1")
-    right.plot(LOADS, lives, "o-", color="C0")
+    right.plot(LOADS, LIVES, ">-", color="C3")
+    right.plot(LOADS, lives, "o-", color="C2")
     right.set_xscale("log")
     right.set_yscale("log")
     right.set_xticks(LOADS, [f"{load:g}" for load in LOADS])
@@ -128,8 +128,8 @@ def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
     right.set_xlabel("load (g)")
     right.set_ylabel("cycles")
     handles = [
-        key("program, 90 % of the table", color="C0", marker="o"),
-        key("test: at least", color="C1", linestyle="none", marker=">"),
+        key("program, 90 % of the table", color="C2", marker="o"),
+        key("test: at least", color="C3", linestyle="none", marker=">"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     figure.suptitle(f"A film of MoS2 lasted {SEEN / rev:.0f} times longer than the program has it")

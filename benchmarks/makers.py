@@ -253,11 +253,11 @@ def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: 
     for angle in (15.0, 25.0, 30.0):
         values = [ratios["NSK", angle, name] for name in classes]
         ends = [(min(one), max(one)) for one in values]
-        radial.plot(classes, [np.mean(one) for one in values], color="C0", marker="o")
-        radial.vlines(classes, *np.transpose(ends), color="C0", linewidth=3.0, alpha=0.4)
+        radial.plot(classes, [np.mean(one) for one in values], color="C2", marker="o")
+        radial.vlines(classes, *np.transpose(ends), color="C2", linewidth=3.0, alpha=0.4)
         theirs = [RADIAL_FACTORS.get(("NSK", angle, name)) or RADIAL_FACTORS["NSK", angle, ""]
                   for name in classes]  # fmt: skip
-        radial.plot(classes, theirs, color="C1", marker="_", markersize=12, linestyle="none")
+        radial.plot(classes, theirs, color="C3", marker="_", markersize=12, linestyle="none")
         radial.text(3.15, np.mean(values[-1]), f"{angle:g}°", va="center")
     radial.set_ylim(0.0)
     radial.set_xlabel("preload class")
@@ -271,8 +271,8 @@ def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: 
         f"within {groups[1].rms:.2f} µm, balls identified from load ratings"
     )
     handles = [
-        key("program (bar: all sizes)", color="C0", marker="o"),
-        key("catalogue", color="C1", marker="_", markersize=12, linestyle="none"),
+        key("program (bar: all sizes)", color="C2", marker="o"),
+        key("catalogue", color="C3", marker="_", markersize=12, linestyle="none"),
         key("equal", color="0.4"),
     ]
     frame(figure, title, handles, 3)

@@ -118,15 +118,20 @@ def main() -> None:
             )
             found.append((reduction.name, long / short, qv))
             axes.plot(
-                long / short, max(qv, LEAST), marker=MARKS[name], color=f"C{k}", linestyle="none"
+                long / short,
+                max(qv, LEAST),
+                marker=MARKS[name],
+                color=f"C{k + 2}",
+                linestyle="none",
             )
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.axvline(1.0, color="0.6", linewidth=0.8)
     axes.set_xlabel("times as fast as the fuller model")
-    axes.set_ylabel("difference of total QV, relative")
+    axes.set_ylabel(f"difference of total QV, {LEAST:g} at least")
     handles = [
-        key(r.name, color=f"C{k}", marker="o", linestyle="none") for k, r in enumerate(REDUCTIONS)
+        key(r.name, color=f"C{k + 2}", marker="o", linestyle="none")
+        for k, r in enumerate(REDUCTIONS)
     ]
     handles += [
         key(in_words(name), color="0.4", marker=mark, linestyle="none")
@@ -143,7 +148,7 @@ def main() -> None:
         f"left out save milliseconds and cost up to {100 * lost:.0f} %"
     )
     frame(figure, title, handles, columns=3)
-    save(figure, [FIGURE, FIGURE.with_suffix(".png")])
+    save(figure, [FIGURE])
 
 
 if __name__ == "__main__":

@@ -105,23 +105,23 @@ def drawn(own: np.ndarray, made: Mapping[str, np.ndarray]) -> Figure:
     places = np.arange(len(CLASSES))
     for axes, (name, values) in zip(panels[0][:3], made.items(), strict=True):
         for line in values:
-            axes.plot(places, line, color="C0", linewidth=0.5, alpha=0.5)
-        axes.plot(places, np.median(values, axis=0), color="C0", marker="o")
-        axes.plot(places, FACTORS, color="C1", marker="_", markersize=12, linestyle="none")
+            axes.plot(places, line, color="C2", linewidth=0.5, alpha=0.5)
+        axes.plot(places, np.median(values, axis=0), color="C2", marker="o")
+        axes.plot(places, FACTORS, color="C3", marker="_", markersize=12, linestyle="none")
         axes.set_xticks(places, CLASSES)
         axes.set_ylim(0.0, 1.0)
         axes.set_xlabel("preload class")
         axes.set_title(f"share, {name}", loc="left")
     last = panels[0][3]
-    last.plot([entry_of("NSK", name)[0].bore for name in SIZES], own / 1e6, color="C0", marker="o")
+    last.plot([entry_of("NSK", name)[0].bore for name in SIZES], own / 1e6, color="C2", marker="o")
     last.set_ylim(0.0)
     last.set_xlabel("bore (mm)")
     last.set_title("p v (MPa m/s)", loc="left")
     title = "Speed of a rigid pair over that of one under a light spring: p v misses the trend"
     handles = [
-        key("20 sizes", color="C0", linewidth=0.5),
-        key("their median", color="C0", marker="o"),
-        key("NSK", color="C1", marker="_", markersize=12, linestyle="none"),
+        key("20 sizes", color="C2", linewidth=0.5),
+        key("their median", color="C2", marker="o"),
+        key("NSK", color="C3", marker="_", markersize=12, linestyle="none"),
     ]
     frame(figure, title, handles, 3)
     return figure

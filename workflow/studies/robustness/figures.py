@@ -141,15 +141,16 @@ def map_title(solved: xr.Dataset) -> str:
 # Branches
 
 _WAYS: dict[str, dict[str, Any]] = {
-    "up": {"color": "C0", "linestyle": "-", "linewidth": 3.5, "alpha": 0.45},
-    "down": {"color": "C1", "linestyle": "--"},
+    "up": {"color": "C2", "linestyle": "-", "linewidth": 3.5, "alpha": 0.45},
+    "down": {"color": "C3", "linestyle": "--"},
     "anew": {"color": "black", "linestyle": "none", "marker": ".", "markersize": 3},
 }
 _SHOWN = {
     "orbit_share": "orbit rate over shaft rate",
     "total_qv": "QV of the bearing (W)",
-    "loss_rate": "rate of loss (m/s)",
+    "loss_rate": "rate of loss (nm/s)",
 }
+_NANO = {"loss_rate": 1e9}
 
 
 def branches_figure(solved: Path) -> Figure:
@@ -164,7 +165,7 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
     ways = solved.attrs["ways"].split()
     for axes, (name, text) in zip(panels.flat, _SHOWN.items(), strict=True):
         for way, values in zip(ways, solved[name].values, strict=True):
-            axes.plot(along, values, **_WAYS[way])
+            axes.plot(along, _NANO.get(name, 1.0) * values, **_WAYS[way])
         axes.set_ylabel(text)
         axes.set_xlabel(AXIS_LABELS[solved.attrs["key"]])
         if solved.attrs["log"]:
@@ -172,7 +173,8 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
     handles = [
         key({"anew": "found anew (life)"}.get(way, f"followed {way}"), **_WAYS[way]) for way in ways
     ]
-    frame(figure, f"{solved.attrs['shown']}: {hysteresis(solved)}", handles, columns=3)
+    title = f"{solved.attrs['shown']}: {hysteresis(solved)}"
+    frame(figure, title[:1].upper() + title[1:], handles, columns=3)
     return figure
 
 
@@ -184,5 +186,7 @@ def hysteresis(solved: xr.Dataset) -> str:
     apart = np.abs(up / down - 1.0) > 1e-4  # False where only one is finite
     if (one | apart).any():
         where = solved["along"].values[one | apart]
-        return f"two answers from {where.min():.3g} to {where.max():.3g}"
+        _, _, unit = AXIS_LABELS[solved.attrs["key"]].partition(" (")
+        ends = f"{where.min():.3g} to {where.max():.3g} {unit.rstrip(')')}"
+        return f"two answers from {ends.strip()}"
     return "up and down lead over the same states"
