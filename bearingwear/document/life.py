@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bearingwear.document.document import VARIABLES, Block, Row, row_of
-from bearingwear.document.pair import bearings_of
+from bearingwear.document.pair import bearings_of, of_bearings
 from bearingwear.document.rows import (
     COUNTED,
     in_one_unit,
     mean,
     mean_rows,
     meaning,
-    side_by_side,
     values,
 )
 from bearingwear.kernels.status import OK, STATUS_NAMES
@@ -46,26 +44,22 @@ MET = 1e-3
 
 _ROUNDING = 1e-12  # of the larger of two ends: what is smaller is shown as nothing
 
-OF_BOTH = ("wear counted", "life")
-"""Blocks that are shown once for two bearings."""
-
 
 def life_blocks(file: Any) -> list[Block]:
-    """Blocks of a life; of two bearings that differ, side by side."""
-    titles, views = zip(*bearings_of(file), strict=True)
-    of_each = [_life_blocks(one) for one in views]
-    shared = [block for block in of_each[0] if block.title in OF_BOTH]
-    own = [[block for block in blocks if block.title not in OF_BOTH] for blocks in of_each]
-    if len(own) > 1:
-        return in_one_unit(shared + side_by_side(own))
-    return in_one_unit(
-        shared + [replace(block, title=f"{titles[0]}{block.title}") for block in own[0]]
-    )
+    """Blocks of a life."""
+    ((_, first), *_) = bearings_of(file)
+    return in_one_unit([*_of_both(first), *of_bearings(file, _of_each)])
 
 
-def _life_blocks(file: Any) -> list[Block]:
+def _scene_of(file: Any) -> tuple[dict[str, Any], int]:
+    """The scene of a file, and the index of what it counts as wear."""
     scene = json.loads(getattr(file, "scene", "{}"))
-    counted = COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
+    return scene, COUNTS.index(scene.get("wear", {}).get("counts", COUNTS[-1]))
+
+
+def _of_both(file: Any) -> list[Block]:
+    """Blocks that are shown once for two bearings."""
+    scene, counted = _scene_of(file)
     # a dynamic life follows one way of counting
     followed = [k for k in range(len(COUNTS)) if k == counted or np.isfinite(_life_of(file, k))]
     lives = tuple(
@@ -77,16 +71,17 @@ def _life_blocks(file: Any) -> list[Block]:
     by_wear = () if band is None else (Row(BY_WEAR, "h", (band,), "life_by_wear_alone"),)
     loss = row_of("loss_at_end", [values(file, "loss_at_end")])
     ended = Row("ended by", "", (_words(file, "end_criterion"),), "end_criterion")
-    said = (str(file.ended_by),) if hasattr(file, "ended_by") else ()
-    blocks = [
+    lines = filter(None, [str(getattr(file, "ended_by", "")), *_calibrated(scene), taken])
+    return [
         Block("wear counted", tuple(COUNTED[k] for k in followed), lives),
-        Block(
-            "life",
-            (),
-            (own, *by_wear, ended, loss),
-            (*said, *_calibrated(scene), *filter(None, [taken])),
-        ),
+        Block("life", (), (own, *by_wear, ended, loss), tuple(lines)),
     ]
+
+
+def _of_each(file: Any) -> list[Block]:
+    """Blocks of a bearing."""
+    scene, counted = _scene_of(file)
+    blocks = []
     if "step" in file.dimensions and file.dimensions["step"].size:
         more = (name for name in (*WITH_GROOVES, *WITH_FILMS) if name in file.variables)
         names = ("history_residual_preload", "history_total_qv", *more)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bearingwear.document.document import Block, Row, row_of
-from bearingwear.document.rows import limits_of_rows, marked, mean_rows, values
+from bearingwear.document.rows import limits_of_rows, marked, mean_rows, side_by_side, values
 from bearingwear.results.pair_variables import MODES, OF_BEARING
 
 SYSTEM_ROWS = (
@@ -71,6 +73,15 @@ def bearings_of(file: Any) -> list[tuple[str, Any]]:
     if alike:
         return [("each bearing: ", views[0])]
     return [(f"bearing {k}: ", view) for k, view in enumerate(views, 1)]
+
+
+def of_bearings(file: Any, blocks_of: Callable[[Any], list[Block]]) -> list[Block]:
+    """Blocks of each bearing of a file: of two that differ, side by side."""
+    titles, views = zip(*bearings_of(file), strict=True)
+    of_each = [blocks_of(one) for one in views]
+    if len(of_each) > 1:
+        return side_by_side(of_each)
+    return [replace(block, title=f"{titles[0]}{block.title}") for block in of_each[0]]
 
 
 def _each(file: Any, name: str) -> np.ndarray | None:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bearingwear.document.document import Block, Document, Row, row_of
+from bearingwear.document.document import Block, Document, Row, quantity_row, row_of
 from bearingwear.document.life import life_blocks
-from bearingwear.document.pair import bearings_of, system_blocks
+from bearingwear.document.pair import of_bearings, system_blocks
 from bearingwear.document.rows import (
     COUNTED,
     limits_of_rows,
@@ -22,7 +22,6 @@ from bearingwear.document.rows import (
     mean,
     mean_rows,
     operation_lines,
-    side_by_side,
     solved_rows,
     values,
 )
@@ -31,7 +30,7 @@ from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
 from bearingwear.results.netcdf import in_memory, opened
 from bearingwear.results.pair_variables import SYSTEM
-from bearingwear.results.units import digits, display
+from bearingwear.results.units import digits
 from bearingwear.results.variables import CASE, DIAGNOSTICS, EXTREMES, RACES, of_all_balls
 from bearingwear.results.warnings import WARNING, warning_lines
 from bearingwear.solvers.result import status_sentence
@@ -189,13 +188,8 @@ def _race_row(file: Any, name: str, limits: Mapping[str, float]) -> Row:
 
 
 def _case(file: Any) -> list[Block]:
-    """Blocks of a case; of two bearings that differ, side by side."""
-    titles, views = zip(*bearings_of(file), strict=True)
-    of_each = [_case_of(one) for one in views]
-    if len(of_each) > 1:
-        return system_blocks(file) + side_by_side(of_each)
-    alone = [replace(block, title=f"{titles[0]}{block.title}") for block in of_each[0]]
-    return system_blocks(file) + alone
+    """Blocks of a case."""
+    return system_blocks(file) + of_bearings(file, _case_of)
 
 
 def _case_of(file: Any) -> list[Block]:
@@ -205,11 +199,9 @@ def _case_of(file: Any) -> list[Block]:
     contacts = (*CONTACT, *(name for name in _further(("ball", "race")) if name in file.variables))
     names = [name for name in contacts if name not in LOAD_RANGE or name in file.variables]
     contact = tuple(_race_row(file, name, limits) for name in names)
-    power = _friction_power(file)
-    unit = display("W", power)
     bearing = (
         *mean_rows(file, BEARING, limits),
-        Row("friction power", unit.unit, (unit.of(power),), "friction_power"),
+        quantity_row("friction power", "W", [_friction_power(file)], "friction_power"),
         *mean_rows(file, (*LOSSES, *_further((), ("ball",)))),
         *_stiffness_rows(file),
     )
@@ -229,13 +221,10 @@ def _stiffness_rows(file: Any) -> tuple[Row, ...]:
     if "stiffness_matrix" not in file.variables:
         return ()
     each = np.diagonal(values(file, "stiffness_matrix"))
-    radial, tilting = (float(each[k : k + 2].mean()) for k in (1, 3))
+    units = {"radial": ("N m-1", each[1:3]), "tilting": ("N m rad-1", each[3:5])}
     return tuple(
-        Row(label, unit.unit, (unit.of(value),), label.removeprefix("dynamic ").replace(" ", "_"))
-        for label, value, unit in (
-            ("dynamic radial stiffness", radial, display("N m-1", radial)),
-            ("dynamic tilting stiffness", tilting, display("N m rad-1", tilting)),
-        )
+        quantity_row(f"dynamic {way} stiffness", unit, [both.mean()], f"{way}_stiffness")
+        for way, (unit, both) in units.items()
     )
 
 
@@ -275,23 +264,17 @@ def _grown(file: Any) -> list[Block]:
 
 def _diagnostics(file: Any) -> list[Block]:
     """How well a result was solved, and what made it."""
-    rows = []
-    for name in file.variables:
-        if name in DIAGNOSTICS and (found := values(file, name)).size <= len(COUNTED):
-            rows.append(row_of(name, found[np.isfinite(found)].ravel()))
-    told = ("scene", "warnings", "modelled", "title", "comment", "references", "Conventions")
-    attributes = [
-        f"{name}: {_short(file.getncattr(name))}" for name in file.ncattrs() if name not in told
-    ]
-    return [
-        *(
-            [Block("how well it was solved", (), tuple(r for r in rows if r.values))]
-            if rows
-            else []
-        ),
+    found = ((name, values(file, name)) for name in file.variables if name in DIAGNOSTICS)
+    rows = (row_of(name, v[np.isfinite(v)].ravel()) for name, v in found if v.size <= len(COUNTED))
+    elsewhere = ("scene", "warnings", "modelled", "title", "comment", "references", "Conventions")
+    names = [name for name in file.ncattrs() if name not in elsewhere]
+    attributes = tuple(f"{name}: {_short(file.getncattr(name))}" for name in names)
+    blocks = (
+        Block("how well it was solved", (), tuple(row for row in rows if row.values)),
         Block("what was modelled", lines=tuple(json.loads(getattr(file, "modelled", "[]")))),
-        Block("how it was made", lines=tuple(attributes)),
-    ]
+        Block("how it was made", lines=attributes),
+    )
+    return [block for block in blocks if block.rows or block.lines]
 
 
 def _short(value: Any) -> str:

@@ -1,63 +1,75 @@
 """Table of lives that were solved with the dynamic model."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.markdown import markdown_table
-from bearingwear.results.units import Display, display
+from bearingwear.document.document import Block, Document, Row, quantity_row
+from bearingwear.document.markdown import as_markdown
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import criterion, dynamic_life, ended_by
 
-HOURS, LOSS, VOLUME = display("h"), display("m"), display("m3", 1e-9)
+COLUMN_WORDS = (
+    "Error bound: from the steps and the scatter of the runs. Balls' wear: lost by each since the "
+    "start, over the mean. The steady life is that of the same scene under its thrust alone, "
+    "without the cage, at the mean loss."
+)
 
 
 def lives_table(lives: Sequence[Path]) -> str:
     """Step: lives by the names of their files, beside the steady ones, as Markdown."""
-    rows = [[path.stem, *_numbers(dynamic_life(path))] for path in lives]
-    parts = [
-        "# Wear life, followed dynamically",
-        markdown_table(
-            "life of | life (h) | ± (h) | ended by | steady life (h) | ended by "
-            "| steady time to the same loss (h) | loss (µm) | balls' wear, least and most of the "
-            f"mean | {VOLUME.label('pockets and land')}",
-            rows,
+    found = [dynamic_life(path) for path in lives]
+    steady = [
+        criterion(one, "steady_end_criterion") if "steady_life" in one else "–" for one in found
+    ]
+    rows = (
+        Row("life of", "", tuple(path.stem for path in lives)),
+        quantity_row("life", "h", [_counted(one, "life") for one in found]),
+        quantity_row("error bound", "h", [_counted(one, "life_error_bound") for one in found]),
+        Row("ended by", "", tuple(map(ended_by, found))),
+        quantity_row("steady life", "h", [_number(one, "steady_life") for one in found]),
+        Row("steady life ended by", "", tuple(steady)),
+        quantity_row(
+            "steady time to the same loss",
+            "h",
+            [_number(one, "steady_time_to_loss") for one in found],
         ),
-        "±: error bound from the steps and the scatter of the runs. Balls' wear: lost by each "
-        "since the start. The steady life is that of the same scene under its thrust alone, "
-        "without the cage, at the mean loss.",
-    ]
-    return "\n\n".join(parts) + "\n"
+        quantity_row("loss", "m", [_number(one, "loss_at_end") for one in found]),
+        *(
+            Row(f"balls' wear, {word}", "", tuple(_share(one, word) for one in found))
+            for word in ("least", "most")
+        ),
+        *(
+            quantity_row(f"wear, {part}", "m3", [_worn(one, part) for one in found])
+            for part in ("pocket", "land")
+        ),
+    )
+    block = Block(rows=rows, axes=1, lines=(COLUMN_WORDS,))
+    return as_markdown(Document(("Wear life, followed dynamically",), blocks=(block,)))
 
 
-def _numbers(life: xr.Dataset) -> list[str]:
-    """A row of the table."""
-    k = counted(life)
+def _counted(life: xr.Dataset, name: str) -> float:
+    """By what the scene counts as wear; of a life that no run was solved for, not known."""
+    return float(life[name][counted(life)]) if "history_ball_worn_volume" in life else math.nan
 
-    def one(name: str, unit: Display = HOURS) -> str:
-        return unit.text(life[name] if name in life else np.nan)
 
-    # of a life that no run was solved for there is no history
+def _number(life: xr.Dataset, name: str) -> float:
+    return float(life[name]) if name in life else math.nan
+
+
+def _share(life: xr.Dataset, word: str) -> float:
+    """What the ball that wears least or most has lost, over the mean."""
     if "history_ball_worn_volume" not in life:
-        return [*["–"] * 2, ended_by(life), one("steady_life"), *["–"] * 5]
+        return math.nan
     balls = life["history_ball_worn_volume"].values[-1]
-    spread = balls / balls.mean() if balls.mean() > 0.0 else np.full(1, np.nan)
-    cage = "–"
-    if "history_pocket_worn_volume" in life:
-        pockets = life["history_pocket_worn_volume"].values[-1].sum()
-        land = life["history_land_worn_volume"].values[-1]
-        cage = f"{VOLUME.text(pockets)}, {VOLUME.text(land)}"
-    steady = criterion(life, "steady_end_criterion") if "steady_life" in life else "–"
-    return [
-        HOURS.text(life["life"][k]),
-        HOURS.text(life["life_error_bound"][k]),
-        ended_by(life),
-        one("steady_life"),
-        steady,
-        one("steady_time_to_loss"),
-        one("loss_at_end", LOSS),
-        f"{spread.min():.3f}, {spread.max():.3f}",
-        cage,
-    ]
+    worn = balls.min() if word == "least" else balls.max()
+    return float(worn / balls.mean()) if balls.mean() > 0.0 else math.nan
+
+
+def _worn(life: xr.Dataset, part: str) -> float:
+    """Volume that all pockets, or the land, have lost."""
+    name = f"history_{part}_worn_volume"
+    return float(np.sum(life[name].values[-1])) if name in life else math.nan
