@@ -20,7 +20,7 @@ METHODS = {"rigid_pair": "fixed_position", "spring_pair": "constant_force"}
 """The preload method that each pair is made by."""
 
 PAIRS = {method: kind for kind, method in METHODS.items()}
-"""The pair that is made by each preload method."""
+"""The kind of pair for each preload method."""
 
 MOST_IN_TANDEM = 8
 

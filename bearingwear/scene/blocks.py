@@ -179,7 +179,7 @@ class Operation:
         "Speed of the outer race, in either direction", "r/min", "[-1e7, 1e7]", default=0.0
     )
     preload_method: str = setting(
-        "How the preload is held, a spring or a fixed distance", choices=PRELOAD_METHODS
+        "How the preload is applied: by a spring or by a fixed distance", choices=PRELOAD_METHODS
     )
     preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]")
     radial_load_N: tuple[float, float] = setting(
