@@ -134,7 +134,7 @@ STANDARD = NAMED_PRESETS["standard"]
 
 
 def slip_is_over(contact: str, slip_over: str | None) -> str:
-    """Where a contact model takes slip, unless it is said: `line` or `ellipse`."""
+    """Where each contact model evaluates slip by default: `line` or `ellipse`."""
     return slip_over or SLIP_OVER[contact != "paper"]
 
 
@@ -220,7 +220,7 @@ class Model:
     )
     evaluated_turns: float | None = setting(
         "Shaft turns at the end of the simulated ones over which averages are taken, their "
-        "second half if left out (at most model.simulated_turns)",
+        "second half if omitted (at most model.simulated_turns)",
         "1",
         "(0, 1e6]",
         default=None,

@@ -90,7 +90,7 @@ class Arrangement:
     )
     stop_um: float | None = setting(
         "Way by which the spring of a constant force can be pressed until it bottoms or a snubber "
-        "takes over, at launch (no end if left out)",
+        "takes over, at launch (no end if omitted)",
         "um",
         "[0, 1e5]",
         default=None,

@@ -100,24 +100,24 @@ class Material:
         "Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]"
     )
     yield_pressure_GPa: float | None = setting(
-        "Largest contact pressure that leaves no dent, for a warning (if left out 4.2, as "
+        "Largest contact pressure that leaves no dent, for a warning (if omitted 4.2, as "
         "ISO 76 has it for steel, assumed for other materials)",
         "GPa",
         "(0, 100]",
         default=None,
     )
     thermal_expansion_1_K: float | None = setting(
-        f"Thermal expansion, linear ({STEEL_EXPANSION:g} if left out, assumed as of bearing "
+        f"Thermal expansion, linear ({STEEL_EXPANSION:g} if omitted, assumed as of bearing "
         "steel, parts of unlike materials with temperatures need it)",
         "1/K",
         "[0, 1e-4]",
         default=None,
     )
     film: Film | None = setting(
-        "A solid film on the balls or races of this material, none if left out", default=None
+        "A solid film on the balls or races of this material, none if omitted", default=None
     )
     running_in: RunningIn | None = setting(
-        "How its wear coefficient changes while its surface is new, not if left out", default=None
+        "How its wear coefficient changes while its surface is new, not if omitted", default=None
     )
 
 
@@ -165,7 +165,7 @@ class Cage:
     )
     film: Film | None = setting(
         "A solid film on the walls of the pockets and the guiding surface, seen by `bearingwear "
-        "cage` alone, none if left out",
+        "cage` alone, none if omitted",
         default=None,
     )
 
@@ -275,7 +275,7 @@ class Wear:
     )
     ball_track: str = setting(
         "How balls wear in a life with worn grooves: evenly, because their axes wander "
-        "(spread), or in bands about axes that stay",
+        "(spread), or in bands about fixed axes",
         choices=BALL_TRACKS,
         default=BALL_TRACKS[0],
     )

@@ -20,13 +20,13 @@ class Film:
 
     thickness_um: float = setting("Thickness of the film when new", "um", _THICKNESS)
     wear_coefficient: float | None = setting(
-        "Wear coefficient of the film, that of friction.film if left out (of a cage, its own)",
+        "Wear coefficient of the film, that of friction.film if omitted (of a cage, its own)",
         "1",
         _SHARE,
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of friction.film, or of what lies below, if left out (of a "
+        "Hardness of the film, that of friction.film, or of what lies below, if omitted (of a "
         "cage, its own)",
         "GPa",
         "[0.001, 100]",
@@ -60,32 +60,32 @@ class FilmFriction:
     )
     thickness_um: float | None = setting(
         "Thickness of the film on each race when new (materials.NAME.film for balls), never "
-        "worn through if left out",
+        "worn through if omitted",
         "um",
         _THICKNESS,
         default=None,
     )
     wear_coefficient: float | None = setting(
-        "Wear coefficient of all that rubs while there is a film, of the materials if left out",
+        "Wear coefficient of all that rubs while there is a film, of the materials if omitted",
         "1",
         _SHARE,
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of what lies below if left out",
+        "Hardness of the film, that of what lies below if omitted",
         "GPa",
         "[0.001, 100]",
         default=None,
     )
     bare_ball_race: float | None = setting(
-        "Coulomb coefficient where the film is worn through, as with the film if left out",
+        "Coulomb coefficient where the film is worn through, as with the film if omitted",
         "1",
         "[0, 2]",
         default=None,
     )
     pressure_exponent: float | None = setting(
         "Power of the mean contact pressure, over reference_pressure_GPa, with which the film "
-        "wears, not in dynamic lives (none if left out)",
+        "wears, not in dynamic lives (none if omitted)",
         "1",
         "[0, 10]",
         default=None,

@@ -86,7 +86,7 @@ class Drive:
         default="analysis",
     )
     bearings_as: str | None = setting(
-        "As which resistance the torque of the bearings counts (if left out friction of ecss, and "
+        "As which resistance the torque of the bearings counts (if omitted friction of ecss, and "
         "fixed of nasa, as it reads)",
         longest=40,
         default=None,

@@ -88,7 +88,7 @@ class Scene:
     """
 
     name: str = setting(
-        "Name of the scene, that of its file if left out", pattern=NAME, default="bearing"
+        "Name of the scene, that of its file if omitted", pattern=NAME, default="bearing"
     )
     description: str = setting(
         "What the scene is and where its numbers come from",
@@ -104,30 +104,30 @@ class Scene:
         each="One material, under a name of your choice (letters, digits, _ and -)",
     )
     cage: Cage | None = setting(
-        "The cage, none if left out (a cage alone does not require the dynamic model)", default=None
+        "The cage, none if omitted (a cage alone does not require the dynamic model)", default=None
     )
     operation: Operation = setting("Speeds, preload and loads")
     arrangement: Arrangement | None = setting(
-        "How many bearings hold the rotor, a single one if left out", default=None
+        "How many bearings hold the rotor, a single one if omitted", default=None
     )
     launch: Launch | None = setting(
-        "Accelerations at launch, while nothing turns, none if left out", default=None
+        "Accelerations at launch, while nothing turns, none if omitted", default=None
     )
     drive: Drive | None = setting(
-        "What turns the shaft, for its torque margin, none if left out", default=None
+        "What turns the shaft, for its torque margin, none if omitted", default=None
     )
     temperature: Temperature | None = setting(
-        "How warm the parts are, as mounted if left out", default=None
+        "How warm the parts are, as mounted if omitted", default=None
     )
     thermal: Thermal | None = setting(
         "Temperatures of rings and balls found from the friction heat, in place of given ones",
         default=None,
     )
     fits: Fits | None = setting(
-        "Fits of the rings on their seats, rings grow freely if left out", default=None
+        "Fits of the rings on their seats, rings grow freely if omitted", default=None
     )
     friction: Friction = setting("Friction")
-    lubricant: Lubricant = setting("Lubricant, no drag if left out", default_factory=Lubricant)
+    lubricant: Lubricant = setting("Lubricant, no drag if omitted", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
         "Distributions of values of the scene for the study of uncertainty, each a block "

@@ -82,7 +82,7 @@ class Distribution:
         choices=tuple(PARAMETERS),
     )
     mean: float | None = setting(
-        "Mean of a normal distribution, the scene's own value if left out",
+        "Mean of a normal distribution, the scene's own value if omitted",
         "as the value",
         default=None,
     )
@@ -90,7 +90,7 @@ class Distribution:
         "Standard deviation of a normal distribution", "as the value", above=0, default=None
     )
     median: float | None = setting(
-        "Median of a lognormal distribution, the scene's own value if left out",
+        "Median of a lognormal distribution, the scene's own value if omitted",
         "as the value",
         above=0,
         default=None,
@@ -109,13 +109,13 @@ class Distribution:
         "Largest value of a uniform distribution", "as the value", default=None
     )
     same_for_batch: bool | None = setting(
-        "Whether it is one unknown number for all bearings of a batch (true if left out for "
+        "Whether it is one unknown number for all bearings of a batch (true if omitted for "
         "hardness, wear coefficient, friction and drag), or scatters from bearing to bearing",
         default=None,
     )
     friction_correlation: float | None = setting(
         "Correlation of the wear coefficient with the uncertain friction, of their logarithms "
-        "where both are lognormal (none if left out)",
+        "where both are lognormal (none if omitted)",
         "1",
         "(-1, 1)",
         default=None,

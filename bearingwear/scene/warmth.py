@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _DEGREES = "[-273.15, 1000]"
 _CONDUCTANCE = "[1e-6, 1e6]"
-_AS_REFERENCE = "that of mounting if left out"
+_AS_REFERENCE = "that of mounting if omitted"
 
 LARGEST_STRAIN = 0.01
 """Thermal expansion of a part, relative, beyond which a scene is refused."""
@@ -35,14 +35,14 @@ class Temperature:
         f"Temperature of the balls, {_AS_REFERENCE}", "degC", _DEGREES, default=None
     )
     shaft_C: float | None = setting(
-        "Temperature of the shaft (if left out, axial positions are as mounted and the "
+        "Temperature of the shaft (if omitted, axial positions are as mounted and the "
         "shaft is as warm as the inner ring for the fit)",
         "degC",
         _DEGREES,
         default=None,
     )
     housing_C: float | None = setting(
-        "Temperature of the housing (if left out, as for the shaft)", "degC", _DEGREES, default=None
+        "Temperature of the housing (if omitted, as for the shaft)", "degC", _DEGREES, default=None
     )
     reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
 
@@ -92,10 +92,10 @@ class Fits:
         "Diameter of the hole in the shaft, 0 for a full one", "mm", "[0, 20000]", default=0.0
     )
     shaft_material: str | None = setting(
-        "Material of the shaft, that of the races if left out", pattern=NAME, default=None
+        "Material of the shaft, that of the races if omitted", pattern=NAME, default=None
     )
     housing_material: str | None = setting(
-        "Material of the housing, taken as thick, that of the races if left out",
+        "Material of the housing, taken as thick, that of the races if omitted",
         pattern=NAME,
         default=None,
     )
