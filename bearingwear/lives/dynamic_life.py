@@ -49,7 +49,6 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
 
 
 def follow_motion(wearing: Motion) -> Life:
-    """The life of a scene that moves."""
     steps = wearing.scene.model.life_steps
     return follow(wearing, Criteria(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps))
 
@@ -124,7 +123,6 @@ def steady_scene(scene: Scene) -> Scene:
 
 
 def steady_sentence(scene: Scene) -> str:
-    """Sentence on what the steady life leaves out of a scene."""
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     return f"the scene without {', '.join(left)}" if left else "the scene"
 

@@ -48,7 +48,6 @@ class Criteria:
 
 
 def with_end(scene: Scene, end: EndOfLife) -> Scene:
-    """The scene with another end of life."""
     return replace(scene, wear=replace(scene.wear, end_of_life=end))
 
 

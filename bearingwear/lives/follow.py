@@ -99,7 +99,6 @@ class Method:
         raise NotImplementedError
 
     def at(self, x: float) -> Node:
-        """A node within the last step."""
         raise NotImplementedError
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
@@ -147,12 +146,10 @@ class Life:
 
     @property
     def bearings(self) -> list[list[State]]:
-        """States of each bearing."""
         return [list(one) for one in zip(*(node.states for node in self.nodes), strict=True)]
 
     @property
     def states(self) -> list[State]:
-        """States of the first bearing."""
         return [node.states[0] for node in self.nodes]
 
     def first(self, ends: Criteria, counts: int = 1) -> float:

@@ -30,7 +30,6 @@ Wears = tuple[WornDepths, ...]
 
 
 def point_of(state: State) -> WornPoint:
-    """What has been solved."""
     return state.answer.answer
 
 
@@ -89,7 +88,6 @@ class Grooves:
         return self._last
 
     def with_stiffness(self) -> States:
-        """The states last solved, with both stiffnesses."""
         each = zip(self.sides, self._found.sides, strict=True)
         sides = tuple(side.with_stiffness(one) for side, one in each)
         found = self.bearings.arranged(sides, self._found)
@@ -141,7 +139,6 @@ class Grooves:
         return max(max(side.factors) for side in self.sides) > 0.0
 
     def events(self, node: Node) -> np.ndarray:
-        """The largest loss that is followed."""
         left = [
             1.0 - state.loss / largest_loss(side.scene)
             for side, state in zip(self.sides, node.states, strict=True)

@@ -194,7 +194,6 @@ class InTime(Method):
         return self.tried(min(life.last.x + self._longest, bound))
 
     def tried(self, end: float) -> LifeStep:
-        """A step to an end."""
         node = self.at(end)
         if node.status != code.OK:
             return LifeStep(end=end, status=node.status, failed=node)

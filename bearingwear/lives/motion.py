@@ -33,8 +33,6 @@ _CLEARANCES = ("pocket_clearance", "guide_clearance")
 
 @dataclass(frozen=True)
 class Run:
-    """What a dynamic run found."""
-
     status: int
     carried_on: bool = False
     values: dict[str, Any] = field(default_factory=dict)
@@ -44,12 +42,10 @@ class Run:
 
     @property
     def end(self) -> dict[str, Any]:
-        """State from which the next run continues."""
         return {"state": self.values["final_state"], "time": self.values["final_time"]}
 
 
 def run_at(node: Node) -> Run:
-    """The run at a point of a life."""
     return node.states[0].answer
 
 
@@ -201,7 +197,6 @@ class Motion:
         return float(min(known, default=math.inf))
 
     def report_progress(self, node: Node, horizon: float) -> None:
-        """Report the progress of the life."""
         if self.progress is not None:
             loss = self.parts.loss(node.worn).mean() / parameters.UM
             hours = node.x / 3600.0, horizon / 3600.0

@@ -129,7 +129,6 @@ class Surfaces:
         self.origin, self.range = 0.0, sum(one.room for one in self.each)
 
     def parts(self, worn: np.ndarray) -> Iterator[tuple[EvenWear, np.ndarray]]:
-        """Each bearing, and what is worn of it."""
         return zip(self.each, (worn[part] for part in self._parts), strict=True)
 
     def state(self, worn: np.ndarray) -> States:
@@ -148,7 +147,6 @@ class Surfaces:
         return min(one.rate.min() for one in node.states) > 0.0
 
     def events(self, node: Node) -> np.ndarray:
-        """The largest loss that is followed, and the end of each film."""
         room, films = [], list[float]()
         for wear, part in self.parts(node.worn):
             room.append(1.0 - wear.condition(part, self.counts).loss / wear.largest)

@@ -48,7 +48,6 @@ class WornParts:
 
     @property
     def nothing(self) -> np.ndarray:
-        """The vector of what has worn at the start."""
         return np.zeros(self.layout.size)
 
     def loss(self, worn: np.ndarray) -> np.ndarray:
@@ -89,7 +88,6 @@ class WornParts:
         return replace(self.scene, wear=wear, cage=cage, model=self.model)
 
     def rates(self, values: dict[str, Any]) -> np.ndarray:
-        """Rates of what wears, from the averages of a run."""
         p, rates = self.layout, np.zeros(self.layout.size)
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
         rates[p.ball] = values["ball_wear_rate"]

@@ -16,14 +16,10 @@ USABLE = (code.OK, code.UNVERIFIED)
 
 
 class Place(NamedTuple):
-    """A bearing kept at an axial displacement."""
-
     delta_a: float  # [m]
 
 
 class Force(NamedTuple):
-    """A bearing under an axial force on its inner race."""
-
     F_x: float  # [N]
 
 
@@ -139,7 +135,6 @@ class Wrapper:
 
 
 def innermost(solver: Any) -> Any:
-    """The model of a bearing inside all wrappers."""
     while isinstance(solver, Wrapper):
         solver = solver.solver
     return solver

@@ -24,7 +24,6 @@ class Interrupt:
         self.wanted = True
 
     def check(self) -> None:
-        """Raise KeyboardInterrupt if Ctrl-C was pressed."""
         if self.wanted:
             raise KeyboardInterrupt
 

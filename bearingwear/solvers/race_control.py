@@ -42,8 +42,6 @@ LARGEST_PRELOAD_ERROR = 1e-6  # share of a spring's force that may be left unbal
 
 
 class RaceControl:
-    """A bearing by race control, also under radial load."""
-
     unsteady = code.NO_RACE_CONTROL
 
     def __init__(self, scene: Scene):
@@ -118,7 +116,6 @@ class RaceControl:
 
 
 def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
-    """Heat of a result, by whatever model."""
     n = scene.bearing.ball_count
     inner, outer = (float(n * heat) for heat in np.mean(values["friction_heat"], axis=0))
     return HeatFlow(inner, outer, drag=float(values["drag_power"]))
@@ -163,7 +160,6 @@ def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float
 def checked_status(
     problem: RaceControlProblem, balance: Balance, residual: float, allowed: float
 ) -> int:
-    """OK, or why a solved equilibrium must not be used."""
     if not residual <= allowed:
         return code.UNVERIFIED
     # Rounding of loads a million times as large swallows a spring's force.

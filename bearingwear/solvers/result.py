@@ -31,12 +31,10 @@ class Result:
 
     @property
     def status(self) -> str:
-        """Name of the status code."""
         return STATUS_NAMES[int(self.values["status"])]
 
     @property
     def reason(self) -> str:
-        """The status in a sentence."""
         return status_sentence(self.status, json.loads(self.attrs.get("scene", "{}")))
 
 

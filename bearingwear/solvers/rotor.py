@@ -59,8 +59,6 @@ WARM_BALANCED = 0.1 * HEAT_BALANCED  # force left while temperatures are found, 
 
 
 class RotorState(NamedTuple):
-    """The bearings of a rotor, solved."""
-
     status: int
     sides: tuple[SolvedBearing, ...] = ()
     shift: float = math.nan  # of the rotor from where it was mounted, towards +X [m]
@@ -79,7 +77,6 @@ class RotorState(NamedTuple):
 
 
 def states_of(sides: Sequence[Solver], conditions: Conditions, found: RotorState) -> States:
-    """What a life needs of each bearing."""
     if found.status != code.OK:
         return tuple(State.unsolved(found.status, one.loss) for one in conditions)
     each = zip(sides, found.sides, strict=True)
@@ -105,7 +102,6 @@ def half_of_pair(scene: Scene, mounted: float, solution: SolvedBearing) -> Rotor
 
 
 def bearing_case(side: Solver, solution: SolvedBearing) -> CaseValues:
-    """Values and attributes of a bearing, with how it has grown."""
     values, attrs = side.case(solution)
     return values | growth_values(solution.scene), attrs
 
@@ -120,7 +116,6 @@ class Alone:
 
     @property
     def start(self) -> Conditions:
-        """As the scene has it."""
         return (self.sides[0].start,)
 
     def solve(
@@ -137,11 +132,9 @@ class Alone:
         return half_of_pair(self.scene, side.mounted, solution)
 
     def arranged(self, sides: tuple[SolvedBearing, ...], found: RotorState) -> RotorState:
-        """A state with the stiffness of its bearing."""
         return half_of_pair(self.scene, self.sides[0].mounted, sides[0])
 
     def case(self) -> CaseValues:
-        """Values and attributes of the scene as it is."""
         (side,) = self.sides
         (solution,) = self.solve(self.start).sides
         values, attrs = bearing_case(side, solution)
@@ -182,7 +175,6 @@ class OnRotor:
 
     @property
     def start(self) -> Conditions:
-        """As the scene has it."""
         return tuple(side.start for side in self.sides)
 
     def solve(
@@ -292,7 +284,6 @@ class OnRotor:
         return self.arranged(states, RotorState(worse_status(states), states, shift(states)))
 
     def arranged(self, sides: tuple[SolvedBearing, ...], found: RotorState) -> RotorState:
-        """A state with the stiffness of its bearings."""
         return found._replace(
             sides=sides,
             stiffness=self.stiffness([one.stiffness for one in sides]),
@@ -354,7 +345,6 @@ class OnRotor:
 
 
 def in_tandem(one: Mechanics, n: int) -> Mechanics:
-    """So many like bearings side by side."""
     return one._replace(g=one.g._replace(n_balls=n * one.g.n_balls))
 
 

@@ -76,7 +76,6 @@ def solved(
 
 
 def check_restart(scene: Scene, chosen: Choice) -> None:
-    """Refuse to continue from a state with a model that has none."""
     if chosen.fidelity != "dynamic":
         raise NotAvailable(
             f"{scene.name}: restart: got a scene solved with {chosen.fidelity}, expected one "
@@ -85,7 +84,6 @@ def check_restart(scene: Scene, chosen: Choice) -> None:
 
 
 def provenance(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> dict[str, str]:
-    """Global attributes that any result of a scene carries."""
     return {
         "scene": json.dumps(scene.to_dict()),
         "fidelity": chosen.fidelity,

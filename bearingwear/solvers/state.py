@@ -97,7 +97,6 @@ _OF_A_CASE -= {"ball_diameter_loss"}
 
 
 def _over_balls(name: str, values: Any) -> Any:
-    """One value for all balls."""
     if name in _LARGEST:
         return float(np.max(values))
     if name == "gyroscopic_slip_share":

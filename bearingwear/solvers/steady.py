@@ -100,7 +100,6 @@ class Steady:
         )
 
     def held(self, condition: Condition) -> ThrustProblem:
-        """The problem in a condition, but for its wear."""
         problem, hold = self.problem, condition.hold
         if isinstance(hold, Place):
             held = problem.preload._replace(constant_force=False, delta_a=hold.delta_a)
@@ -163,7 +162,6 @@ class Steady:
 
 
 def solve_steady(scene: Scene) -> CaseValues:
-    """Values and attributes of the friction-balanced steady state."""
     solver = Steady(scene, Accuracy.CHECKED)
     return solver.case(solver(solver.start))
 
@@ -260,7 +258,6 @@ def axial_force(case: ThrustCase, n: int = 1) -> float:
 
 
 def residual_sentence(case: ThrustCase) -> str:
-    """The checks after the solve, in words."""
     found = case.residuals
     return (
         f"friction balance {found.friction:.1e} of the friction forces, "
@@ -270,7 +267,6 @@ def residual_sentence(case: ThrustCase) -> str:
 
 
 def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:
-    """Case variables of a solved steady state."""
     g, op, n = problem.g, problem.op, problem.g.n_balls
     return contact_values(
         scene,

@@ -51,7 +51,6 @@ class Warmed:
 
     @property
     def sentence(self) -> str:
-        """Sentence on the state of the search for temperatures."""
         t = self.scene.temperature or Temperature()
         return (
             f"not solved; after {self.solves} solves {self.heat.total:.3g} W of heat, inner ring "

@@ -147,7 +147,6 @@ def stacked_sides(each: Sequence[Mapping[str, Any]]) -> dict:
 
 
 def _filled(found: Sequence[Any]) -> np.ndarray:
-    """Arrays of unlike shapes along a first dimension."""
     known = [np.asarray(one) for one in found if one is not None]
     shape = np.max([one.shape for one in known], axis=0).astype(int)
     whole = all(one.dtype.kind in "iub" for one in known)

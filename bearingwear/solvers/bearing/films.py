@@ -106,7 +106,6 @@ class Films:
 
     @property
     def wear_through(self) -> bool:
-        """Whether any of them can be worn through."""
         return any(0.0 < part.thickness < math.inf for part in (self.ball, self.race))
 
     @property

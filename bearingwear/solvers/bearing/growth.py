@@ -62,15 +62,12 @@ class RingGrowth(NamedTuple):
 
 
 class Growth(NamedTuple):
-    """All that changes the bearing as mounted."""
-
     heat: Expansion
     inner: RingGrowth
     outer: RingGrowth
 
     @property
     def nothing(self) -> bool:
-        """Whether the bearing runs as it was mounted."""
         moved = (self.inner.speed, self.inner.fit, self.outer.speed, self.outer.fit)
         return not any((*self.heat, *moved))
 
@@ -110,7 +107,6 @@ def part_temperatures(scene: Scene) -> list[float]:
 
 
 def thermal_expansion(scene: Scene) -> Expansion:
-    """Thermal growth of the parts."""
     b, fits, t = scene.bearing, scene.fits or Fits(), temperatures(scene)
 
     def strain(part_C: float | None, material: str) -> float:

@@ -76,7 +76,6 @@ def ball_diameters(scene: Scene) -> np.ndarray:
 
 
 def worn_diameters(scene: Scene, g: Geometry) -> np.ndarray:
-    """The same, from the scene's `geometry`."""
     loss = np.array(scene.wear.ball_diameter_loss_um, dtype=float) * UM
     return np.broadcast_to(g.D0 - loss, (scene.bearing.ball_count,)).copy()
 

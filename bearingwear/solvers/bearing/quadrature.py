@@ -163,7 +163,6 @@ def spread_ellipse(m, across):
 
 
 def spread_fixed(t, weight, tip, across, share, even):
-    """Points of a fixed rule, in the same form."""
     density = weight / pressure(t)
     loads, areas = np.outer(density, share), np.outer(MIDDLE_WIDTH / PEAK * density * tip, even)
     n = across.size

@@ -42,8 +42,6 @@ LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost of
 
 @dataclass(frozen=True)
 class Balance:
-    """Balls and inner race in equilibrium."""
-
     status: int
     delta: np.ndarray  # (3,) displacement (axial, Y, Z) of the inner race [m]
     states: list[BallState]  # one, standing for all, where the scene is symmetric
@@ -174,7 +172,6 @@ class RaceControlProblem:
 
 
 def unseated(states: list[BallState]) -> bool:
-    """Whether the inner race has come off a ball, or nearly so."""
     light = LIGHT_LOAD * max(s.Q_i for s in states)
     return any(not (s.Q_i > light and 0.0 < s.alpha_i < 0.5 * math.pi) for s in states)
 

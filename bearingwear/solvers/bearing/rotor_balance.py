@@ -46,7 +46,6 @@ class Nearby:
 
     @property
     def known(self) -> bool:
-        """Whether a place was found."""
         return not math.isnan(self.place)
 
     def at(self, losses: tuple[float, float]) -> float:
@@ -61,7 +60,6 @@ class Nearby:
         self.losses, self.place = np.array(losses), place
 
     def forget(self) -> None:
-        """Start anew after a balance that was not found."""
         self.place, self.steeper, self.slope = math.nan, 1.0, np.zeros(2)
 
 

@@ -136,7 +136,6 @@ def add_cage_values(
 
 
 def histories(scene: Scene, history: History, length: int) -> dict:
-    """Variables of the instants kept, the first `length` of them."""
     log = History._make(column[:length] for column in history)
     ball, race = parameters.wear_factors(scene)
     films = Films.of(scene)

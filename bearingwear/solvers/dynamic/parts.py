@@ -112,7 +112,6 @@ def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndar
 
 
 def bearing_model(scene: Scene) -> BearingModel:
-    """Bearing, loads and speeds of a scene."""
     g, operation = parameters.geometry(scene), scene.operation
     D = parameters.ball_diameters(scene)
     mass = ball_mass(g.rho, D)

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.dynamic.integrators import Tableau
+from bearingwear.kernels.dynamic.integrators import ROSENBROCK, Tableau
+from bearingwear.kernels.dynamic.step_control import StepControl
+from bearingwear.kernels.dynamic.tangents import carry_tangents
 from bearingwear.kernels.layout import BALL, OMEGA, PSI
 from bearingwear.solvers.dynamic.stability import GrowthRates
 from bearingwear.solvers.dynamic.system import DynamicSystem
-from bearingwear.solvers.dynamic.tangents import tangents
 
 _TURN = 2.0 * np.pi
 CONVERGED = 1e-9  # change over a passing, of the largest speed or in rad
@@ -25,6 +26,10 @@ _MOST_STEPS = 25  # of the quasi-Newton method
 _STALLED = 6  # steps without a smaller change
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try
 LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no period worth waiting for
+
+TANGENT_STEPS = (
+    8  # of the disturbances' equations in a stretch, each as many of the motion as it needs
+)
 
 
 @dataclass(frozen=True)
@@ -41,7 +46,6 @@ class PeriodicMotion:
 
     @property
     def sentence(self) -> str:
-        """Whether it lasts, in words."""
         return self.growth.sentence if self.growth else "stability not known"
 
 
@@ -96,7 +100,6 @@ class Passing:
 
     @property
     def start(self) -> np.ndarray:
-        """The balls' states over their scale where the search begins."""
         balls = self.begun[0][: self.n * BALL].reshape(self.n, BALL)
         return (balls / self.scale).ravel()
 
@@ -187,8 +190,28 @@ class Passing:
         return best, size, inverse
 
 
+def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np.ndarray | None:
+    """Derivative (5 n, 5 n) of the balls' states after a time by those now; None where a run fails.
+
+    The system moves to that time, by the implicit method, whose matrix this takes.
+    """
+    control = control._replace(method=ROSENBROCK)
+    old = np.eye(len(system.balls) * BALL)
+    older, new, rate = old.copy(), old.copy(), TANGENT_STEPS / duration
+    for step in range(TANGENT_STEPS):
+        tally = system.simulate(control, duration / TANGENT_STEPS)
+        if tally.status != code.OK:
+            return None
+        system.time, system.h = tally.time, tally.h
+        weights = (1.5 * rate, -2.0 * rate, 0.5 * rate) if step else (rate, -rate, 0.0)
+        of = (system.y, system.bearing, system.buffers, system.stages)
+        if not carry_tangents(weights, old, older, *of, new):
+            return None
+        old, older, new = new, old, older
+    return old.T
+
+
 def inverse_of(J: np.ndarray) -> np.ndarray | None:
-    """Inverse of a matrix; None where it has none."""
     if not np.isfinite(J).all():
         return None
     try:

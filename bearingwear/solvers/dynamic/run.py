@@ -75,8 +75,6 @@ def begin(
 
 @dataclass(frozen=True)
 class LastWindow:
-    """How the last window of a run ended."""
-
     status: int
     turns: float
     slopes: np.ndarray | None  # see `Trend.slopes`
@@ -182,7 +180,6 @@ def kept_periodic(
 
 
 def drifts(slopes: np.ndarray) -> dict[str, float]:
-    """What QV and wear rate still change by in a turn."""
     qv_drift, wear_drift, *_ = slopes
     return {"qv_drift_per_turn": qv_drift, "wear_rate_drift_per_turn": wear_drift}
 
@@ -203,7 +200,6 @@ def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: fl
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
-    """Sentence on how well a motion repeats itself."""
     drift = "" if last.slopes is None else f"; recorded, QV drifts {last.slopes[0]:+.1e} a turn"
     return (
         f"periodic: after {1e3 * motion.passing:.4g} ms each ball is where the next one was, to "
@@ -212,7 +208,6 @@ def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:
 
 
 def settled_sentence(last: LastWindow) -> str:
-    """Sentence on how settled the averages are."""
     if last.slopes is None:
         return "not known: fewer than three whole turns were evaluated"
     verdict = "settled" if last.settled else "not settled; the turns were used up"

@@ -43,7 +43,6 @@ def is_found_periodic(scene: Scene) -> bool:
 
 
 def check_solution(scene: Scene) -> None:
-    """Refuse to look for a periodic motion where there is none."""
     if scene.model.dynamic_solution == "periodic" and (why := why_not_periodic(scene)):
         raise NotAvailable(
             f"{scene.name}: model.dynamic_solution: got periodic with {why}, expected auto, march"
@@ -79,12 +78,10 @@ class GrowthRates:
 
     @property
     def values(self) -> dict[str, float]:
-        """The same as variables of a result."""
         return dict(zip(GROWTHS, (self.spacing, self.other), strict=True))
 
     @property
     def sentence(self) -> str:
-        """The same in words."""
         if self.other > LEAST_GROWTH:
             return f"unstable: disturbances grow e-fold in {_turns(self.other)}"
         spacing = (
@@ -99,7 +96,6 @@ class GrowthRates:
 
 
 def _turns(rate: float) -> str:
-    """Turns of an e-fold change, two digits in words."""
     return f"{float(f'{1.0 / abs(rate):.2g}'):g} turns"
 
 

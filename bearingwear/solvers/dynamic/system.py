@@ -241,7 +241,6 @@ class DynamicSystem:
         method: Tableau = ROSENBROCK,
         longest: float | None = None,
     ) -> StepControl:
-        """How to integrate this system."""
         return StepControl(
             method=method,
             tolerance=float(tolerance),

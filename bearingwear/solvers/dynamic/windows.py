@@ -60,7 +60,6 @@ class Trend:
 
     @property
     def known(self) -> bool:
-        """Whether there are as many turns as a trend needs."""
         return bool(self.sums[0] >= FEWEST_OF_TREND and (self.values[0, :2] > 0.0).all())
 
     def slopes(self) -> np.ndarray | None:
@@ -137,7 +136,6 @@ class LoadRange:
         self.roots += np.cbrt(loads, dtype=float).sum(axis=0)
 
     def of_each_alike(self) -> "LoadRange":
-        """The same where each does in turn what all do."""
         alike = LoadRange(len(self.largest))
         alike.largest[:] = self.largest.max(axis=0)
         alike.smallest[:] = self.smallest.min(axis=0)
@@ -229,7 +227,6 @@ class RunGrid:
 
     @property
     def instants(self) -> TimeGrid:
-        """The same for the kernels."""
         return TimeGrid(origin=self.origin, dt=self.dt, first=self.first)
 
     @property
@@ -281,7 +278,6 @@ class TimeRun:
 
     @property
     def turns(self) -> float:
-        """Shaft turns simulated."""
         return self.done / self.grid.points * self.grid.turns
 
     def advance(self, count: int) -> int:
@@ -347,7 +343,6 @@ class TimeRun:
         return code.OK
 
     def counts(self, evaluated: float) -> dict:
-        """Variables on the effort of the run."""
         accepted, rejected, evaluations, events = (int(number) for number in self.tally)
         return {
             "simulated_turns": self.turns,

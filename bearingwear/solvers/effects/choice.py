@@ -63,7 +63,6 @@ def asymmetries(scene: Scene) -> list[str]:
 
 
 def stands_still(scene: Scene) -> bool:
-    """Whether neither race turns."""
     return not (scene.operation.shaft_speed_rpm or scene.operation.outer_speed_rpm)
 
 
@@ -90,8 +89,6 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
 
 
 def _check(scene: Scene, wanted: str) -> None:
-    """Refuse a model that cannot solve the scene."""
-
     def refusal(problem: str, others: str) -> NotAvailable:
         return NotAvailable(
             f"{scene.name}: model.fidelity: got '{wanted}'; {problem}, expected auto, {others}"
@@ -174,7 +171,6 @@ def films_refused(scene: Scene, fidelity: str) -> str:
 
 
 def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
-    """The settings of accuracy that a solve uses, in words."""
     model = scene.model
     across = f" times {model.points_across} across" if model.slip_is_over == "ellipse" else ""
     always = (

@@ -56,7 +56,6 @@ class Passed(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Value and limit in words."""
         return self.measure.passed(self.value, self.limit, self.variable)
 
 

@@ -34,7 +34,6 @@ class Evidence:
         return np.atleast_2d(self.state.values.get(name, np.full(2, math.nan)))
 
     def mean(self, name: str) -> float:
-        """The mean of a variable; NaN where it is not known."""
         return float(np.mean(self.state[name]))
 
 

@@ -13,7 +13,6 @@ from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 
 def film_sentences(chosen: Choice) -> Iterator[str]:
-    """Films and running in of a scene."""
     scene, films, given = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
     if given is not None:
         yield (

@@ -125,7 +125,6 @@ def no_cage(chosen: Choice) -> Iterator[str]:
 
 
 def balls(chosen: Choice) -> Iterator[str]:
-    """What moves in the model, and by which forces."""
     scene, count = chosen.reduced(chosen.scene), chosen.scene.bearing.ball_count
     if chosen.fidelity == "steady":
         yield "balls: one represents all, because all move alike"
@@ -196,7 +195,6 @@ def _in_time(scene: Scene) -> Iterator[str]:
 
 
 def solution(chosen: Choice) -> Iterator[str]:
-    """How the dynamic model finds a motion, and why."""
     scene = chosen.reduced(chosen.scene)
     if chosen.fidelity != "dynamic":
         return

@@ -258,14 +258,12 @@ class WornBearing:
         return True
 
     def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc, Arc]:
-        """Splines of both grooves, and of the band."""
         inner, outer = (
             depth_spline(*arc) for arc in zip(self.arc, self.arc_step, wear.grooves, strict=True)
         )
         return inner, outer, depth_spline(self.latitude, self.band_step, wear.band)
 
     def _friction_work(self, p: ThrustProblem, races: tuple[WornRace, ...]) -> FrictionWork:
-        """Buffers that are kept as long as they fit."""
         size = (max(race.x.size for race in races), most_points(p.rule), p.rule.across.size)
         if self._work is None or size != self._work[0]:
             self._work = size, friction_work(p.rule, size[0], self.cell_numbers[1])

@@ -40,7 +40,6 @@ class WornDepths:
         )
 
     def mean(self, other: "WornDepths") -> "WornDepths":
-        """Half of the sum of two rates."""
         return WornDepths(
             0.5 * (self.ball + other.ball),
             0.5 * (self.grooves + other.grooves),

@@ -110,7 +110,6 @@ class Worn(Steady):
         return heat_of_point(solution.answer)
 
     def rate(self, point: WornPoint) -> WornDepths:
-        """Wear per second."""
         return self.bearing.rate(point, *self.factors)
 
     def approach_loss(self, point: WornPoint) -> float:
@@ -235,7 +234,6 @@ class Worn(Steady):
 
 
 def heat_of_point(point: WornPoint) -> HeatFlow:
-    """Friction heat of a state."""
     g, op, n = point.problem.g, point.problem.op, point.problem.g.n_balls
     r, Omega = g.R_o + point.seat.X2, float(point.u[3])
     drag = drag_force(g, point.D, op.drag, Omega)[0] * r * Omega
