@@ -53,6 +53,8 @@ class MethodLife(NamedTuple):
     end: str  # in words; the status where it was not solved
     worn: bool = False  # whether its grooves were followed as they wear
     spread: Spread | None = None
+    loss: float = math.nan  # at the end [um]
+    route_difference: float = math.nan  # of the interpolated life from this one, relative
 
     @property
     def counted(self) -> float:
@@ -96,6 +98,8 @@ def lives_of(dataset: xr.Dataset, known: Sequence[xr.Dataset] = ()) -> list[Meth
                     end,
                     "groove_depth" in one and bool(np.isfinite(one["groove_depth"]).any()),
                     (spreads_of(known, scene, method, mu) or {}).get(counts),
+                    1e6 * float(one["loss_at_end"]),
+                    float(one["life_route_difference"][-1]),
                 )
             )
     return found
@@ -131,7 +135,7 @@ def answer(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Document:
         {"scene": name, "bearing": bearing_line(scene)},
         (
             *(Block(title, lines=tuple(said), place="lead") for title, said in points),
-            _lives(f"Lives of {name} at a preload of {preload:g} N", here, scene),
+            lives_block(f"Lives of {name} at a preload of {preload:g} N", here, scene),
         ),
         ("wear_life",),
         subject=f"Lives at {preload:g} N",
@@ -243,6 +247,7 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     return (
         f"{counts} {QUOTED_SHARE} of bearings have a life in the interval, over all that the scene "
         f"calls uncertain. {causes_told(scene)}"
+        + ("" if all(life.spread for life in lives) else f" Where there is none, {SEE}.")
     )
 
 
@@ -275,8 +280,10 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def _lives(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> Block:
-    """A line for each life, with its spread and its end."""
+def lives_block(
+    title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any], every: bool = False
+) -> Block:
+    """A line for each life, with its spread and its end; `every` adds its loss and other route."""
     known = sorted(lives, key=lambda life: life.friction)
     counts = known[0].counts
     other = next(way for way in COUNTS if way != counts)
@@ -294,6 +301,12 @@ def _lives(title: str, lives: Sequence[MethodLife], scene: Mapping[str, Any]) ->
         Row("ended by", "", tuple(life.end for life in known), "end_criterion"),
         Row("numerical error", "%", tuple(Rough(100.0 * life.error) for life in known)),
     )
+    if every:
+        routes = tuple(100.0 * life.route_difference for life in known)
+        rows += (
+            Row("at a loss of", "um", tuple(life.loss for life in known), "loss_at_end"),
+            Row("interpolated against solved", "%", routes, "life_route_difference"),
+        )
     return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2, place="lead")
 
 

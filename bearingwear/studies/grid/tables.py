@@ -1,32 +1,26 @@
 """The numbers of a study as a CSV table, and the few that matter as Markdown."""
 
 import json
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from bearingwear.document.document import Block, Document, Row
+from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import dataset_csv, table_of
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
 from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.quantiles import (
-    SEE,
-    Spreads,
-    causes_told,
     load_quantiles,
-    spread_text,
-    spreads_of,
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
-from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
+from bearingwear.studies.grid.answer import lives_block, lives_of
 from bearingwear.studies.grid.life import NOT_INTERPOLATED
 
 _LOSS = display("m")
@@ -83,7 +77,9 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     scene = scene_of(study)
     unsolved = tuple(_unsolved(study)) or ("Nothing: every case was solved and verified.",)
     heading = (scene["name"],)
-    blocks = (_wear(study), _lives(lives, scene, known), Block("Not solved", lines=unsolved))
+    table = lives_block("Wear life", lives_of(lives, known), scene, every=True)
+    table = replace(table, lines=(*table.lines, *filter(None, [_not_compared(lives)])))
+    blocks = (_wear(study), table, Block("Not solved", lines=unsolved))
     return as_markdown(Document(heading, blocks=blocks))
 
 
@@ -97,46 +93,6 @@ def _wear(study: xr.Dataset) -> Block:
     ]
     said = ("QV is that of the whole bearing.",)
     return table_of(study, ("preload_method", "friction"), columns, "What wear does", said)
-
-
-def _lives(lives: xr.Dataset, scene: Mapping[str, Any], known: Sequence[xr.Dataset]) -> Block:
-    """Every life, its spread if that is known, and its end."""
-    ends = lives["end_criterion"].attrs["flag_meanings"].split()
-    points = [
-        (name, float(mu), of_method.sel(friction=mu))
-        for name, of_method in methods(lives)
-        for mu in lives["friction"].values
-    ]
-    ones = [one for *_, one in points]
-    spreads: list[Spreads] = [spreads_of(known, scene, name, mu) or {} for name, mu, _ in points]
-    rows = [
-        Row("preload method", "", tuple(in_words(name) for name, *_ in points)),
-        Row("friction", "", tuple(mu for _, mu, _ in points), given=True),
-    ]
-    for k, (way, words) in enumerate(zip(COUNTS, ("ball alone", "balls and races"), strict=True)):
-        hours = tuple(float(one["life"][k]) for one in ones)
-        rows.append(Row(f"life, {words}", "h", hours, f"life.{way}"))
-        rows.append(Row("its spread", "", tuple(spread_text(one.get(way)) for one in spreads)))
-    routes = (float(one["life_route_difference"][-1]) for one in ones)
-    rows += [
-        Row("ended by", "", tuple(_end(ends[int(one["end_criterion"])]) for one in ones)),
-        Row("at a loss of", "um", tuple(float(_LOSS.of(one["loss_at_end"])) for one in ones)),
-        Row("interpolated against solved", "", tuple(map(_percent, routes))),
-    ]
-    said = (
-        _not_compared(lives),
-        causes_told(scene) if any(spreads) else "",
-        f"Where no spread is computed, {SEE}." if not all(spreads) else "",
-    )
-    return Block("Wear life", rows=tuple(rows), axes=2, lines=tuple(filter(None, said)))
-
-
-def _end(name: str) -> str:
-    return ENDS[name].words if name in ENDS else name
-
-
-def _percent(share: float) -> str:
-    return f"{round(100.0 * share, 3) + 0.0:+.3f} %" if math.isfinite(share) else "–"
 
 
 def _not_compared(lives: xr.Dataset) -> str:

@@ -322,7 +322,7 @@ def test_tables(folder, tmp_path):
     row = rows[-1]
     assert float(row["qv.inner (W)"]) == pytest.approx(float(solved["qv"][0, 0]), rel=1e-8)
     assert rows[0]["total_qv (W)"] == "" and "nan" not in outputs[0].read_text()
-    assert outputs[1].read_text().count(": undetermined") == 6
+    assert outputs[1].read_text().count("µm: undetermined") == 6
 
 
 FIGURES = {
