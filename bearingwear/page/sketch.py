@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
-_BALL = 110.0
-"""Diameter of the ball [px]; the scale follows from it."""
+_BALL = (110.0, 70.0)
+"""Diameter of the ball of a bearing, and of a pair [px]; the scale follows from it."""
 _RING, _SHOULDER, _RELIEVED = 1.75, 0.2, 0.07
 """Assumed, over the ball diameter: width of the rings, heights of their shoulders on the loaded and
 on the other side."""
@@ -90,7 +90,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
         bearings.append(scene["bearing"] | ((arrangement.get("second") or {}).get("bearing") or {}))
     sections = [section_of(one) for one in bearings]
     first = sections[0]
-    scale = _BALL / first.ball
+    scale = _BALL[pair] / first.ball
     width = _RING * max(one.ball for one in sections) * scale
     low = min(one.rims[0] for one in sections)
     high = max(one.rims[1] for one in sections)
@@ -219,7 +219,8 @@ def _words(
     """Dimensions of the first bearing, and a bar of a round length."""
     scale, high = frame
     mid = _TOP + (high - 0.5 * one.pitch) * scale
-    length = next(n * p for p in (0.1, 1.0, 10.0, 100.0) for n in (1, 2, 5) if n * p * scale > 60.0)
+    rounds = [n * p for p in (0.01, 0.1, 1.0, 10.0, 100.0) for n in (1, 2, 5)]
+    length = max(one for one in rounds if one * scale < _MARGIN - 14.0)
     foot = size[1] - 34.0
     reach = 0.95 * one.ball * scale
     lines = [
