@@ -22,6 +22,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = MARGINS
 _LANE = 9.0
 """Height of the bar below the lines that is shaded where a method passes a limit."""
 _STAR = "M0-9 2.1-2.9 8.6-2.8 3.4 1.1 5.3 7.3 0 3.6-5.3 7.3-3.4 1.1-8.6-2.8-2.1-2.9Z"
+_DIAMOND = "M0-6L5 0 0 6-5 0Z"
 _Place = Callable[[float, float], tuple[float, float]]
 _DOT = "M-2.2 0a2.2 2.2 0 1 0 4.4 0a2.2 2.2 0 1 0-4.4 0"
 
@@ -104,6 +105,9 @@ def _legend(chart: Chart) -> str:
         "star: recommended": any(line.star for line in chart.lines),
         "upright bar: 90 % of bearings": any(line.band for line in chart.lines),
         "dashed and shaded: a limit is passed": any(line.beyond for line in chart.lines),
+        "diamond: from here something else ends the life": any(
+            len(set(line.ends)) > 1 for line in chart.lines
+        ),
     }
     said = "; ".join(text for text, there in known.items() if there)
     return f'<p class="note">{said[:1].upper()}{said[1:]}.</p>' if said else ""
@@ -119,7 +123,7 @@ def _numbers(chart: Chart) -> str:
             "y": [y.low, y.high],
             "units": [_unit(chart.x_label), _unit(chart.y_label)],
             "lines": [
-                {"points": line.points, "notes": line.notes, "star": line.star}
+                {"points": line.points, "notes": line.notes, "star": line.star, "ends": line.ends}
                 for line in chart.lines
             ],
         }
@@ -220,9 +224,11 @@ def _line(line: ChartLine, k: int, at: _Place, height: float, log: bool) -> Iter
     if line.band and line.star:
         x = line.star[0]
         yield _stroke(f"band {line.method}", (x, line.band[0]), (x, line.band[1]), at)
-    for x, y, within in known:
+    changed = {k for k in range(1, len(line.ends)) if line.ends[k] != line.ends[k - 1]}
+    for k, (x, y, within) in enumerate(known):
         if y is not None:
-            yield _mark("dot" if within else "dot pale", line.method, _DOT, x, y, at)
+            shape = _DIAMOND if k in changed else _DOT
+            yield _mark("dot" if within else "dot pale", line.method, shape, x, y, at)
     if line.star and (line.star[1] > 0.0 or not log):
         yield _mark("star", line.method, _STAR, *line.star, at)
 

@@ -180,6 +180,8 @@ class Chart {
       const value = point && point[1] !== null ? digits(point[1]) + units[1] : "–";
       const place = point && (x === null || Math.abs(point[0] / x - 1) > 1e-6);
       said.textContent = value + (place ? ` at ${+point[0].toPrecision(4)}${units[0]}` : "");
+      const end = point && line.ends[line.points.findIndex(([at]) => at === point[0])];
+      if (end && x !== null) said.textContent += `, ended by ${end}`;
       said.parentElement.classList.toggle("beyond", note !== "");
       said.parentElement.title = note && `limits passed: ${note}`;
     });

@@ -24,6 +24,8 @@ class ChartLine:
         None where nothing was solved.
     notes : sequence of str
         Of each point, which limits it passes; empty within all of them.
+    ends : sequence of str
+        Of each point, what ends the life; empty where that is of no interest.
     beyond : sequence of (float, float)
         Where along x a limit is passed.
     star : (float, float), optional
@@ -36,6 +38,7 @@ class ChartLine:
     method: str
     points: Sequence[Point]
     notes: Sequence[str]
+    ends: Sequence[str] = ()
     beyond: Sequence[tuple[float, float]] = ()
     star: tuple[float, float] | None = None
     band: tuple[float, float] | None = None

@@ -262,6 +262,14 @@ def test_charts_carry_the_numbers_of_the_map(small_project, whole):
         assert [found[p] for p in design["preload"].values] == pytest.approx(list(values))
 
 
+def test_where_something_else_ends_the_life_is_marked(small_project, whole):
+    """There the lines bend: one diamond for each change of the criterion."""
+    design = load(small_project / f"{CHOICE}/design.nc")
+    ends = design["end_criterion"].isel(friction=0, shaft_speed=0).values
+    changes = sum(int((line[1:] != line[:-1]).sum()) for line in ends)
+    assert changes == whole.count('d="M0-6L5 0 0 6-5 0Z"') > 0
+
+
 def test_where_a_limit_is_passed_is_shaded(small_project):
     """Points within all limits lie outside of the shaded ranges, the others inside."""
     for chart in load_charts(small_project / f"{CHOICE}/charts.json").charts:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
-from bearingwear.measures import LIMITED
+from bearingwear.measures import ENDS, LIMITED
 from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.chart import Chart, ChartLine, Charts
 from bearingwear.results.pair_variables import method_words
@@ -96,6 +96,7 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
                     name=method_words(scene, name),
                     method=name,
                     points=found,
+                    ends=[_end(one) for _, one in line] if row is rows[0] else (),
                     notes=[next(texts).replace(NONE_PASSED, "") for _ in line],
                     beyond=beyond[name],
                     star=stars[0] if stars else None,
@@ -113,6 +114,13 @@ def preload_charts(design: xr.Dataset, recommendation: xr.Dataset, bands: Bands)
             log_x=max(at) > _DECADES * min(at),
             log_y=bool(known) and max(known) > _DECADES * min(known),
         )
+
+
+def _end(one: xr.Dataset) -> str:
+    """What ends the life of a point."""
+    criterion = one["end_criterion"]
+    name = criterion.attrs["flag_meanings"].split()[int(criterion)]
+    return ENDS[name].words if name in ENDS and int(one["status"]) == OK else ""
 
 
 def _number(value: float) -> float | None:

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
-from bearingwear.measures import LIMITED
+from bearingwear.measures import ENDS, LIMITED
 from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
@@ -50,6 +50,8 @@ LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))
 
 LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
+PALE = {"alpha": 0.6, "linewidth": 0.9}
+"""Of lives beyond a limit."""
 STIFFNESS_UNIT = display("N m-1")
 
 
@@ -119,6 +121,7 @@ def design_figure(
         *method_keys([name for name, _ in methods(line)], scene_of(design)),
         *_keys(limit is not None, uncertainty is not None),
         *_groove_keys(followed),
+        *_end_keys(line),
         *(_letter_keys(design) if area else ()),
         *failed_keys(failed),
     ]
@@ -147,8 +150,20 @@ def _over_preload(panel: Any, name: str, one: xr.Dataset, within: xr.DataArray) 
     for way, dash in LOSS_DASHES.items():
         lives = one["life"].isel(loss_basis=COUNTS.index(way)).where(lambda h: h > 0.0)
         look = {"color": COLOURS[name], "linestyle": dash}
-        panel.plot(one["preload"], lives, alpha=0.35, linewidth=0.8, **look)
+        panel.plot(one["preload"], lives, **PALE, **look)
         panel.plot(one["preload"], lives.where(within), **look)
+        for k, end in new_ends(one):
+            mark = {"marker": ENDS[end].mark, "markersize": 5, "markerfacecolor": "white"}
+            panel.plot(one["preload"][k], lives[k], color=COLOURS[name], zorder=4, **mark)
+
+
+def new_ends(one: xr.Dataset) -> list[tuple[int, str]]:
+    """Places along the preload from which on something else ends the life, and what."""
+    names = one["end_criterion"].attrs["flag_meanings"].split()
+    solved = np.flatnonzero((one["status"] == OK).values)
+    ends = [names[int(flag)] for flag in one["end_criterion"].values[solved]]
+    pairs = zip(solved[1:], ends, ends[1:], strict=False)
+    return [(int(k), end) for k, before, end in pairs if end != before and end in ENDS]
 
 
 def _hertzian(panel: Any, name: str, one: xr.Dataset) -> None:
@@ -165,7 +180,7 @@ def _over_stiffness(
     stiffness = STIFFNESS_UNIT.of(stiffness_of(one).worst(one))
     look = {"color": COLOURS[name]}
     dot = {"linestyle": "none", "marker": "o", "markersize": 2.6, **look}
-    panel.plot(stiffness, lives, alpha=0.35, linewidth=0.8, **look)
+    panel.plot(stiffness, lives, **PALE, **look)
     panel.plot(stiffness, lives.where(within), **look)
     panel.plot(stiffness[on_front], lives[on_front], **dot)
 
@@ -246,7 +261,7 @@ def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
             key(f"counting {in_words(way)}", color="0.3", linestyle=d)
             for way, d in LOSS_DASHES.items()
         ),
-        key("some limit passed", color="0.3", alpha=0.35, linewidth=0.8),
+        key("some limit passed", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(
             f"recommended{', bar: 90 % of bearings' if has_spread else ''}",
@@ -266,6 +281,13 @@ def _groove_keys(followed: bool) -> list[Any]:
         key("grooves as they wear", color="0.3"),
         key("Hertzian grooves", color="0.3", linewidth=0.8, linestyle=":"),
     ]
+
+
+def _end_keys(line: xr.Dataset) -> list[Any]:
+    """Legend of the marks where the criterion that ends the life changes: there a line bends."""
+    met = dict.fromkeys(end for _, one in methods(line) for _, end in new_ends(one))
+    look = {"color": "0.3", "linestyle": "none", "markerfacecolor": "white"}
+    return [key(f"from here ended by {ENDS[e].short}", marker=ENDS[e].mark, **look) for e in met]
 
 
 def _letter_keys(design: xr.Dataset) -> list[Any]:
