@@ -15,7 +15,7 @@ from bearingwear.results.units import Interval
 
 
 def as_json(document: Document) -> str:
-    """Facts, and `quantities` with plain numbers in the unit beside them."""
+    """Facts, `sentences` by their titles, and `quantities`: plain numbers, the unit beside them."""
     quantities = [
         {"block": block.title, "name": row.name or row.label, "label": row.label}
         | {"unit": row.unit}
@@ -25,7 +25,8 @@ def as_json(document: Document) -> str:
         for row in block.rows
         if row.values
     ]
-    data = {**document.facts, "quantities": quantities}
+    said = {block.title: block.lines for block in document.blocks if not block.rows and block.title}
+    data = {**document.facts, **({"sentences": said} if said else {}), "quantities": quantities}
     return json.dumps(data, indent=1, ensure_ascii=False)
 
 

@@ -62,6 +62,7 @@ def test_html_is_valid_and_trusts_nobody():
 def test_programs_get_every_number_under_a_key_of_its_own():
     found = json.loads(as_json(DOCUMENT))
     assert found["scene"] == "a_b"
+    assert found["sentences"] == {"why": ["It lasts | longest & best."]}
     life, power, *_ = found["quantities"]
     assert life["values"] == {"spring": 3.1415, "fixed *": [1.0, 2.5]} and life["limit"] == 2.0
     assert power["values"]["fixed *"] is None

@@ -262,7 +262,8 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     errors = tuple(Rough(100.0 * e) for e in found["life_error_estimate"].values[:, basis])
     rows.append(Row("  its numerical error", "%", errors, "life_error_estimate"))
     for name, (label, shown) in RECOMMENDED_WORDS.items():
-        if np.isfinite(found[name]).any():  # of a rotor without mass, no frequency
+        # of a rotor without mass there is no frequency; an older file lacks newer measures
+        if name in found and np.isfinite(found[name]).any():
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
     rows = [row._replace(note=_worst_case(found, row.name)) for row in rows]
     notes = (causes_told(scene_of(found)),) if any(spread.values()) else ()
