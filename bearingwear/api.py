@@ -183,7 +183,7 @@ def cage(
     -------
     xarray.Dataset
         Over `run`, what each has; `share` of each motion; `mean_*` over all runs and over those of
-        a motion (`group`), with intervals; of a life, `life`, `hours` and `node_*`.
+        a motion (`group`), with intervals; of a life, `cage_life` (turns), `cage_hours`, `node_*`.
 
     Raises
     ------

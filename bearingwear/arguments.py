@@ -124,6 +124,13 @@ def _add_cage(cage: argparse.ArgumentParser) -> None:
     )
     cage.add_argument("--seed", type=int, metavar="N", help="of what is drawn; default 1")
     cage.add_argument(
+        "--least-turns",
+        type=int,
+        metavar="N",
+        help="shaft turns of a run at the least; default 30; a cage that hangs may do so for "
+        "hundreds and then change",
+    )
+    cage.add_argument(
         "--turns",
         dest="most_turns",
         type=int,

@@ -165,7 +165,7 @@ def cage(args: argparse.Namespace) -> int:
     from bearingwear.studies.cage.plan import Ensemble
     from bearingwear.studies.sampling import usable_cores
 
-    names = ("runs", "within", "seed", "most_turns")
+    names = ("runs", "within", "seed", "least_turns", "most_turns")
     given = {name: getattr(args, name) for name in names if getattr(args, name) is not None}
     plan = record(Ensemble, given, "cage")
     _tell_of_new_folder(args.output)

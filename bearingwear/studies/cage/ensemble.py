@@ -129,12 +129,18 @@ def summary(rows: Sequence[RunRow]) -> dict[str, Any]:
         every = np.array([row.get(name, math.nan) for row in rows], dtype=float)
         parts = [every[group & np.isfinite(every)] for group in groups]
         means = [float(part.mean()) if part.size else math.nan for part in parts]
-        halves = [half_interval(part) for part in parts]
         found[f"mean_{name}"] = means
         found[f"mean_{name}_interval"] = [
-            (mean - half, mean + half) for mean, half in zip(means, halves, strict=True)
+            _ends(part, mean) for part, mean in zip(parts, means, strict=True)
         ]
     return found
+
+
+def _ends(part: np.ndarray, mean: float) -> tuple[float, float]:
+    """Interval of a mean; of what is never negative it has no negative end."""
+    half = half_interval(part)
+    least = 0.0 if part.size and part.min() >= 0.0 else -math.inf
+    return max(mean - half, least) if math.isfinite(half) else math.nan, mean + half
 
 
 class _Job(NamedTuple):

@@ -43,11 +43,11 @@ PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
 NODE = Variable("node", ("node",), "1", "number of the ensemble", "i8")
 
 CAGE_LIFE = table(
-    Variable("life", (), "1", "shaft turns to the end"),
-    Variable("life_interval", END.dims, "1", "90 % interval of the life by what is drawn"),
-    Variable("life_interval_with_wear", END.dims, "1",
+    Variable("cage_life", (), "1", "shaft turns to the end"),
+    Variable("cage_life_interval", END.dims, "1", "90 % interval of the life by the runs"),
+    Variable("cage_life_interval_with_wear", END.dims, "1",
         "90 % interval of the life with that of the cage's wear coefficient"),
-    Variable("hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
+    Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
     Variable("cage_end", (), "", "what ends the life", "i1", flags=ENDS_OF_CAGE),
     Variable("film_gone", PART.dims, "1", "shaft turns after which the film of a part is gone"),
     Variable("motion_changes", END.dims, "1", "shaft turns between which another motion prevails"),
@@ -225,10 +225,10 @@ def cage_life(scene: Scene, nodes: Sequence[WornEnsemble], other: bool = True) -
         error = _error(nodes, part, life)
         both = np.array([1.0 - error, 1.0 + error])
         values = {
-            "life": life,
-            "life_interval": life * both,
-            "life_interval_with_wear": life * both / _wear_quantiles(scene)[::-1],
-            "hours": life * turn,
+            "cage_life": life,
+            "cage_life_interval": life * both,
+            "cage_life_interval_with_wear": life * both / _wear_quantiles(scene)[::-1],
+            "cage_hours": life * turn,
         }
     values |= {
         "cage_end": end,

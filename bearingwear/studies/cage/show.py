@@ -17,9 +17,12 @@ from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figur
 from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.cage.life import ENDS_OF_CAGE, WEARING
-from bearingwear.studies.cage.motion import JAMS, MOTIONS
+from bearingwear.studies.cage.motion import HANGS, JAMS, MOTIONS
 
 MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C5", "0.4", "C4", "C3")))
+
+LONG_RUN = 450
+"""Shaft turns in which every cage of gyro_s1 that hung for thirty has changed."""
 
 _ROWS = (
     ("work", "work at the cage, a turn"),
@@ -60,6 +63,11 @@ def ensemble_sheet(file: Any) -> Document:
         counted = {name: unsolved.count(name) for name in dict.fromkeys(unsolved)}
         text = ", ".join(f"{in_words(name)} {n}" for name, n in counted.items())
         lines.append(f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no motion")
+    if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
+        lines.append(
+            "a cage that hangs may change after hundreds of turns: "
+            f"--least-turns {LONG_RUN} --turns {LONG_RUN} waits for it"
+        )
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")
     return Document(tuple(heading), facts, (*blocks, Block("", lines=tuple(lines))))
@@ -109,19 +117,19 @@ def _life(file: Any) -> Iterator[Block]:
     if "cage_end" not in file.variables:
         return
     end = in_words(ENDS_OF_CAGE[int(values(file, "cage_end"))])
-    life, hours = float(values(file, "life")), float(values(file, "hours"))
+    life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
     rows = []
     lines = ["no end was reached" if math.isnan(life) else f"ended by: {end}"]
     if not math.isnan(life):
-        per_turn = hours / life
+        rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
-            ("life_interval", "by what is drawn"),
-            ("life_interval_with_wear", "and by K_s of the cage"),
+            ("cage_life_interval", "by the runs"),
+            ("cage_life_interval_with_wear", "and by K_s of the cage"),
         ):
             low, high = values(file, name).tolist()
-            shown = Interval(low, high), Interval(low * per_turn, high * per_turn)
+            in_hours = Interval(low * hours / life, high * hours / life)
+            shown = f"{low:.2g} to {high:.2g}", in_hours
             rows.append(Row(f"  90 %, {label}", "", shown, name))
-        rows.insert(0, Row("life of the cage", "", (f"{life:.3g}", Rough(hours)), "life"))
     for k, part in enumerate(WEARING):
         gone = float(values(file, "film_gone")[k])
         if not math.isnan(gone):

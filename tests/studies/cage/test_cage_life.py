@@ -57,13 +57,15 @@ def test_a_film_lasts_by_the_plain_ratio():
         revolutions(10e-6 * area, FILM_K, work)
         for area, work in zip((9 * wall, surface), WORK, strict=True)
     )
-    assert float(found["life"]) == pytest.approx(min(pockets, land), rel=1e-9)
+    assert float(found["cage_life"]) == pytest.approx(min(pockets, land), rel=1e-9)
     first = int(land < pockets)
     assert ENDS_OF_CAGE[int(found["cage_end"])] == ("pocket_film", "land_film")[first]
-    assert float(found["film_gone"][first]) == pytest.approx(float(found["life"]))
-    assert float(found["hours"]) == pytest.approx(float(found["life"]) / 30000 / 60)
-    assert found["life_interval"].values == pytest.approx(float(found["life"]) * np.r_[0.9, 1.1])
-    wide = found["life_interval_with_wear"].values / float(found["life"])
+    assert float(found["film_gone"][first]) == pytest.approx(float(found["cage_life"]))
+    assert float(found["cage_hours"]) == pytest.approx(float(found["cage_life"]) / 30000 / 60)
+    assert found["cage_life_interval"].values == pytest.approx(
+        float(found["cage_life"]) * np.r_[0.9, 1.1]
+    )
+    wide = found["cage_life_interval_with_wear"].values / float(found["cage_life"])
     assert wide == pytest.approx(np.r_[0.9, 1.1] / 3.0 ** (1.6449 * np.r_[1, -1]), rel=1e-3)
 
 
@@ -74,7 +76,7 @@ def test_a_limit_lies_below_the_film():
     _, surface = cage_surfaces(scene)
     of_film = revolutions(10e-6 * surface, FILM_K, 5e-5)
     below = revolutions(40e-6 * surface, CAGE_K, 5e-5)
-    assert float(found["life"]) == pytest.approx(of_film + below, rel=1e-9)
+    assert float(found["cage_life"]) == pytest.approx(of_film + below, rel=1e-9)
     assert float(found["film_gone"][1]) == pytest.approx(of_film, rel=1e-9)
     assert ENDS_OF_CAGE[int(found["cage_end"])] == "guide_clearance"
 
@@ -91,7 +93,7 @@ def test_work_that_rises_as_the_clearance_opens():
     found, scene = life_of(limit, rising)
     _, surface = cage_surfaces(scene)
     exact = surface * scale * (1.0 - math.exp(-50e-6 / scale)) / (CAGE_K * 5e-5)
-    assert float(found["life"]) == pytest.approx(exact * (1.0 - 0.25**2 / 6.0), rel=1e-3)
+    assert float(found["cage_life"]) == pytest.approx(exact * (1.0 - 0.25**2 / 6.0), rel=1e-3)
     assert found.sizes["node"] == 5
 
 
@@ -111,7 +113,7 @@ def test_another_motion_on_the_way():
 
 def test_a_cage_that_does_not_wear_has_no_end():
     found, _ = life_of(FILM, lambda n, d: made_up((0.0, 0.0)))
-    assert ENDS_OF_CAGE[int(found["cage_end"])] == "none" and found["life"].isnull()
+    assert ENDS_OF_CAGE[int(found["cage_end"])] == "none" and found["cage_life"].isnull()
 
 
 def test_balls_and_races_beside_it():
