@@ -42,15 +42,13 @@ def gathered_sweeps(paths: Iterable[str | Path]) -> xr.Dataset:
         reference = dataset if against == FIRST else found.get((scene, against))
         if reference is None:
             raise CaseFileError(f"{scene}, {sweep}: its reference {against} is missing")
-        part = with_errors(dataset, reference.isel(point=0))
-        names = {"scene": scene, "sweep": sweep, "against": against}
-        names |= {
-            "kind": dataset.attrs["sweep_kind"],
-            "sweep_title": dataset.attrs["sweep_title"],
+        texts = {"scene": scene, "sweep": sweep, "against": against}
+        texts |= {"kind": dataset.attrs["sweep_kind"], "sweep_title": dataset.attrs["sweep_title"]}
+        names = {
+            key: ("point", np.full(dataset.sizes["point"], text, dtype=object))
+            for key, text in texts.items()
         }
-        size = dataset.sizes["point"]
-        for key, text in names.items():
-            part[key] = ("point", np.full(size, text, dtype=object))
+        part = dataset.assign(errors(dataset, reference.isel(point=0)) | names)
         parts.append(part.drop_attrs(deep=False))
     attrs = next(iter(found.values())).attrs
     return xr.concat(parts, "point").assign_attrs(
@@ -84,22 +82,23 @@ def _of_one_study(paths: Iterable[str | Path]) -> dict[tuple[str, str], xr.Datas
     return found
 
 
-def with_errors(points: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
-    """Points and their errors against one point."""
-    out = points.copy()
-    solved = points["status"] == OK
+def errors(points: xr.Dataset, reference: xr.Dataset) -> dict[str, tuple]:
+    """Errors of points against one point, and the time of that one, as variables."""
+    solved = points["status"].values == OK
+    columns: dict[str, tuple[np.ndarray, str]] = {}
     for name in QUANTITIES:
         right = float(reference[name]) if int(reference["status"]) == OK else np.nan
-        error = (points[name] / right - 1.0 if right else points[name] * np.nan).where(solved)
-        out[f"error_{name}"] = error.assign_attrs(
-            long_name=f"error of {points[name].attrs.get('long_name', name)}", units="1"
-        )
-    both = [abs(out[f"error_qv_{race}"]) for race in ("inner", "outer")]
-    out["error_contact_qv"] = xr.concat(both, "race").max("race", skipna=False)
-    out["error_contact_qv"].attrs = {
-        "long_name": "error of the QV of a contact, the larger of both, without sign",
-        "units": "1",
+        error = points[name].values / (right or np.nan) - 1.0
+        quantity = points[name].attrs.get("long_name", name)
+        columns[f"error_{name}"] = np.where(solved, error, np.nan), f"error of {quantity}"
+    columns["error_contact_qv"] = (
+        np.maximum(*(np.abs(columns[f"error_qv_{race}"][0]) for race in ("inner", "outer"))),
+        "error of the QV of a contact, the larger of both, without sign",
+    )
+    time = np.full(solved.size, float(reference["wall_time"]))
+    variables = {
+        name: ("point", values, {"long_name": label, "units": "1"})
+        for name, (values, label) in columns.items()
     }
-    out["reference_time"] = xr.full_like(points["wall_time"], float(reference["wall_time"]))
-    out["reference_time"].attrs = {"long_name": "wall time of the reference", "units": "s"}
-    return out
+    label = {"long_name": "wall time of the reference", "units": "s"}
+    return variables | {"reference_time": ("point", time, label)}
