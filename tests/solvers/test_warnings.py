@@ -24,7 +24,7 @@ from bearingwear.results.warnings import (
 from bearingwear.scene.scene import SceneError
 from bearingwear.scene.variant import variant
 from bearingwear.solvers.effects.choice import choice
-from bearingwear.solvers.effects.table import WARNINGS
+from bearingwear.solvers.effects.table import EFFECTS, WARNINGS
 from bearingwear.solvers.effects.warnings import warnings_of
 from bearingwear.solvers.solve import solve
 
@@ -296,10 +296,20 @@ def test_a_cage_without_weight():
         assert len(told) == len(expected)
 
 
+def test_a_choice_composes_no_sentence(monkeypatch):
+    """Sentences are made when somebody reads them."""
+    read = []
+    effect = replace(EFFECTS[0], modelled=lambda chosen: read.append(chosen) or ["read"])
+    monkeypatch.setattr("bearingwear.solvers.effects.table.EFFECTS", (effect,))
+    chosen = choice(variant(scene_file("gyro_s1"), {}))
+    assert not read
+    assert chosen.reasons == ("read",) and read == [chosen]
+
+
 def test_every_caution_is_tested_and_documented():
     told = (ROOT / "docs" / "warnings.md").read_text(encoding="utf-8")
     known = {warning.id for warning in WARNINGS}
-    assert len(known) == len(WARNINGS)
+    assert len({effect.id for effect in EFFECTS}) == len(EFFECTS) > len(known) == len(WARNINGS)
     marks = dict(re.findall(r"^- `(\w+)`(\\\*)?: ", told, re.MULTILINE))
     assert {name: bool(mark) for name, mark in marks.items()} == {
         warning.id: warning.impractical for warning in WARNINGS

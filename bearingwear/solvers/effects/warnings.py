@@ -27,7 +27,7 @@ def warnings_of(
         return _of_both(scene, chosen, values or {})
     every = list(evidence_of(scene, chosen, values or {}))
     return [
-        _said(effect, max(found, key=lambda one: excess_of(one) or 0.0))
+        _said(effect, *max(found, key=lambda one: one[0] or 0.0))
         for effect in WARNINGS
         if (found := list(_beyond(effect, every)))
     ]
@@ -49,23 +49,21 @@ def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[di
     return worst
 
 
-def excess_of(found: Finding) -> float | None:
-    """A value over its limit; None of a fact."""
-    if "excess" in found or not found.keys() >= {"value", "limit"}:
-        return found.get("excess")
-    return found["value"] / found["limit"]
-
-
-def _beyond(effect: Effect, every: Iterable[Evidence]) -> Iterator[Finding]:
+def _beyond(effect: Effect, every: Iterable[Evidence]) -> Iterator[tuple[float | None, Finding]]:
+    """What is to be warned of, and the value over its limit, None of a fact."""
     for e in every:
         with np.errstate(divide="ignore", invalid="ignore"):
             found = effect.size(e)
-        if found is not None and ((excess := excess_of(found)) is None or excess > 1.0):
-            yield found
+        if found is None:
+            continue
+        excess = found.get("excess")
+        if excess is None and "limit" in found:
+            excess = found["value"] / found["limit"]
+        if excess is None or excess > 1.0:
+            yield excess, found
 
 
-def _said(effect: Effect, found: Finding) -> dict[str, Any]:
-    excess = excess_of(found)
+def _said(effect: Effect, excess: float | None, found: Finding) -> dict[str, Any]:
     return {
         "id": effect.id,
         "sentence": effect.sentence.format(**found),
