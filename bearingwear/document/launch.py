@@ -6,8 +6,8 @@ import json
 import math
 from collections.abc import Callable, Sequence
 
+from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import operation_lines
 from bearingwear.results.units import digits
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Scene

@@ -13,7 +13,6 @@ import numpy as np
 from bearingwear.document.document import Block, Row, row_of
 from bearingwear.measures import ENDS, Measure
 from bearingwear.results.units import scale_of
-from bearingwear.scene.catalogue import identity_line, speed_limit_line
 from bearingwear.scene.scene import COUNTS
 
 COUNTED = tuple(name.replace("_and_", " + ") for name in COUNTS)
@@ -138,60 +137,3 @@ def marked(rows: Iterable[Row], file: Any) -> tuple[Row, ...]:
             row = row._replace(note="passed" if measure.is_passed(value, limit) else "")
         found.append(row)
     return tuple(found)
-
-
-def _pair_words(a: Mapping[str, Any]) -> list[str]:
-    """Lines on the arrangement of two bearings, and on their differences."""
-    if a.get("kind", "single") == "single":
-        return []
-    words = [f"{a['kind']} {a['orientation']}".replace("_", " ")]
-    if max(a.get("tandem", [1])) > 1:
-        words.append("{} and {} in tandem".format(*a["tandem"]))
-    if a["external_axial_N"]:
-        words.append(f"external axial force {a['external_axial_N']:g} N")
-    if a["spring_stiffness_N_um"]:
-        words.append(f"spring of {a['spring_stiffness_N_um']:g} N/um")
-    if a["second"]:
-        words.append("second bearing: " + ", ".join(f"{k} {v}" for k, v in a["second"].items()))
-    return words
-
-
-def operation_lines(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    """Lines on the bearing, its operating point, and whose catalogue it is of."""
-    bearing, operation = scene["bearing"], scene["operation"]
-    loss = scene["wear"]["ball_diameter_loss_um"]
-    worn = f"{loss:g}" if isinstance(loss, float) else "unequal"
-    radial = operation.get("radial_load_N") or [0.0]
-    loads = [
-        f"{text} {value:g} N"
-        for text, value in (
-            ("radial load", sum(part * part for part in radial) ** 0.5),
-            ("rotating load", operation.get("rotating_load_N") or 0.0),
-        )
-        if value
-    ]
-    outer = operation.get("outer_speed_rpm")
-    speeds = [f"{operation['shaft_speed_rpm']:g} r/min", *([f"outer {outer:g}"] if outer else [])]
-    method = operation["preload_method"].replace("_", " ")
-    parts = (
-        *speeds,
-        f"{method} preload {operation['preload_N']:g} N",
-        *_pair_words(scene.get("arrangement") or {}),
-        *loads,
-        f"friction {_friction(scene['friction'])}",
-        f"ball diameter loss {worn} um",
-    )
-    return (
-        f"{scene['name']}: {bearing['ball_count']} balls of {bearing['ball_diameter_mm']:g} mm",
-        ", ".join(parts),
-        *filter(None, (identity_line(bearing), speed_limit_line(bearing, operation))),
-    )
-
-
-def _friction(given: Mapping[str, Any]) -> str:
-    """Of balls and races: a coefficient, or that of a film."""
-    film = given.get("film")
-    if not film:
-        return f"{given['ball_race']:g}"
-    thick = film.get("thickness_um")
-    return f"of a film ({film['shear_strength_MPa']:g} MPa{f', {thick:g} um' if thick else ''})"

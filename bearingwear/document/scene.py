@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row
-from bearingwear.document.rows import operation_lines
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bearingwear.document.bearing_line import operation_lines
 from bearingwear.document.document import Block, Document, Row, quantity_row, row_of
 from bearingwear.document.life import life_blocks
 from bearingwear.document.pair import of_bearings, system_blocks
@@ -21,7 +22,6 @@ from bearingwear.document.rows import (
     marked,
     mean,
     mean_rows,
-    operation_lines,
     solved_rows,
     values,
 )
