@@ -1,8 +1,8 @@
 """Sampled lives with grooves that are followed as they wear.
 
-A few hundred lives are followed. The ratio of these to the lives with Hertzian grooves is
-interpolated between them for the others, and its error is measured on lives that it was not fitted
-to (docs/theory.md, section 15).
+Some lives are followed. The ratio of these to the lives with Hertzian grooves is interpolated
+between them for the others, and its error is measured on lives that it was not fitted to
+(docs/theory.md, section 15). More are followed until that error is small, at most a few hundred.
 """
 
 from __future__ import annotations
@@ -12,16 +12,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
+from scipy.spatial.distance import cdist
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.many import worn_life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.studies.pool import Tell, in_processes, told_in_lines
+from bearingwear.studies.pool import Tell, processes, told_in_lines
 
-FITTED, HELD_OUT = 192, 64
+FITTED, HELD_OUT = (24, 48, 96, 192), 64
 """Lives that are followed where there are more: to fit the ratio, and to see its error."""
+
+KNOWN_TO = 5e-3
+"""rms error of the ratio for which no more are followed: quick lives are no better themselves."""
+
+STEEP = 0.2
+"""Change of the ratio from the nearest followed life, as a logarithm: beyond it a life is followed,
+since another end of life lies between."""
 
 _RACES = COUNTS.index("ball_and_races")
 _SEED = 0  # of the choice of those that are followed
@@ -75,30 +83,41 @@ def with_followed_grooves(
     if first is None or not asked.size or not any(map(_follows, scenes)):
         return hertzian
     order = np.random.default_rng(_SEED).permutation(asked)
-    followed = order if order.size <= FITTED + HELD_OUT else order[: FITTED + HELD_OUT]
-    chosen = [scenes[k] for k in followed]
-    each = in_processes(_followed, chosen, workers, "uncertainty")
-    if tell:
-        each = told_in_lines(each, len(chosen), "{} of {} lives, grooves as they wear", tell=tell)
-    found = np.array(list(each))
     status, criterion = hertzian.status.copy(), hertzian.end_criterion.copy()
-    status[followed], criterion[followed] = found[:, 0].astype(int), found[:, 1].astype(int)
-    ratio = np.ones(len(scenes))
-    own = found[:, 2] / hertzian.life[followed, _RACES]
-    ratio[followed] = np.where(np.isnan(found[:, 2]), 1.0, own)
-    error = 0.0
-    if followed.size < order.size:
-        good = followed[found[:, 0] == OK]
-        fitted, checked = good[:-HELD_OUT], good[-HELD_OUT:]
-        miss = _interpolated(places, fitted, ratio, checked) / ratio[checked] - 1.0
-        error = float(np.sqrt(np.mean(miss**2)))
-        others = order[followed.size :]
-        ratio[others] = _interpolated(places, good, ratio, others)
+    ratio, error, done = np.ones(len(scenes)), 0.0, 0
+    with processes(workers, "uncertainty") as each:
+
+        def follow(new: np.ndarray) -> None:
+            lives = each(_followed, [scenes[k] for k in new])
+            if tell:
+                what = "{} of {} lives, grooves as they wear"
+                lives = told_in_lines(lives, new.size, what, tell=tell)
+            for k, (solved, ended, life) in zip(new, lives, strict=True):
+                status[k], criterion[k] = solved, ended
+                own = life / hertzian.life[k, _RACES]
+                ratio[k] = 1.0 if np.isnan(own) else own
+
+        for count in FITTED:
+            follow(order[done : HELD_OUT + count])
+            done = min(HELD_OUT + count, order.size)
+            good = order[:done][status[order[:done]] == OK]
+            checked, fitted = good[:HELD_OUT], good[HELD_OUT:]
+            if done == order.size or fitted.size < 2:
+                continue
+            found, steep = _interpolated(places, fitted, ratio, checked)
+            error = float(np.sqrt(np.mean((found / ratio[checked] - 1.0)[~steep] ** 2)))
+            if error <= KNOWN_TO:
+                break
+        if done < order.size:
+            others = order[done:]
+            ratio[others], steep = _interpolated(places, good, ratio, others)
+            follow(others[steep])
+            done += int(steep.sum())
     life = hertzian.life.copy()
     life[:, _RACES] *= ratio
     life[status != OK] = np.nan
     return FollowedLives(
-        life=life, status=status, end_criterion=criterion, followed=followed.size, error=error
+        life=life, status=status, end_criterion=criterion, followed=done, error=error
     )
 
 
@@ -109,7 +128,7 @@ def _follows(scene: Scene | None) -> bool:
 def _followed(scene: Scene | None) -> tuple[int, int, float]:
     """Status, end criterion and life [s]; NaN where it stays the Hertzian one."""
     assert scene is not None
-    worn = worn_life(scene)
+    worn = worn_life(scene, only_times=True)
     if worn is None:
         return OK, len(CRITERIA) - 1, np.nan
     life = float(worn.last.time[1]) if worn.status == OK else np.nan
@@ -118,12 +137,15 @@ def _followed(scene: Scene | None) -> tuple[int, int, float]:
 
 def _interpolated(
     places: np.ndarray, known: np.ndarray, ratio: np.ndarray, asked: np.ndarray
-) -> np.ndarray:
-    """The ratio at some places from those where it is known, linear far from them."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """The ratio at some places from those where it is known, linear far from them, and where it
+    is steep.
+    """
     spread = places[known].std(axis=0)
     used = spread > 0.0
     if not used.any():
-        return np.full(asked.size, float(ratio[known].mean()))
-    x = places[:, used] / spread[used]
-    fit = RBFInterpolator(x[known], np.log(ratio[known]), kernel="linear", degree=1)
-    return np.exp(fit(x[asked]))
+        return np.full(asked.size, float(ratio[known].mean())), np.zeros(asked.size, bool)
+    x, y = places[:, used] / spread[used], np.log(ratio[known])
+    found = RBFInterpolator(x[known], y, kernel="linear", degree=1)(x[asked])
+    nearest = cdist(x[asked], x[known]).argmin(axis=1)
+    return np.exp(found), np.abs(found - y[nearest]) > STEEP

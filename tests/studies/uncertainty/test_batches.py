@@ -10,9 +10,10 @@ from scipy.stats import qmc
 from support import scene_file
 
 from bearingwear.cli import main
+from bearingwear.document.study import spread_rows
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import load
-from bearingwear.results.quantiles import Spread, causes_told, spread_at, spread_cells
+from bearingwear.results.quantiles import Spread, causes_told, spread_at
 from bearingwear.results.units import Interval
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.errors import SceneError
@@ -126,12 +127,15 @@ def test_page_and_sheet_tell_the_interval_and_its_causes():
     assert both.sentence.endswith("% of bearings between 0.34 and 5.8 h")
     alike = both._replace(scatter=None, quantiles={}, solved=0.99)
     assert alike.sentence.endswith(" h (of the 99 % of lives that were solved)")
-    assert spread_cells([both, alike, None]) == {
-        "90 % of bearings (h)": ["0.34 to 5.8", "0.34 to 5.8", "–"],
-        "scatter within a batch (h)": ["1 to 2", "none", "–"],
-        "unknown for a batch (h)": ["0.4 to 5", "0.4 to 5", "–"],
-        "L10 (h)": ["1.2", "–", "–"],
+    rows = spread_rows([both.rows, alike.rows])
+    assert {row.head: row.values[:1] for row in rows} == {
+        "90 % of bearings (h)": (both.bearings,),
+        "scatter within a batch (h)": (both.scatter,),
+        "unknown for a batch (h)": (both.unknown,),
+        "L10 (h)": (1.234,),
     }
+    assert [row.values[1] for row in rows[:3]] == [both.bearings, "none", both.unknown]
+    assert np.isnan(rows[3].values[1])
     told = causes_told(load_scene(scene_file("gyro_s1")).to_dict())
     batch = "Brinell hardness, wear coefficient, friction of ball and race, drag density"
     assert f"Unknown for a batch: {batch}." in told
@@ -174,7 +178,7 @@ def test_indices_within_a_class_are_among_their_own():
 
 @pytest.fixture
 def fewer(monkeypatch):
-    monkeypatch.setattr(grooves, "FITTED", 16)
+    monkeypatch.setattr(grooves, "FITTED", (8, 16))
     monkeypatch.setattr(grooves, "HELD_OUT", 8)
 
 
@@ -188,7 +192,7 @@ def test_sampled_lives_follow_grooves_where_life_does(fewer):
     )
     rows = sample(scene, Sampling(samples=16, chunks=1, seed=1))[:, [0, -1]].reshape(-1, 3)
     found = lives(scene, rows)
-    assert found.followed == 24 and (found.status == 0).all()
+    assert found.followed == 16 and (found.status == 0).all()
     assert 0.0 < found.groove_error < 0.01
     names = list(scene.uncertainty)
     for k in (0, 7, 31):
@@ -197,6 +201,15 @@ def test_sampled_lives_follow_grooves_where_life_does(fewer):
     few = lives(scene, rows[:6])
     assert few.followed == 6 and few.groove_error == 0.0
     assert_allclose(few.life, found.life[:6], rtol=3e-3)
+
+
+def test_lives_beside_a_jump_of_the_ratio_are_followed():
+    places = np.linspace(0.0, 1.0, 41)[:, None]
+    ratio = np.where(places[:, 0] < 0.49, 14.0, 1.6)
+    known, asked = np.arange(0, 41, 4), np.array([2, 17, 18, 19, 30])
+    found, steep = grooves._interpolated(places, known, ratio, asked)
+    assert steep.tolist() == [False, True, True, True, False]
+    assert_allclose(found[~steep], ratio[asked[~steep]], rtol=1e-6)
 
 
 def test_lives_of_hertzian_grooves_stay_as_they_are():
@@ -219,7 +232,7 @@ def test_command_tells_batches_and_grooves(tmp_path, capsys):
     assert main(["uncertainty", str(scene), *settings]) == 0
     shown = capsys.readouterr().out
     first = shown.partition("\n\n")[2].splitlines()
-    assert first[2].startswith("  90 % of bearings") and "not solved" not in shown
+    assert first[1].startswith("  90 % of bearings") and "not solved" not in shown
     assert all(name in shown for name in ("scatter within a batch", "unknown for a batch", "L10"))
     assert "groove_error" not in shown and "dimension" not in shown
     assert main(["show", "--all", str(out)]) == 0
