@@ -39,6 +39,7 @@ from bearingwear.studies.design.beside import assumptions_of, load_beside, passe
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.draw import design_files
 from bearingwear.studies.design.figures import at_scene
+from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
 from bearingwear.studies.design.recommend import WORST_CASES, best_method, mapped
@@ -185,6 +186,7 @@ def preload_document(
     spread = _spreads(found, uncertainty)
     blocks = [*_points(found, beside, spread)]
     blocks += [_recommended(found, spread), _new_and_worn(found)] if known else []
+    blocks += machine_blocks(found)
     blocks += [] if beside is None else [_beside(beside, found, basis)]
     blocks += [] if design is None else [_over_preload(design, basis)]
     blocks += _room(found) if known else []
@@ -246,7 +248,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     grooves = flag_names(found["groove"])
     rows = [
         Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
-        Row("held by", "", tuple(held), "active_limit"),
+        Row("held by", "", _in_cases(found, held), "active_limit"),
         Row(f"life, {COUNTED[basis]}", "h", _floats(lives[:, basis]), "life"),
         *(spread_rows([one.rows if one else {} for one in spread.values()])),
         *(() if any(spread.values()) else by_wear_row(scene_of(found), _floats(lives[:, basis]))),
@@ -268,6 +270,18 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     rows = [row._replace(note=_worst_case(found, row.name)) for row in rows]
     notes = (causes_told(scene_of(found)),) if any(spread.values()) else ()
     return Block("recommended", tuple(method_names(found)), tuple(rows), notes, place="lead")
+
+
+def _in_cases(found: xr.Dataset, held: list[str]) -> tuple[str, ...]:
+    """What holds each preload, with the case in which it does."""
+    of_methods = json.loads(found.attrs.get(WORST_CASES, "[]")) or [{}] * len(held)
+    words = []
+    for text, (_, one), cases in zip(held, methods(found), of_methods, strict=True):
+        limit = LIMITED.get(ACTIVE[int(one["active_limit"])])
+        at = {name: float(one[name]) for name in limit.extremes} if limit else {}
+        name = limit.critical(at.__getitem__)[1] if limit else ""
+        words.append(f"{text} ({cases[name]})" if name in cases else text)
+    return tuple(words)
 
 
 def _worst_case(found: xr.Dataset, name: str) -> str:

@@ -41,6 +41,7 @@ from bearingwear.studies.design.choice import (
     whole_map,
     why_none,
 )
+from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     HERTZIAN_GROOVE,
     MAP_AXES,
@@ -98,7 +99,7 @@ CLIFF = table(
 WORST_CASES = "worst_cases"
 """Attribute of a recommendation: for each method, the case that is the worst of each quantity."""
 
-ATTRIBUTES = ("warnings", WORST_CASES)
+ATTRIBUTES = ("warnings", WORST_CASES, MACHINE)
 """What is found of a recommended preload and is no variable."""
 
 NO_ERRORS = np.full(2, np.nan)
@@ -214,6 +215,8 @@ def recommendation(
     rows, none, held_so = search.answers(lines)
     found = _dataset(rows, lines).merge(held_so, combine_attrs="override")
     found.attrs["warnings"] = gathered_warnings({"warnings": r.get("warnings", "[]")} for r in rows)
+    if any(row.get(MACHINE) for row in rows):
+        found.attrs[MACHINE] = json.dumps([row.get(MACHINE, {}) for row in rows])
     if scene.cases:
         found.attrs[WORST_CASES] = json.dumps([row.get(WORST_CASES, {}) for row in rows])
     return found.assign_attrs({NONE_BECAUSE: json.dumps(none)} if none else {})
@@ -256,7 +259,7 @@ class Search:
                 none[line.method] = why_none(line_of_map, self.limits, self.basis)
         there = {k: one for k, one in enumerate(found) if one is not None}
         scenes = [self._at(known[k].method, one.best.preload) for k, one in there.items()]
-        for (k, one), more in zip(there.items(), self.each(_as_printed, scenes), strict=True):
+        for (k, one), more in zip(there.items(), self.each(_printed, scenes), strict=True):
             rows[k] = _row(known[k], one, self.limits) | more
         if self.limits.given:
             self.tell("how far the choice holds")
@@ -346,6 +349,11 @@ def _followed(job: tuple[Scene, float | None, bool]) -> dict[str, Any]:
 
 def _called(asked: Callable[[], Any]) -> Any:
     return asked()
+
+
+def _printed(scene: Scene) -> dict[str, Any]:
+    """What stands beside a recommended preload."""
+    return {**_as_printed(scene), MACHINE: machine_answers(scene)}
 
 
 def _as_printed(scene: Scene) -> dict[str, Any]:

@@ -1,0 +1,63 @@
+"""What the machine asks of a recommended preload: torque margin and launch, for its document."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+import xarray as xr
+
+from bearingwear.document.document import Block
+from bearingwear.document.launch import launch_verdict
+from bearingwear.document.margin import margin_block, margin_sentences
+from bearingwear.lives.margin import Corner, torque_corners
+from bearingwear.plotting.drawing import scene_of
+from bearingwear.results.pair_variables import method_words
+from bearingwear.scene.cases import NOMINAL
+from bearingwear.scene.read import scene_from_dict
+from bearingwear.scene.scene import PRELOAD_METHODS, Scene
+from bearingwear.solvers.bearing.launch import launched
+
+MACHINE = "machine"
+"""Attribute of a recommendation: for each method, sentences and the corners of the torque."""
+
+
+def machine_answers(scene: Scene) -> dict[str, Any]:
+    """What is said of a scene with a drive or a launch; empty of another."""
+    said: list[str] = []
+    corners: list[Corner] = []
+    if scene.drive is not None:
+        corners = torque_corners(scene)
+        said += margin_sentences(scene, corners)
+    a = scene.arrangement
+    if scene.launch is not None and a is not None and a.rotor_mass_kg and a.span_mm:
+        each = {name: launched(one) for name, one in scene.in_cases.items()}
+        for name, found in (
+            max(each.items(), key=lambda one: one[1].gap),
+            max(each.items(), key=lambda one: one[1].pressure_share),
+        ):
+            first, *_, last = launch_verdict(found)
+            sentence = first if not said or "launch" not in said[-1] else last
+            where = "" if name == NOMINAL else f" ({name})"
+            g = f"{found.axial_g:.3g} g along, {found.radial_g:.3g} g across"
+            said.append(f"launch, {g}{where}: {sentence}")
+    return {"said": said, "corners": [asdict(one) for one in corners]} if said else {}
+
+
+def machine_blocks(found: xr.Dataset) -> list[Block]:
+    """Of each recommended preload, as a recommendation holds it."""
+    answers = json.loads(found.attrs.get(MACHINE, "[]"))
+    known = [(k, one) for k, one in enumerate(answers) if one]
+    data, blocks, said = scene_of(found), [], []
+    for k, one in known:
+        words = method_words(data, PRELOAD_METHODS[int(found["preload_method"][k])])
+        lines = [f"{words}: {line}" if len(known) > 1 else line for line in one["said"]]
+        said += [f"{line[:1].upper()}{line[1:]}." for line in lines]
+        if one["corners"]:
+            corners = [Corner(**corner) for corner in one["corners"]]
+            block = margin_block(scene_from_dict(data), corners)
+            title = f"torque margin, {words}, {float(found['preload'][k]):.7g} N"
+            blocks.append(Block(title, block.columns, block.rows, block.lines, place="open"))
+    asked = Block("What the machine asks", lines=tuple(said), place="lead")
+    return ([asked] if said else []) + blocks

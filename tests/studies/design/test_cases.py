@@ -1,0 +1,94 @@
+"""Limits hold in every case of a scene: the recommendation against every preload of a fine grid."""
+
+import json
+
+import numpy as np
+import pytest
+
+import bearingwear
+from bearingwear.document.text import as_text
+from bearingwear.scene.arrangement import held_by
+from bearingwear.scene.scene import PRELOAD_METHODS
+from bearingwear.studies.design.choice import limit_margins
+from bearingwear.studies.design.document import preload_document
+from bearingwear.studies.design.machine import MACHINE
+from bearingwear.studies.design.map import followed_point, new_point, worst_cases
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.recommend import WORST_CASES, mapped
+
+LIMITS = DesignLimits(launch_g=30.0, torque_margin=0.5)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """A pair that is cold and stiff, or hot and tight, and grooves that stay as they are."""
+    plain = bearingwear.new(
+        designation="7001C", maker="NSK", preload_class="L", speed=3000.0, friction=0.1,
+        preload_method="fixed_position",
+    )  # fmt: skip
+    arrangement = {"kind": "rigid_pair", "rotor_mass_kg": 0.5, "span_mm": 25.0}
+    rings = {"inner_ring_C": 1.0, "balls_C": 0.5, "outer_ring_C": 0.0}
+    at = {"cold": (-30.0, -1.0), "hot": (60.0, 2.0)}
+    cases = {
+        name: {f"temperature.{key}": C + share * K for key, share in rings.items()}
+        for name, (C, K) in at.items()
+    }
+    return plain.with_(
+        {f"arrangement.{key}": value for key, value in arrangement.items()}
+        | {"launch.axial_g": 30.0, "launch.radial_g": 30.0, "drive.torque_Nm": 0.03}
+        | {"cases": cases, "model.contact": "hertz", "friction.ball_race": 0.1}
+        | {"uncertainty": {"wear_scatter": {"distribution": "lognormal", "factor": 1.3}}}
+    )
+
+
+@pytest.fixture(scope="module")
+def found(scene):
+    return mapped(scene, axes_around(scene, [0.1], "scene", COARSE), LIMITS, quick=True)[1]
+
+
+def test_the_recommendation_is_the_best_of_every_preload_in_every_case(scene, found):
+    for k, code in enumerate(found["preload_method"].values):
+        method, best = PRELOAD_METHODS[int(code)], 0.0
+        for preload in np.geomspace(20.0, 120.0, 10).tolist():
+            points = [
+                followed_point(o, None) for o in held_by(scene, method, preload).in_cases.values()
+            ]
+            kept = all(min(map(float, limit_margins(one, LIMITS))) >= 0.0 for one in points)
+            if kept and not any(one["impractical"] for one in points):
+                best = max(best, min(float(one["life"][1]) for one in points))
+        own = float(found["preload"][k])
+        if np.isnan(own):
+            assert best == 0.0, method
+            continue
+        points = {
+            name: followed_point(one, None)
+            for name, one in held_by(scene, method, own).in_cases.items()
+        }
+        for name, point in points.items():
+            assert min(map(float, limit_margins(point, LIMITS))) >= 0.0, (method, name)
+        life = min(float(point["life"][1]) for point in points.values())
+        assert 3600.0 * float(found["life"][k, 1]) == pytest.approx(life, rel=1e-9)
+        assert life >= 0.99 * best
+        assert json.loads(found.attrs[WORST_CASES])[k] == worst_cases(points)
+    assert np.isfinite(found["preload"]).any()
+
+
+def test_the_worst_case_is_named(found):
+    k = int(np.flatnonzero(np.isfinite(found["preload"]))[0])
+    worst = json.loads(found.attrs[WORST_CASES])[k]
+    assert worst["opening_acceleration"] == "cold" and worst["torque_margin"] == "hot"
+    said = " ".join(as_text(preload_document(found)).split())
+    assert "What the machine asks" in said and "worst corner: hot, new" in said
+    assert "Launch, 30 g along, 30 g across" in said
+    asked = json.loads(found.attrs[MACHINE])[k]
+    least = min(one["margin"] for one in asked["corners"])
+    assert float(found["torque_margin"][k]) == pytest.approx(least, rel=1e-6)
+
+
+def test_without_its_cases_the_scene_may_take_less_preload(scene, found):
+    """A point of a map is that of the worst case."""
+    whole = new_point(scene)
+    each = [new_point(one) for one in scene.in_cases.values()]
+    opening = [one["opening_acceleration"] for one in each]
+    assert whole["opening_acceleration"] == min(opening) == opening[1] < opening[0]
+    assert whole["maximum_pressure"] == max(one["maximum_pressure"] for one in each)
