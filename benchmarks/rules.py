@@ -28,9 +28,9 @@ from bearingwear.kernels.contact.points import (
     quadrature_points,
     rolling_points,
 )
-from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients
-from bearingwear.kernels.contact.strip_friction import strip_sums
+from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients, surface_height
 from bearingwear.kernels.contact.summary import QV
+from bearingwear.kernels.contact.traction import quick_strip_sums
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.status import OK
@@ -176,7 +176,7 @@ def contacts(problem, D, case):
     rolling = problem.kinematic_start(OUTER_CONTROL)
     for contact in race_contacts(problem.g, m, state):
         yield tuple(
-            (contact, 0.5 * D, slip_coefficients(contact, u, case.r), m.mu, m.v_r)
+            (contact, 0.5 * D, slip_coefficients(contact, u, case.r), contact.mu, m.v_r)
             for u in (case.u, rolling)
         )
 
@@ -185,23 +185,26 @@ def integrals(how, rule, contact, R, c, mu, v_r):
     """Mean slip, both friction forces and the moment of the second, and the number of points."""
     t, w = np.empty(most_points(rule)), np.empty(most_points(rule))
     t, w = how(rule, contact, R, c, v_r, t, w)
-    g_1, g_0, _, g_x, qv = strip_sums(contact, R, c, mu, v_r, t, w)
+    h = np.empty(t.size)
+    surface_height(contact, R, t, h)
+    g_1, g_0, _, g_x, qv = quick_strip_sums(contact, c, mu, v_r, t, w, h)
     forces = np.array([g_1 / R, g_0, g_x / contact.a]) / (mu * contact.Q)
     return np.array([qv / contact.Q, *forces]), len(t)
 
 
 @numba.njit(error_model="numpy")
-def repeat(how, rule, contact, R, c, mu, v_r, t, weight, n):
+def repeat(how, rule, contact, R, c, mu, v_r, t, weight, h, n):
     total = 0.0
     for i in range(n):
         slip = (c[0], c[1] * (1.0 + 1e-12 * i), c[2], c[3])
         points, shares = how(rule, contact, R, slip, v_r, t, weight)
-        total += strip_sums(contact, R, slip, mu, v_r, points, shares)[4]
+        surface_height(contact, R, points, h)
+        total += quick_strip_sums(contact, slip, mu, v_r, points, shares, h)[4]
     return total
 
 
 def nanoseconds(how, rule, cases):
-    buffers = np.empty(most_points(rule)), np.empty(most_points(rule))
+    buffers = np.empty((3, most_points(rule)))
     times = []
     for case in cases:
         repeat(how, rule, *case, *buffers, 1)

@@ -37,7 +37,6 @@ def solve_in_place(A, b, n):
     ----------
     A : ndarray (>= n, >= n)
     b : ndarray (>= n,)
-    n : int
 
     Returns
     -------

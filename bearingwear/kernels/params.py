@@ -6,6 +6,8 @@ int), since each mixture of types would compile another version of every kernel.
 
 from typing import NamedTuple
 
+from bearingwear.kernels.contact.friction import Law
+
 
 class Geometry(NamedTuple):
     """Grooves, material pair and load direction of the whole bearing (theory.md section 2)."""
@@ -28,10 +30,8 @@ class OperatingPoint(NamedTuple):
 
     omega_i: float  # inner race speed [rad/s]
     omega_o: float  # outer race speed [rad/s]
-    S_i: float  # shear strength of the film in the inner contacts, 0 for Coulomb's law [Pa]
-    S_o: float  # and in the outer ones
-    mu_i: float  # friction coefficient inner ball/race, that of the pressure itself apart [1]
-    mu_o: float  # and outer
+    law_i: Law  # friction in the inner contacts
+    law_o: Law  # and in the outer ones
     v_r: float  # slip regularisation [m/s]
     drag: float  # rho_eff C_d of the lubricant drag [kg/m3]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_mass
-from bearingwear.kernels.contact.points import Rule
-from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary, workspace
+from bearingwear.kernels.contact.points import Rule, point_buffers
+from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary
 from bearingwear.kernels.contact.verification import polygon_residual
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.equilibrium.thrust_loaded import groove_distance
@@ -135,7 +135,7 @@ def contact_solution(
     """Motions (n, 4) of the balls [rad/s] and rows (n, 2, COLUMNS) of `kernels.summary`."""
     g, op, D = problem.g, problem.op, problem.D
     u, rows = np.empty((len(D), 4)), np.empty((len(D), 2, COLUMNS))
-    work = workspace(rule)
+    work = point_buffers(rule)
     for j, state in enumerate(balance.states):
         k = race_control(
             int(models[j]), op.omega_i, op.omega_o, D[j] / g.dm, state.alpha_i, state.alpha_o

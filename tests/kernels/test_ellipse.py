@@ -9,14 +9,20 @@ from scipy.optimize import brentq
 from scipy.special import ellipe
 
 from bearingwear.kernels.contact.friction import potential
-from bearingwear.kernels.contact.points import EDGE, most_points, place_across, quadrature_points
+from bearingwear.kernels.contact.points import (
+    EDGE,
+    Points,
+    most_points,
+    place_across,
+    quadrature_points,
+)
 from bearingwear.kernels.contact.slip import dissipation, half_width, slip_velocity, surface_height
-from bearingwear.kernels.contact.strip_friction import strip_sums
 from bearingwear.kernels.contact.traction import (
-    ellipse_slope,
+    ellipse_slopes,
     ellipse_sums,
-    strip_slope,
-    strip_traction,
+    quick_strip_sums,
+    strip_slopes,
+    strip_sums,
     traction,
 )
 from bearingwear.kernels.params import Contact
@@ -33,7 +39,7 @@ SCALE = np.array([R, 1.0, R, CONTACT.a, 1.0])  # levers of the generalised force
 
 
 def placed(rule, c, contact=CONTACT, v_r=V_R):
-    """Points of a rule as the sums take them: t, weight, h, width, across, share."""
+    """Points of a rule as the sums take them."""
     n, m = most_points(rule), rule.across.size
     t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, n)))
     across, share = np.empty((2, m))
@@ -41,7 +47,7 @@ def placed(rule, c, contact=CONTACT, v_r=V_R):
     h, width = np.empty(t.size), np.zeros(t.size)
     surface_height(contact, R, t, h)
     half_width(contact, t, width)
-    return t, weight, h, width, across, share
+    return Points(t=t, weight=weight, h=h, width=width, across=across, share=share)
 
 
 def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
@@ -58,11 +64,11 @@ def test_places_across_have_the_same_bits_wherever_they_lie_in_memory():
 def sums(c, points):
     """Potential, gradient, Hessian and QV of CONTACT over held points."""
     gradient, hessian = np.empty(5), np.empty((5, 5))
-    ellipse_slope(CONTACT, c, MU, V_R, *points, gradient, hessian)
+    ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)
     four = np.empty(4), np.empty((4, 4))
-    ellipse_slope(CONTACT, c, MU, V_R, *points, *four)
+    ellipse_slopes(CONTACT, c, MU, V_R, points, *four)
     assert (four[0] == gradient[:4]).all() and (four[1] == hessian[:4, :4]).all()
-    *alone, qv = ellipse_sums(CONTACT, c, MU, V_R, *points)
+    *alone, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(alone, gradient, rtol=1e-12, atol=1e-14 * np.abs(gradient / SCALE).max())
     t, weight, h, width, across, share = points
     y = np.outer(width, across)
@@ -104,18 +110,19 @@ def test_derivatives(c, rule):
 @pytest.mark.parametrize("c", SLIPS)
 def test_one_point_across_is_the_line(c):
     t, weight = gauss_halves(30)
-    h, width, middle = np.empty(t.size), np.zeros(t.size), (np.zeros(1), np.ones(1))
+    h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
-    *found, along, qv = ellipse_sums(CONTACT, c, MU, V_R, t, weight, h, width, *middle)
+    points = Points(t, weight, h, np.zeros(t.size), np.zeros(1), np.ones(1))
+    *found, along, qv = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(along, found[0] / h.mean(), rtol=2e-3)
-    *line, line_qv = strip_sums(CONTACT, R, c, MU, V_R, t, weight)
+    *line, line_qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
     gradient, hessian = np.empty((2, 4)), np.empty((2, 4, 4))
-    traction(CONTACT, c, MU, V_R, t, weight, h, width, *middle, gradient[0])
+    traction(CONTACT, c, MU, V_R, points, gradient[0])
     assert_allclose(found, line, rtol=1e-12)
     assert_allclose(gradient[0], line, rtol=1e-12)
     assert_allclose(qv, line_qv, rtol=1e-13)
-    ellipse_slope(CONTACT, c, MU, V_R, t, weight, h, width, *middle, gradient[0], hessian[0])
-    strip_slope(CONTACT, c, MU, V_R, t, weight, h, gradient[1], hessian[1])
+    ellipse_slopes(CONTACT, c, MU, V_R, points, gradient[0], hessian[0])
+    strip_slopes(CONTACT, c, MU, V_R, t, weight, h, gradient[1], hessian[1])
     assert_allclose(hessian[0], hessian[1], rtol=1e-11, atol=1e-13 * np.abs(hessian[1]).max())
 
 
@@ -124,8 +131,8 @@ def test_one_point_across_is_the_line(c):
 def test_mirrored_across(c, rule):
     """With gyroscopic slip the other way round its force turns round, and nothing else changes."""
     mirrored = (-c[0], *c[1:])
-    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, *placed(rule, c))
-    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, *placed(rule, mirrored))
+    *forces, qv = ellipse_sums(CONTACT, c, MU, V_R, placed(rule, c))
+    *others, other_qv = ellipse_sums(CONTACT, mirrored, MU, V_R, placed(rule, mirrored))
     turned = np.array(others) * [-1.0, 1.0, 1.0, 1.0, -1.0]
     assert_allclose([*turned, other_qv], [*forces, qv], rtol=1e-11, atol=1e-18)
 
@@ -169,21 +176,24 @@ def test_spin_torque_of_an_ellipse(kappa):
     contact = CONTACT._replace(b=CONTACT.a / kappa)
     c, v_r = (0.0, 0.0, 0.0, 1e3), 1e-9
     rule = ellipse_rule("split", 200, 64)
-    *_, g_x, _, qv = ellipse_sums(contact, c, MU, v_r, *placed(rule, c, contact, v_r))
+    *_, g_x, _, qv = ellipse_sums(contact, c, MU, v_r, placed(rule, c, contact, v_r))
     unit = 3 / 8 * contact.Q * contact.a
     assert_allclose(g_x / (MU * unit), ellipe(1.0 - kappa**-2), rtol=1e-6)
     assert_allclose(qv / (unit * 1e3), ellipe(1.0 - kappa**-2), rtol=1e-6)
     t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
-    assert_allclose(strip_sums(contact, R, c, MU, v_r, t, weight)[3] / (MU * unit), 1.0, rtol=1e-9)
+    h = np.empty(t.size)
+    surface_height(contact, R, t, h)
+    g_x = quick_strip_sums(contact, c, MU, v_r, t, weight, h)[3]
+    assert_allclose(g_x / (MU * unit), 1.0, rtol=1e-9)
 
 
 def test_default_points_on_a_spinning_ellipse():
     """20 strips and 8 points across: 1e-3 of the torque at kappa 3.07; fixed ones, 8: 2.5e-4."""
     contact, c = CONTACT._replace(b=CONTACT.a / 3.07), (0.0, 0.0, 0.0, 1e3)
     exact = 3 / 8 * MU * contact.Q * contact.a * ellipe(1.0 - 3.07**-2)
-    split = ellipse_sums(contact, c, MU, 1e-9, *placed(ellipse_rule("split", 20, 8), c, contact))
+    split = ellipse_sums(contact, c, MU, 1e-9, placed(ellipse_rule("split", 20, 8), c, contact))
     assert_allclose(split[3], exact, rtol=1e-3)
-    fixed = ellipse_sums(contact, c, MU, 1e-9, *placed(ellipse_rule("gauss", 200, 8), c, contact))
+    fixed = ellipse_sums(contact, c, MU, 1e-9, placed(ellipse_rule("gauss", 200, 8), c, contact))
     assert_allclose(abs(fixed[3] / exact - 1.0), 2.5e-4, rtol=0.1)
 
 
@@ -201,7 +211,7 @@ def test_heathcote_slip():
         t, weight = quadrature_points(rule, contact, R, c, v_r, *np.empty((2, most_points(rule))))
         h = np.empty(t.size)
         surface_height(contact, R, t, h)
-        strip_traction(contact, c, MU, v_r, t, weight, h, gradient)
+        gradient[:] = strip_sums(contact, c, MU, v_r, t, weight, h)[:4]
         return gradient[1]
 
     ends = np.empty(2)
@@ -225,8 +235,8 @@ def slip_at(contact, c, t):
 def test_share_of_gyroscopic_slip_counts_no_spin(c):
     """|c_1 h| over |v|; and heat and torque are those of the generalised friction."""
     points, r = placed(ellipse_rule("split", 24, 8), c), 3.5e-3
-    qv, heat, share, torque = dissipation(CONTACT, c, MU, V_R, r, *points)
-    *g, _, total = ellipse_sums(CONTACT, c, MU, V_R, *points)
+    qv, heat, share, torque = dissipation(CONTACT, c, MU, V_R, r, points)
+    *g, _, total = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(qv, total, rtol=1e-12)
     assert_allclose(heat, np.dot(c, g), rtol=1e-10)
     lever = r * g[1] + CONTACT.sigma * CONTACT.cos_a * g[2] - CONTACT.sin_a * g[3]

@@ -8,7 +8,7 @@ from kernels.test_ellipse import CONTACT, MU, SCALE, SLIPS, STEPS, V_R, R, place
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels.contact.ellipse_friction import EllipsePoints, ellipse_friction, places
-from bearingwear.kernels.contact.traction import ellipse_slope, ellipse_sums
+from bearingwear.kernels.contact.traction import ellipse_slopes, ellipse_sums
 from bearingwear.solvers.bearing.parameters import ellipse_rule, line_points, split_points
 from bearingwear.solvers.bearing.quadrature import gathered, normalised, spread_fixed
 
@@ -33,9 +33,9 @@ def friction(points, c, v_r=V_R, size=5, contact=CONTACT, even=False):
 def test_fixed_points_sum_as_the_steady_rule(c):
     points = placed(ellipse_rule("gauss", 40, 5), c)
     gradient, hessian = np.empty(5), np.empty((5, 5))
-    ellipse_slope(CONTACT, c, MU, V_R, *points, gradient, hessian)
+    ellipse_slopes(CONTACT, c, MU, V_R, points, gradient, hessian)
     sums, found = friction(FIXED, c)
-    assert_allclose(sums, ellipse_sums(CONTACT, c, MU, V_R, *points), rtol=1e-11, atol=1e-14)
+    assert_allclose(sums, ellipse_sums(CONTACT, c, MU, V_R, points), rtol=1e-11, atol=1e-14)
     scale = SCALE[:, None] * SCALE
     size = np.abs(hessian / scale).max()
     assert_allclose(found / scale, hessian / scale, rtol=1e-10, atol=1e-12 * size)
@@ -46,7 +46,7 @@ def test_fixed_points_sum_as_the_steady_rule(c):
 @pytest.mark.parametrize("c", SLIPS)
 def test_line_with_traction_sums_as_the_steady_rule(c):
     points = placed(ellipse_rule("split", 40), c)
-    expected = ellipse_sums(CONTACT, c, MU, V_R, *points)
+    expected = ellipse_sums(CONTACT, c, MU, V_R, points)
     assert_allclose(friction(LINE, c)[0], expected, rtol=1e-11, atol=1e-14)
 
 
@@ -54,7 +54,7 @@ def test_line_with_traction_sums_as_the_steady_rule(c):
 def test_many_points_are_right(c):
     """Against many fixed points, and slopes against differences: both to what V_R leaves."""
     many, hessian = friction(FINE, c)
-    right = ellipse_sums(CONTACT, c, MU, V_R, *placed(ellipse_rule("split", 200, 64), c))
+    right = ellipse_sums(CONTACT, c, MU, V_R, placed(ellipse_rule("split", 200, 64), c))
     assert_allclose(many[:5] / SCALE, np.array(right[:5]) / SCALE, atol=1e-6 * MU * CONTACT.Q)
     assert_allclose(many[5], right[5], rtol=1e-6)
     scale = SCALE[:, None] * SCALE
@@ -79,7 +79,7 @@ def test_errors_of_few_points(spin):
     """As of the 20 x 8 points of the steady state: QV within 1e-3, forces within 5e-3 mu Q."""
     c = spinning(*spin)
     few, many = friction(SPREAD, c, 1e-4)[0], friction(FINE, c, 1e-4)[0]
-    steady = ellipse_sums(CONTACT, c, MU, 1e-4, *placed(ellipse_rule("split", 20, 8), c, v_r=1e-4))
+    steady = ellipse_sums(CONTACT, c, MU, 1e-4, placed(ellipse_rule("split", 20, 8), c, v_r=1e-4))
     assert abs(few[5] / many[5] - 1.0) < 1e-3
     assert abs(steady[5] / many[5] - 1.0) < 1e-3
     assert np.abs((few - many)[:5] / SCALE).max() < 5e-3 * MU * CONTACT.Q

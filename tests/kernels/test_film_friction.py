@@ -12,11 +12,10 @@ from scipy.special import ellipe
 from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.contact.film_friction import area_shares
-from bearingwear.kernels.contact.friction import even_coefficient
-from bearingwear.kernels.contact.profile import semi_axis
-from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary, workspace
-from bearingwear.kernels.contact.traction import ellipse_slope, ellipse_sums
+from bearingwear.kernels.contact.friction import Law, friction_coefficients
+from bearingwear.kernels.contact.points import Points, area_shares, point_buffers
+from bearingwear.kernels.contact.summary import COLUMNS, HEAT, QV, contact_summary
+from bearingwear.kernels.contact.traction import ellipse_slopes, ellipse_sums
 from bearingwear.kernels.contact.verification import friction_check
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
@@ -32,11 +31,10 @@ RULES = {"split": (100, 32), "gauss": (20, 8), "strips": (200, 8)}
 
 
 def evenly(rule, c, contact=FILM, v_r=V_R):
-    """Points of a rule with shares of the area: t, weight, h, width, across, share."""
-    t, weight, h, width, across, share = placed(rule, c, contact, v_r)
-    t, weight, across, share = (np.array(one) for one in (t, weight, across, share))
-    area_shares(rule, contact, R, c, v_r, t, weight, across, share)
-    return t, weight, h, width, across, share
+    """Points of a rule with shares of the area."""
+    points = Points(*(np.array(part) for part in placed(rule, c, contact, v_r)))
+    area_shares(rule, contact, R, c, v_r, points)
+    return points
 
 
 @pytest.mark.parametrize("name", RULES)
@@ -62,9 +60,9 @@ def test_pure_spin_in_closed_form(kappa):
         (ellipse_rule("split", 200, 64), 1e-6),
     ):
         points = evenly(rule, SPIN, contact, v_r)
-        torque = ellipse_sums(contact, SPIN, MU_EVEN, v_r, *points)[3]
+        torque = ellipse_sums(contact, SPIN, MU_EVEN, v_r, points)[3]
         assert_allclose(torque, exact, rtol=error)
-        hertz = ellipse_sums(contact, SPIN, MU_EVEN, v_r, *placed(rule, SPIN, contact, v_r))[3]
+        hertz = ellipse_sums(contact, SPIN, MU_EVEN, v_r, placed(rule, SPIN, contact, v_r))[3]
         assert_allclose(torque / hertz, 32.0 / (9.0 * math.pi), rtol=error)
     in_time, _ = friction(split_points(5, 8), SPIN, v_r, contact=contact, even=True)
     assert_allclose(in_time[3], exact, rtol=1e-3 if kappa > 3.0 else 1e-2)  # few across
@@ -73,11 +71,11 @@ def test_pure_spin_in_closed_form(kappa):
 @pytest.mark.parametrize("c", SLIPS)
 def test_in_time_as_in_the_steady_state(c):
     """Many points of either: both are right. On a line the points are the same."""
-    many = ellipse_sums(FILM, c, MU_EVEN, V_R, *evenly(ellipse_rule("split", 200, 64), c))
+    many = ellipse_sums(FILM, c, MU_EVEN, V_R, evenly(ellipse_rule("split", 200, 64), c))
     found, _ = friction(split_points(25, 32), c, contact=FILM, even=True)
     assert_allclose(found[:5] / SCALE, many[:5] / SCALE, atol=1e-5 * MU_EVEN * FILM.Q)
     line = ellipse_rule("split", 40)
-    along = ellipse_sums(FILM, c, MU_EVEN, V_R, *evenly(line, c))
+    along = ellipse_sums(FILM, c, MU_EVEN, V_R, evenly(line, c))
     found, _ = friction(line_points(line), c, contact=FILM, even=True)
     assert_allclose(found[:5] / SCALE, along[:5] / SCALE, atol=1e-11 * MU_EVEN * FILM.Q)
 
@@ -90,19 +88,19 @@ def test_slopes_are_those_of_a_convex_potential(c):
         np.empty(5),
         np.empty((5, 5)),
     )
-    ellipse_slope(FILM, c, MU_EVEN, V_R, *points, gradient, hessian)
+    ellipse_slopes(FILM, c, MU_EVEN, V_R, points, gradient, hessian)
     scale = SCALE[:, None] * SCALE
     found = np.empty((4, 5))
     for i, step in enumerate(STEPS):
         moved = [tuple(x + (k == i) * s * step for k, x in enumerate(c)) for s in (-1.0, 1.0)]
-        low, high = (np.array(ellipse_sums(FILM, m, MU_EVEN, V_R, *points)[:5]) for m in moved)
+        low, high = (np.array(ellipse_sums(FILM, m, MU_EVEN, V_R, points)[:5]) for m in moved)
         found[i] = (high - low) / (2.0 * step)
     size = np.abs(hessian / scale).max()
     assert_allclose(found / scale[:4], hessian[:4] / scale[:4], atol=1e-6 * size)
     assert np.linalg.eigvalsh((hessian / scale)[:4, :4]).min() > 0.0
     _, in_time = friction(split_points(25, 32), c, contact=FILM, even=True)
-    ellipse_slope(
-        FILM, c, MU_EVEN, V_R, *evenly(ellipse_rule("split", 200, 64), c), gradient, hessian
+    ellipse_slopes(
+        FILM, c, MU_EVEN, V_R, evenly(ellipse_rule("split", 200, 64), c), gradient, hessian
     )
     assert_allclose(in_time / scale, hessian / scale, atol=1e-4 * size)
 
@@ -140,12 +138,8 @@ def state_of(problem):
 
 def means(op, state):
     """The law that has the film's mean coefficients, spread as Hertz' pressure."""
-    mu = {}
-    for k, Q, hertz in (("i", state.Q_i, state.hertz_i), ("o", state.Q_o, state.hertz_o)):
-        a, b = semi_axis(hertz.c_a, Q), semi_axis(hertz.c_b, Q)
-        law = (op.S_i, op.mu_i) if k == "i" else (op.S_o, op.mu_o)
-        mu |= {f"mu_{k}": law[1] + even_coefficient(law[0], Q, a, b), f"S_{k}": 0.0}
-    return op._replace(**mu)
+    mu_i, mu_o = friction_coefficients(op, state)
+    return op._replace(law_i=Law(mu=mu_i, S=0.0), law_o=Law(mu=mu_o, S=0.0))
 
 
 def in_balance_with_means(problem):
@@ -162,7 +156,8 @@ def test_power_at_the_same_motion(solved):
     name, problem = solved
     bearing, state, u, law = in_balance_with_means(problem)
     out, r = np.empty((2, 2, COLUMNS)), bearing.g.R_o + state.X2
-    rule, work = ellipse_rule("split", 200, 32), workspace(ellipse_rule("split", 200, 32))
+    rule = ellipse_rule("split", 200, 32)
+    work = point_buffers(rule)
     for rows, op in zip(out, (problem.op, law), strict=True):
         contact_summary(bearing.g, bearing.D, op, state, u[:4], r, rule, work, rows, False)
     heat = out[..., HEAT].sum(axis=1)

@@ -9,8 +9,12 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels.contact.friction import force_per_slip, force_slope, potential
 from bearingwear.kernels.contact.profile import height, profile
 from bearingwear.kernels.contact.slip import point_slip
-from bearingwear.kernels.contact.strip_friction import strip_slope_sums, strip_sums
-from bearingwear.kernels.contact.traction import strip_slope, strip_traction
+from bearingwear.kernels.contact.traction import (
+    quick_strip_slopes,
+    quick_strip_sums,
+    strip_slopes,
+    strip_sums,
+)
 from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.quadrature import gauss_halves
 
@@ -43,14 +47,14 @@ def sums(c):
     x = CONTACT.a * t
     h = np.array([height(p, position) for position in x])
     gradient, hessian = np.empty(4), np.empty((4, 4))
-    strip_slope(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian)
-    alone = np.empty(4)
-    strip_traction(CONTACT, c, MU, V_R, t, weight, h, alone)
+    assert strip_slopes(CONTACT, c, MU, V_R, t, weight, h, gradient, hessian) == 0.0
+    *alone, none = strip_sums(CONTACT, c, MU, V_R, t, weight, h)
+    assert none == 0.0
     assert_allclose(alone, gradient, rtol=1e-13, atol=1e-15 * np.abs(gradient).max())
-    *in_one_pass, qv = strip_sums(CONTACT, R, c, MU, V_R, t, weight)
+    *in_one_pass, qv = quick_strip_sums(CONTACT, c, MU, V_R, t, weight, h)
     assert_allclose(in_one_pass, gradient, rtol=1e-12, atol=1e-15 * np.abs(gradient).max())
     quick, slopes = np.empty(4), np.empty((4, 4))
-    quick_qv = strip_slope_sums(CONTACT, R, c, MU, V_R, t, weight, quick, slopes)
+    quick_qv = quick_strip_slopes(CONTACT, c, MU, V_R, t, weight, h, quick, slopes)
     assert_allclose([*quick, quick_qv], [*in_one_pass, qv], rtol=1e-12, atol=1e-15 * qv)
     assert_allclose(slopes, hessian, rtol=1e-12, atol=1e-15 * np.abs(hessian).max())
     phi = 0.0

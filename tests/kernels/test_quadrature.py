@@ -10,9 +10,8 @@ from scipy.integrate import quad
 
 from bearingwear.kernels.contact.points import FAR, most_points, quadrature_points, rolling_points
 from bearingwear.kernels.contact.slip import slip_velocity, surface_height
-from bearingwear.kernels.contact.strip_friction import strip_sums
 from bearingwear.kernels.contact.summary import QV
-from bearingwear.kernels.contact.traction import strip_traction
+from bearingwear.kernels.contact.traction import quick_strip_sums, strip_sums
 from bearingwear.kernels.params import Contact
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -35,7 +34,9 @@ def sums(rule, c, v_r, mu=0.1):
     """Mean slip and the four generalised forces, over mu Q and the lengths R, 1, R, a."""
     t, weight = np.empty((2, most_points(rule)))
     t, weight = quadrature_points(rule, CONTACT, R, c, v_r, t, weight)
-    g_1, g_0, g_h, g_x, qv = strip_sums(CONTACT, R, c, mu, v_r, t, weight)
+    h = np.empty(t.size)
+    surface_height(CONTACT, R, t, h)
+    g_1, g_0, g_h, g_x, qv = quick_strip_sums(CONTACT, c, mu, v_r, t, weight, h)
     forces = np.array([g_1 / R, g_0, g_h / R, g_x / CONTACT.a]) / (mu * CONTACT.Q)
     return np.array([qv / CONTACT.Q, *forces])
 
@@ -140,10 +141,10 @@ def test_torque_of_a_spinning_contact():
     rule, mu = ellipse_rule("split", 40), 0.1
     c = (0.0, 0.0, 0.0, 1e3)
     t, weight = quadrature_points(rule, CONTACT, R, c, 1e-9, *np.empty((2, most_points(rule))))
-    h, gradient = np.empty(t.size), np.empty(4)
+    h = np.empty(t.size)
     surface_height(CONTACT, R, t, h)
-    strip_traction(CONTACT, c, mu, 1e-9, t, weight, h, gradient)
-    assert_allclose(gradient[3], 3 / 8 * mu * CONTACT.Q * CONTACT.a, rtol=1e-12)
+    g_x = strip_sums(CONTACT, c, mu, 1e-9, t, weight, h)[3]
+    assert_allclose(g_x, 3 / 8 * mu * CONTACT.Q * CONTACT.a, rtol=1e-12)
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.7])

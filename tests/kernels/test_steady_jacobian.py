@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from bearingwear.kernels.contact.friction import Law
 from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, ORBIT, OUTER_CONTROL
 from bearingwear.kernels.equilibrium.race import (
     LOAD_FIELDS,
@@ -90,7 +91,8 @@ def test_full_jacobian(solved):
 def test_jacobian_of_inertia_and_drag(solved):
     """Without friction, a million times as stiff: quadratic in u, so that differences are exact."""
     p, seat, u = solved
-    bearing = p.bearing._replace(op=p.bearing.op._replace(mu_i=0.0, mu_o=0.0))
+    none = Law(mu=0.0, S=0.0)
+    bearing = p.bearing._replace(op=p.bearing.op._replace(law_i=none, law_o=none))
     p = p._replace(bearing=bearing)
     friction_balance(p, bearing.op.v_r, seat.state, u, np.empty(4), True)
     step = 1e-2 * np.abs(u).max()

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bearingwear.kernels import status as code
+from bearingwear.kernels.contact.verification import plain_law
 from bearingwear.kernels.worn.verification import friction_of_cells
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
@@ -106,7 +107,7 @@ def test_check_has_its_own_sums(marched):
     for k, force in enumerate(found.wearing.sides[0].bearing.forces(point)):
         race = found.wearing.sides[0].bearing.races[k]
         Q = force.hertz.K * force.approach**1.5
-        law = (op.S_i, op.mu_i, 1.5 * Q / (np.pi * force.a * force.b))
+        law = plain_law(op.law_i, Q, force.a, force.b)
         films, spread = found.wearing.sides[0].bearing.films, found.wearing.sides[0].bearing.spread
         bare = films.bare(point.wear.grooves[k], 0.5 * point.wear.ball, spread)
         at = found.wearing.sides[0].bearing.at_cells(

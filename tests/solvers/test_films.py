@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from bearingwear.cli import main
 from bearingwear.kernels import status as code
-from bearingwear.kernels.contact.friction import even_coefficient
+from bearingwear.kernels.contact.friction import Law, law_coefficients
 from bearingwear.kernels.contact.verification import friction_check
 from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.steady.balance import (
@@ -64,10 +64,11 @@ def through(result):
 def test_law_goes_by_the_inverse_cube_root_of_the_load_to_its_limit():
     c_a, c_b = 6.4e-5, 9.8e-6  # m/N^(1/3)
     Q = np.logspace(-3, 12, 16)
-    mu = np.array([even_coefficient(S_0, q, c_a * np.cbrt(q), c_b * np.cbrt(q)) for q in Q])
+    law = Law(mu=0.0, S=S_0)
+    mu = np.array([law_coefficients(law, q, c_a * q ** (1 / 3), c_b * q ** (1 / 3))[0] for q in Q])
     assert_allclose(mu[1:] / mu[:-1], 10.0 ** (-1 / 3), rtol=1e-9)
     assert mu[-1] == pytest.approx(0.0, abs=1e-4)
-    assert even_coefficient(0.0, 2.0, 6e-5, 2e-5) == 0.0
+    assert law_coefficients(Law(mu=0.1, S=0.0), 2.0, 6e-5, 2e-5) == (0.1, 0.0)
 
 
 @pytest.mark.parametrize("fidelity", ["steady", "race_control"])
@@ -141,19 +142,22 @@ def test_newtons_derivatives_follow_the_pressure(solved):
     assert_allclose(found[:, 4:], J[:, 4:], atol=2e-3 * np.abs(J[:, 4:]).max())
 
 
-@pytest.mark.parametrize("name", ["S_i", "S_o", "mu_i", "mu_o"])
-def test_check_says_no_to_another_law(solved, name):
+@pytest.mark.parametrize("race", ["law_i", "law_o"])
+@pytest.mark.parametrize("name", ["S", "mu"])
+def test_check_says_no_to_another_law(solved, race, name):
     """Its own formula for mu: one part in 1e4 of either side's law, and the balance is gone."""
     p, seat, u = solved
     op = p.bearing.op
-    if not op.S_i:
-        name = name.replace("S_", "mu_")
+    law = getattr(op, race)
+    if not law.S:
+        name = "mu"
 
-    def left(law):
-        return friction_check(p.bearing.g, p.bearing.D, law, seat.state, u[:4], p.rule, True)[0]
+    def left(op):
+        return friction_check(p.bearing.g, p.bearing.D, op, seat.state, u[:4], p.rule, True)[0]
 
     assert left(op) < 1e-9
-    assert left(op._replace(**{name: getattr(op, name) * (1.0 + 1e-2) + 1e-6})) > 1e-6
+    other = law._replace(**{name: getattr(law, name) * (1.0 + 1e-2) + 1e-6})
+    assert left(op._replace(**{race: other})) > 1e-6
 
 
 def test_random_films_are_solved(scene):

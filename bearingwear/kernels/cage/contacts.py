@@ -181,7 +181,6 @@ def cage_contacts(y, bearing, balls, contacts):
     ----------
     y : ndarray
         State vector.
-    bearing : BearingModel
     balls : Suspension
         Where the balls and the inner race are, after `find_contacts`.
     contacts : CageBuffers

@@ -120,10 +120,6 @@ def pocket_force(cage, mass, approach, n_y, along_orbit):
     ----------
     mass : float
         Of the ball [kg].
-
-    Returns
-    -------
-    PocketForce
     """
     root = math.sqrt(approach)
     F = contact_load(cage.K_pocket, approach)

@@ -103,8 +103,6 @@ def add_axis_changes(contact, c, mu, R, v_r, points, by_a, by_b):
 
     Parameters
     ----------
-    points : tuple of 6 ndarray
-        t, weight, h, width, across, share, as in `traction.traction`.
     by_a, by_b : ndarray (5,)
         Derivatives by ln a and ln b, for each of its rows.
     """

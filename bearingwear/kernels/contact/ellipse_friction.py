@@ -210,14 +210,12 @@ def ellipse_friction(points, contact, R, c, v_r, even, slopes, buffers, gradient
 
     Parameters
     ----------
-    points : EllipsePoints
     even : bool
         Whether the even part of a film's friction is summed, not the part that follows the load;
         QV is of no use then.
     slopes : bool
         Whether `gradient` and `hessian` (of 4 or 5) are filled too, as by
         `traction.traction_slope`.
-    buffers : Places
 
     Returns
     -------

@@ -6,46 +6,26 @@ the same points.
 """
 
 from bearingwear.kernels.build.decorators import jit
-from bearingwear.kernels.contact.points import fill_points, place_across
+from bearingwear.kernels.contact.points import area_shares
 from bearingwear.kernels.contact.slip import quick_dissipation
 from bearingwear.kernels.contact.traction import traction, traction_slope
-
-
-@jit
-def area_shares(rule, contact, R, c, v_r, t, weight, across, share):
-    """Put shares of the area in place of those of the load; points as `contact_points` has them.
-
-    Parameters
-    ----------
-    t, weight : ndarray (n,)
-    across, share : ndarray (rule.across.size,)
-    """
-    fill_points(rule, contact, R, c, v_r, t, weight, True)
-    if across.size > 1:
-        place_across(rule, contact, R, c, across, share, True)
 
 
 @jit
 def add_even_part(rule, contact, R, c, v_r, points, even, even_hessian, gradient, hessian, slope):
     """Add to `gradient`, and where asked to `hessian`, those of the even part.
 
-    Parameters
-    ----------
-    points : tuple of 6 ndarray
-        t, weight, h, width, across, share, as in `traction`; left with shares of the area.
-    even, even_hessian : ndarray
-        Filled: the even part alone.
+    `points` keep shares of the area, `even` and `even_hessian` the even part alone.
     """
-    t, weight, h, width, across, share = points
-    area_shares(rule, contact, R, c, v_r, t, weight, across, share)
+    area_shares(rule, contact, R, c, v_r, points)
     mu, n = contact.mu_even, gradient.size
     if slope:
-        traction_slope(contact, c, mu, v_r, t, weight, h, width, across, share, even, even_hessian)
+        traction_slope(contact, c, mu, v_r, points, even, even_hessian)
         for i in range(n):
             for j in range(n):
                 hessian[i, j] += even_hessian[i, j]
     else:
-        traction(contact, c, mu, v_r, t, weight, h, width, across, share, even)
+        traction(contact, c, mu, v_r, points, even)
     for i in range(n):
         gradient[i] += even[i]
 
@@ -53,8 +33,5 @@ def add_even_part(rule, contact, R, c, v_r, points, even, even_hessian, gradient
 @jit
 def even_dissipation(contact, c, v_r, r, points):
     """Heat [W] and torque [N m] of the even part, as `contact.dissipation` has them."""
-    t, weight, h, width, across, share = points
-    _, heat, _, torque = quick_dissipation(
-        contact, c, contact.mu_even, v_r, r, t, weight, h, width, across, share
-    )
+    _, heat, _, torque = quick_dissipation(contact, c, contact.mu_even, v_r, r, points)
     return heat, torque

@@ -11,11 +11,19 @@ a sum is scaled by mu Q afterwards, for a share of load or area.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.profile import semi_axis
+
+
+class Law(NamedTuple):
+    """Friction of ball and race: under the pressure p a film is sheared at S + mu p (Eq. 79)."""
+
+    mu: float  # coefficient of what follows the pressure, Coulomb's without a film [1]
+    S: float  # shear strength of the film, 0 without one [Pa]
 
 
 @inlined
@@ -88,32 +96,42 @@ def potential(load, v_2, v_r2):
 
 
 @jit
-def even_coefficient(S, Q, a, b):
-    """Friction coefficient of a film's shear strength, S/p_m with the mean pressure p_m [1].
+def law_coefficients(law, Q, a, b):
+    """Friction coefficient of a contact, and the part of it that is even over its ellipse [1].
 
-    A film is sheared at S + mu p (theory.md Eq. 79); without one S is zero.
+    The even part is S/p_m with the mean pressure p_m.
 
     Parameters
     ----------
-    S : float
-        Shear strength of the film [Pa].
     Q, a, b : float
         Load [N] and semi-axes [m].
     """
-    return S * math.pi * a * b / Q if S > 0.0 and Q > 0.0 else 0.0
+    even = law.S * math.pi * a * b / Q if law.S > 0.0 and Q > 0.0 else 0.0
+    return law.mu + even, even
+
+
+@jit
+def friction_coefficient(law, Q, hertz):
+    """Friction coefficient of a contact [1], from its Hertz factors."""
+    a = b = 0.0
+    if law.S > 0.0:
+        a, b = semi_axis(hertz.c_a, Q), semi_axis(hertz.c_b, Q)
+    return law_coefficients(law, Q, a, b)[0]
 
 
 @jit
 def friction_coefficients(op, state):
     """Friction coefficients (inner, outer) of a ball in equilibrium [1]."""
-    mu_i, mu_o = op.mu_i, op.mu_o
-    if op.S_i > 0.0:
-        a, b = semi_axis(state.hertz_i.c_a, state.Q_i), semi_axis(state.hertz_i.c_b, state.Q_i)
-        mu_i += even_coefficient(op.S_i, state.Q_i, a, b)
-    if op.S_o > 0.0:
-        a, b = semi_axis(state.hertz_o.c_a, state.Q_o), semi_axis(state.hertz_o.c_b, state.Q_o)
-        mu_o += even_coefficient(op.S_o, state.Q_o, a, b)
-    return mu_i, mu_o
+    return (
+        friction_coefficient(op.law_i, state.Q_i, state.hertz_i),
+        friction_coefficient(op.law_o, state.Q_o, state.hertz_o),
+    )
+
+
+@inlined
+def has_friction(op):
+    """Whether anything holds a ball's gyroscopic moment."""
+    return max(op.law_i.mu, op.law_i.S, op.law_o.mu, op.law_o.S) > 0.0
 
 
 @inlined

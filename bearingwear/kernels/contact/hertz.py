@@ -89,10 +89,6 @@ def point_contact(A, B, E_star, log_kappa):
         Contact modulus, 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa].
     log_kappa : float
         Start for ln(a/b); NaN to start from a fit.
-
-    Returns
-    -------
-    Hertz
     """
     log_ratio = math.log(B / A)
     if math.isnan(log_kappa):

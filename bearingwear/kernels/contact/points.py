@@ -42,10 +42,34 @@ class Rule(NamedTuple):
     even: np.ndarray = WHOLE  # (m,) shares of its area
 
 
-@jit
+class Points(NamedTuple):
+    """The points of a contact, or buffers for them.
+
+    With one point across, `width`, `across` and `share` keep their initial values.
+    """
+
+    t: np.ndarray  # (n,) positions x/a
+    weight: np.ndarray  # (n,) shares of the load, or of the area
+    h: np.ndarray  # (>= n,) heights, see slip.surface_height [m]
+    width: np.ndarray  # (>= n,) half-widths of the ellipse [m]
+    across: np.ndarray  # (m,) places across a strip over its half-width
+    share: np.ndarray  # (m,) shares of its load, or of its area
+
+
+@inlined
 def most_points(rule):
     """Points a contact may get, the length of the buffers for `quadrature_points`."""
     return (SEGMENTS if rule.split else 1) * rule.t.size
+
+
+@inlined
+def point_buffers(rule):
+    """`Points` for any contact."""
+    n, m = most_points(rule), rule.across.size
+    return Points(
+        t=np.empty(n), weight=np.empty(n), h=np.empty(n), width=np.zeros(n), across=np.zeros(m),
+        share=np.ones(m),
+    )  # fmt: skip
 
 
 @jit
@@ -158,7 +182,6 @@ def quadrature_points(rule, contact, R, c, v_r, t, weight):
 
     Parameters
     ----------
-    rule : Rule
     c : tuple of 4 floats
         `contact.slip_coefficients`.
     t, weight : ndarray (most_points(rule),)
@@ -219,29 +242,29 @@ def share_sum(share):
 
 
 @jit
-def fill_contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
+def fill_contact_points(rule, contact, R, c, v_r, p):
     """Fill the buffers of `contact_points`; returns how many points there are."""
-    n = fill_points(rule, contact, R, c, v_r, t, weight, False)
-    surface_height(contact, R, t[:n], h)
-    if across.size > 1:
-        place_across(rule, contact, R, c, across, share, False)
-        half_width(contact, t[:n], width)
+    n = fill_points(rule, contact, R, c, v_r, p.t, p.weight, False)
+    surface_height(contact, R, p.t[:n], p.h)
+    if p.across.size > 1:
+        place_across(rule, contact, R, c, p.across, p.share, False)
+        half_width(contact, p.t[:n], p.width)
     return n
 
 
 @inlined
-def contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share):
-    """All points of a contact, in buffers: `quadrature_points`, their heights, and those across.
+def contact_points(rule, contact, R, c, v_r, buffers):
+    """`Points` of a contact with the slip c, in buffers."""
+    n = fill_contact_points(rule, contact, R, c, v_r, buffers)
+    return Points(
+        t=buffers.t[:n], weight=buffers.weight[:n], h=buffers.h, width=buffers.width,
+        across=buffers.across, share=buffers.share,
+    )  # fmt: skip
 
-    Parameters
-    ----------
-    h, width : ndarray (most_points(rule),)
-        Filled: `contact.surface_height`, `contact.half_width`. With one point across, `width`,
-        `across` and `share` keep their initial values.
 
-    Returns
-    -------
-    t, weight : ndarray (n,)
-    """
-    n = fill_contact_points(rule, contact, R, c, v_r, t, weight, h, width, across, share)
-    return t[:n], weight[:n]
+@jit
+def area_shares(rule, contact, R, c, v_r, p):
+    """Put shares of the area in place of those of the load."""
+    fill_points(rule, contact, R, c, v_r, p.t, p.weight, True)
+    if p.across.size > 1:
+        place_across(rule, contact, R, c, p.across, p.share, True)

@@ -15,7 +15,7 @@ friction.py, the shape of the contact in profile.py.
 import math
 
 from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
-from bearingwear.kernels.contact.friction import even_coefficient, force_per_slip
+from bearingwear.kernels.contact.friction import force_per_slip, law_coefficients
 from bearingwear.kernels.contact.hertz import INNER, OUTER
 from bearingwear.kernels.contact.profile import height, pressure, profile, semi_axis
 from bearingwear.kernels.params import Contact
@@ -35,8 +35,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
     sine, cosine : float
         Of the contact angle.
     """
-    S, mu = (op.S_i, op.mu_i) if k == 0 else (op.S_o, op.mu_o)
-    mu_even = even_coefficient(S, Q, a, b)
+    mu, mu_even = law_coefficients(op.law_i if k == 0 else op.law_o, Q, a, b)
     return Contact(
         sigma=INNER if k == 0 else OUTER,
         Q=Q,
@@ -46,7 +45,7 @@ def loaded_contact(g, op, k, Q, a, b, sine, cosine):
         cos_a=cosine,
         r_g=g.r_i if k == 0 else g.r_o,
         omega=op.omega_i if k == 0 else op.omega_o,
-        mu=mu + mu_even,
+        mu=mu,
         mu_even=mu_even,
     )
 
@@ -73,7 +72,6 @@ def slip_coefficients(contact, u, r):
 
     Parameters
     ----------
-    contact : Contact
     u : ndarray or tuple (4,)
         Ball angular velocity (axial, tangential, radial) and orbit rate [rad/s].
     r : float
@@ -142,7 +140,7 @@ def slip_velocity(contact, c, t, h, v1, v2):
 
 
 @jit
-def dissipation(contact, c, mu, v_r, r, t, weight, h, width, across, share):
+def dissipation(contact, c, mu, v_r, r, points):
     """What the slip costs, and the power through the contact.
 
     Returns
@@ -157,6 +155,7 @@ def dissipation(contact, c, mu, v_r, r, t, weight, h, width, across, share):
     torque : float
         Torque of the race on the ball about the bearing axis, with each point's own lever [N m].
     """
+    t, weight, h, width, across, share = points
     qv = heat = gyro = torque = 0.0
     for j in range(across.size):
         for k in range(t.size):

@@ -1,13 +1,12 @@
 """The numbers of a solved contact that files and wear need."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from bearingwear.kernels.build.decorators import jit
-from bearingwear.kernels.contact.film_friction import area_shares, even_dissipation
-from bearingwear.kernels.contact.points import contact_points, most_points
+from bearingwear.kernels.contact.film_friction import even_dissipation
+from bearingwear.kernels.contact.points import area_shares, contact_points
 from bearingwear.kernels.contact.profile import middle_height, profile, semi_axis
 from bearingwear.kernels.contact.slip import (
     dissipation,
@@ -25,33 +24,8 @@ TRACK, FRICTION = 11, 12
 COLUMNS = 13
 
 
-class Workspace(NamedTuple):
-    """Buffers of a summary for n points a contact."""
-
-    t: np.ndarray  # (n,) points of the contact at hand, if they depend on it
-    weight: np.ndarray  # (n,)
-    h: np.ndarray  # (2, n), row 0 inner, 1 outer
-    width: np.ndarray  # (n,) see contact.half_width
-    across: np.ndarray  # (m,) points across, likewise
-    share: np.ndarray  # (m,)
-
-
-def workspace(rule):
-    """Buffers for a rule."""
-    n = most_points(rule)
-    m = rule.across.size
-    return Workspace(
-        t=np.empty(n),
-        weight=np.empty(n),
-        h=np.empty((2, n)),
-        width=np.zeros(n),
-        across=np.zeros(m),
-        share=np.ones(m),
-    )
-
-
 @jit
-def contact_summary(g, D, op, state, u, r, rule, work, out, quick):
+def contact_summary(g, D, op, state, u, r, rule, buffers, out, quick):
     """Fill one row a race (columns above) for a ball in equilibrium that moves as u.
 
     Parameters
@@ -62,8 +36,6 @@ def contact_summary(g, D, op, state, u, r, rule, work, out, quick):
         Orbit radius [m].
     rule : Rule
         For the ellipse.
-    work : Workspace
-        Or another record with its fields.
     out : ndarray (2, COLUMNS)
     quick : bool
         Sums in any order: several times as fast, and right to rounding.
@@ -82,17 +54,15 @@ def contact_summary(g, D, op, state, u, r, rule, work, out, quick):
             1.5 * contact.Q / (math.pi * row[MAJOR] * row[MINOR]) if contact.Q > 0.0 else 0.0
         )
         c = slip_coefficients(contact, u, r)
-        h, width, across, share = work.h[k], work.width, work.across, work.share
-        t, weight = contact_points(
-            rule, contact, R, c, op.v_r, work.t, work.weight, h, width, across, share
-        )
-        points = t, weight, h, width, across, share
-        args = contact, c, contact.mu - contact.mu_even, op.v_r, r, *points
+        points = contact_points(rule, contact, R, c, op.v_r, buffers)
+        mu = contact.mu - contact.mu_even
         row[QV], row[HEAT], row[SHARE], row[TORQUE] = (
-            quick_dissipation(*args) if quick else dissipation(*args)
+            quick_dissipation(contact, c, mu, op.v_r, r, points)
+            if quick
+            else dissipation(contact, c, mu, op.v_r, r, points)
         )
         if contact.mu_even > 0.0:
-            area_shares(rule, contact, R, c, op.v_r, t, weight, across, share)
+            area_shares(rule, contact, R, c, op.v_r, points)
             heat, torque = even_dissipation(contact, c, op.v_r, r, points)
             row[HEAT] += heat
             row[TORQUE] += torque

@@ -1,42 +1,83 @@
 """Sums of the friction of a contact over its points: traction and its slopes (theory.md section 3).
 
-They are those of the potential Phi by the slip coefficients c, see contact.py. The line model, with
-one point across, has loops of its own. The motion in time has others: strip_friction.py,
-ellipse_friction.py.
+They are those of the potential Phi by the slip coefficients c, see slip.py. The line model, one
+point across, has loops of its own: over a strip's points the inner loop of the ellipse would not
+vectorise. Over the ellipse the motion in time sums other points, in one loop: ellipse_friction.py.
 """
 
 import math
 
-from bearingwear.kernels.build.decorators import REORDER_SUMS, inlined, jit
-from bearingwear.kernels.contact.friction import force_per_slip, force_slope
+from bearingwear.kernels.build.decorators import ESTIMATE_ROOTS, REORDER_SUMS, inlined, jit
+from bearingwear.kernels.contact.friction import (
+    force_per_slip,
+    force_slope,
+    quick_force_per_slip,
+    quick_force_slope,
+)
 from bearingwear.kernels.contact.slip import point_slip
 
 
-@jit(fastmath=REORDER_SUMS)
-def strip_traction(contact, c, mu, v_r, t, weight, h, gradient):
-    """`traction` in the line model.
+def strip_loops(force_per_slip, force_slope, flags, with_qv):
+    """The sums of the line model by a way to take the roots; without QV this is zero."""
 
-    Parameters
-    ----------
-    t, weight, h : ndarray (n,)
-        Positions x/a, shares of the load, heights.
-    """
-    a, v_r2 = contact.a, v_r * v_r
-    g_1 = g_0 = g_h = g_x = 0.0
-    for k in range(t.size):
-        hk, x = h[k], a * t[k]
-        v1, v2 = point_slip(c, hk, x)
-        f = force_per_slip(weight[k], v1 * v1 + v2 * v2, v_r2)
-        g_1 += f * v1 * hk
-        f2 = f * v2
-        g_0 += f2
-        g_h += f2 * hk
-        g_x += f2 * x
-    scale = mu * contact.Q
-    gradient[0] = scale * g_1
-    gradient[1] = scale * g_0
-    gradient[2] = scale * g_h
-    gradient[3] = scale * g_x
+    @jit(fastmath=flags)
+    def strip_sums(contact, c, mu, v_r, t, weight, h):
+        """Gradient of Phi by c, as `ellipse_sums` has it, and QV [W]."""
+        a, v_r2 = contact.a, v_r * v_r
+        g_1 = g_0 = g_h = g_x = qv = 0.0
+        for k in range(t.size):
+            hk, x = h[k], a * t[k]
+            v1, v2 = point_slip(c, hk, x)
+            v_2 = v1 * v1 + v2 * v2
+            f = force_per_slip(weight[k], v_2, v_r2)
+            if with_qv:
+                qv += weight[k] * math.sqrt(v_2)
+            g_1 += f * v1 * hk
+            f2 = f * v2
+            g_0 += f2
+            g_h += f2 * hk
+            g_x += f2 * x
+        s = mu * contact.Q
+        return s * g_1, s * g_0, s * g_h, s * g_x, contact.Q * qv
+
+    @jit(fastmath=flags)
+    def strip_slopes(contact, c, mu, v_r, t, weight, h, gradient, hessian):
+        """Gradient (4,) and second derivatives (4, 4) of Phi by c; returns QV [W]."""
+        a, v_r2 = contact.a, v_r * v_r
+        g_1 = g_0 = g_h = g_x = qv = 0.0
+        p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
+        s_0 = s_h = s_x = s_1 = 0.0
+        for k in range(t.size):
+            hk, x = h[k], a * t[k]
+            v1, v2 = point_slip(c, hk, x)
+            f, p_11, p_12, p = force_slope(weight[k], v1, v2, v_r2)
+            if with_qv:
+                qv += weight[k] * math.sqrt(v1 * v1 + v2 * v2)
+            g_1 += f * v1 * hk
+            f2 = f * v2
+            g_0 += f2
+            g_h += f2 * hk
+            g_x += f2 * x
+            p_00 += p
+            ph = p * hk
+            p_0h += ph
+            p_hh += ph * hk
+            p_hx += ph * x
+            px = p * x
+            p_0x += px
+            p_xx += px * x
+            s = p_12 * hk
+            s_0 += s
+            s_h += s * hk
+            s_x += s * x
+            s_1 += p_11 * hk * hk
+        store_slopes(
+            mu * contact.Q, (g_1, g_0, g_h, g_x), (s_1, s_0, s_h, s_x),
+            (p_00, p_0h, p_0x, p_hh, p_hx, p_xx), gradient, hessian,
+        )  # fmt: skip
+        return contact.Q * qv
+
+    return strip_sums, strip_slopes
 
 
 @inlined
@@ -96,58 +137,25 @@ def store_traction_slopes(scale, g_t, t, gradient, hessian):
         hessian[4, 4] = scale * t_t
 
 
-@jit(fastmath=REORDER_SUMS)
-def strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian):
-    """Gradient (4,) and second derivatives (4, 4) of Phi by c in the line model."""
-    a, v_r2 = contact.a, v_r * v_r
-    g_1 = g_0 = g_h = g_x = 0.0
-    p_00 = p_0h = p_0x = p_hh = p_hx = p_xx = 0.0
-    s_0 = s_h = s_x = s_1 = 0.0
-    for k in range(t.size):
-        hk, x = h[k], a * t[k]
-        v1, v2 = point_slip(c, hk, x)
-        f, p_11, p_12, p = force_slope(weight[k], v1, v2, v_r2)
-        g_1 += f * v1 * hk
-        f2 = f * v2
-        g_0 += f2
-        g_h += f2 * hk
-        g_x += f2 * x
-        p_00 += p
-        ph = p * hk
-        p_0h += ph
-        p_hh += ph * hk
-        p_hx += ph * x
-        px = p * x
-        p_0x += px
-        p_xx += px * x
-        s = p_12 * hk
-        s_0 += s
-        s_h += s * hk
-        s_x += s * x
-        s_1 += p_11 * hk * hk
-    scale = mu * contact.Q
-    store_slopes(
-        scale, (g_1, g_0, g_h, g_x), (s_1, s_0, s_h, s_x), (p_00, p_0h, p_0x, p_hh, p_hx, p_xx),
-        gradient, hessian,
-    )  # fmt: skip
+strip_sums, strip_slopes = strip_loops(force_per_slip, force_slope, REORDER_SUMS, with_qv=False)
+"""Of the steady state: to the last bits, and no QV."""
+
+quick_strip_sums, quick_strip_slopes = strip_loops(
+    quick_force_per_slip, quick_force_slope, ESTIMATE_ROOTS, with_qv=True
+)
+"""Of the motion in time."""
 
 
 @jit(fastmath=REORDER_SUMS)
-def ellipse_sums(contact, c, mu, v_r, t, weight, h, width, across, share):
+def ellipse_sums(contact, c, mu, v_r, points):
     """Gradient of Phi by c, and QV, over the whole ellipse.
-
-    Parameters
-    ----------
-    t, weight, h, width : ndarray (n,)
-        Positions x/a, shares of the load, heights, half-widths.
-    across, share : ndarray (m,)
-        Places across a strip over its half-width, shares of its load.
 
     Returns
     -------
     g_1, g_0, g_h, g_x, g_t, qv
         As in `traction`; qv in W.
     """
+    t, weight, h, width, across, share = points
     a, v_r2 = contact.a, v_r * v_r
     c_1, c_0, c_h, c_x = c
     g_1 = g_0 = g_h = g_x = g_t = qv = 0.0
@@ -178,11 +186,12 @@ def ellipse_sums(contact, c, mu, v_r, t, weight, h, width, across, share):
 
 
 @jit(fastmath=REORDER_SUMS)
-def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian):
+def ellipse_slopes(contact, c, mu, v_r, points, gradient, hessian):
     """Gradient and second derivatives of Phi by c over the whole ellipse.
 
     Of the size 4, or 5 with the force along the major axis (see `traction`).
     """
+    t, weight, h, width, across, share = points
     a, v_r2 = contact.a, v_r * v_r
     c_1, c_0, c_h, c_x = c
     g_1 = g_0 = g_h = g_x = g_t = 0.0
@@ -244,34 +253,33 @@ def ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradi
 
 
 @jit
-def traction(contact, c, mu, v_r, t, weight, h, width, across, share, gradient):
+def traction(contact, c, mu, v_r, points, gradient):
     """Gradient of Phi by c: generalised friction of one contact.
 
     Parameters
     ----------
     c : tuple of 4 floats
         `slip_coefficients`.
-    t, weight, h, width, across, share : ndarray
-        As in `ellipse_sums`.
     gradient : ndarray (4,) or (5,)
         Filled: sums of h F1, F2, h F2, x F2 - y F1, and F1, F the force of the race on the ball
         [N m; F1 and F2 in N].
     """
-    if across.size == 1 and gradient.size == 4:
-        strip_traction(contact, c, mu, v_r, t, weight, h, gradient)
+    g_t = 0.0
+    if points.across.size == 1 and gradient.size == 4:
+        t, weight, h = points.t, points.weight, points.h
+        g_1, g_0, g_h, g_x, _ = strip_sums(contact, c, mu, v_r, t, weight, h)
     else:
-        g_1, g_0, g_h, g_x, g_t, _ = ellipse_sums(
-            contact, c, mu, v_r, t, weight, h, width, across, share
-        )
-        gradient[0], gradient[1], gradient[2], gradient[3] = g_1, g_0, g_h, g_x
-        if gradient.size > 4:
-            gradient[4] = g_t
+        g_1, g_0, g_h, g_x, g_t, _ = ellipse_sums(contact, c, mu, v_r, points)
+    gradient[0], gradient[1], gradient[2], gradient[3] = g_1, g_0, g_h, g_x
+    if gradient.size > 4:
+        gradient[4] = g_t
 
 
 @jit
-def traction_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian):
+def traction_slope(contact, c, mu, v_r, points, gradient, hessian):
     """Gradient and second derivatives (both of 4 or 5) of Phi by c, as `traction`."""
-    if across.size == 1 and gradient.size == 4:
-        strip_slope(contact, c, mu, v_r, t, weight, h, gradient, hessian)
+    if points.across.size == 1 and gradient.size == 4:
+        t, weight, h = points.t, points.weight, points.h
+        strip_slopes(contact, c, mu, v_r, t, weight, h, gradient, hessian)
     else:
-        ellipse_slope(contact, c, mu, v_r, t, weight, h, width, across, share, gradient, hessian)
+        ellipse_slopes(contact, c, mu, v_r, points, gradient, hessian)

@@ -14,9 +14,14 @@ import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
 from bearingwear.kernels.build.decorators import jit
-from bearingwear.kernels.contact.film_friction import area_shares
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
-from bearingwear.kernels.contact.points import most_points, place_across, quadrature_points
+from bearingwear.kernels.contact.points import (
+    Points,
+    area_shares,
+    most_points,
+    place_across,
+    quadrature_points,
+)
 from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients
 
 
@@ -82,19 +87,23 @@ class Work(NamedTuple):
 
 
 @jit
+def plain_law(law, Q, a, b):
+    """Coefficient of what follows the pressure [1], shear strength and Hertz' peak [Pa]."""
+    return law.mu, law.S, 1.5 * Q / (math.pi * a * b)
+
+
+@jit
 def plain_contact(g, op, state, side):
     """The contact with the inner (-1) or outer race (1)."""
     if side < 0.0:
         Q, alpha, r_g, omega = state.Q_i, state.alpha_i, g.r_i, op.omega_i
-        c_a, c_b, S, mu = state.hertz_i.c_a, state.hertz_i.c_b, op.S_i, op.mu_i
+        hertz, law = state.hertz_i, op.law_i
     else:
         Q, alpha, r_g, omega = state.Q_o, state.alpha_o, g.r_o, op.omega_o
-        c_a, c_b, S, mu = state.hertz_o.c_a, state.hertz_o.c_b, op.S_o, op.mu_o
-    a, b = c_a * Q ** (1.0 / 3.0), c_b * Q ** (1.0 / 3.0)
-    whole = mu
-    if S > 0.0:
-        peak = 1.5 * Q / (math.pi * a * b)
-        whole += S / (2.0 / 3.0 * peak)
+        hertz, law = state.hertz_o, op.law_o
+    a, b = hertz.c_a * Q ** (1.0 / 3.0), hertz.c_b * Q ** (1.0 / 3.0)
+    mu, S, peak = plain_law(law, Q, a, b)
+    whole = mu + S / (2.0 / 3.0 * peak) if S > 0.0 else mu
     return PlainContact(
         side=side, Q=Q, alpha=alpha, r_g=r_g, omega=omega, a=a, b=b, mu=whole, pressed=mu
     )
@@ -106,8 +115,6 @@ def with_contact(before, one, R, r, u, v_r, t, weight, across, share, length, wi
 
     Parameters
     ----------
-    before : Work
-    one : PlainContact
     t, weight, across, share : ndarray
         Places and shares of the load, as `quadrature_points` and `place_across` leave them.
     length, width : ndarray
@@ -191,7 +198,8 @@ def friction_check(g, D, op, state, u, rule, bears):
         one = inner if k == 0 else outer
         if one.mu > one.pressed:
             width[:] = 1.0
-            area_shares(rule, contacts[k], R, c, op.v_r, t.copy(), length, across, width)
+            even = Points(t=t.copy(), weight=length, h=t, width=t, across=across, share=width)
+            area_shares(rule, contacts[k], R, c, op.v_r, even)
         w = with_contact(w, one, R, r, u, op.v_r, t, weight, across, share, length, width)
         power += w.race
         power_in += abs(w.race)

@@ -5,8 +5,8 @@ from typing import NamedTuple
 from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.ellipse_friction import ellipse_friction
 from bearingwear.kernels.contact.points import fill_points, quadrature_points
-from bearingwear.kernels.contact.slip import LARGEST_AXIS, slip_coefficients
-from bearingwear.kernels.contact.strip_friction import strip_slope_sums, strip_sums
+from bearingwear.kernels.contact.slip import LARGEST_AXIS, slip_coefficients, surface_height
+from bearingwear.kernels.contact.traction import quick_strip_slopes, quick_strip_sums
 from bearingwear.kernels.dynamic.model import race_contact_of
 from bearingwear.kernels.layout import BALL, OMEGA, W_X, W_Y, W_Z
 from bearingwear.kernels.status import BEYOND_GROOVE, OK, OUTSIDE_HERTZ_RANGE
@@ -51,15 +51,17 @@ def part_sums(bearing, buf, contact, c, R, even, slopes, gradient, hessian):
     """
     m, rule = bearing.op, bearing.rule
     if rule.across.size == 1 and not bearing.traction:
+        h = buf.h
         t, weight = quadrature_points(rule, contact, R, c, m.v_r, buf.t, buf.weight)
+        surface_height(contact, R, t, h)
         mu = contact.mu - contact.mu_even
         if even:
             mu, t, weight = contact.mu_even, buf.t[: t.size], buf.weight[: t.size]
             fill_points(rule, contact, R, c, m.v_r, t, weight, True)
         if slopes:
-            qv = strip_slope_sums(contact, R, c, mu, m.v_r, t, weight, gradient, hessian)
+            qv = quick_strip_slopes(contact, c, mu, m.v_r, t, weight, h, gradient, hessian)
             return gradient[0], gradient[1], gradient[2], gradient[3], 0.0, qv
-        g_1, g_0, g_h, g_x, qv = strip_sums(contact, R, c, mu, m.v_r, t, weight)
+        g_1, g_0, g_h, g_x, qv = quick_strip_sums(contact, c, mu, m.v_r, t, weight, h)
         return g_1, g_0, g_h, g_x, 0.0, qv
     g_1, g_0, g_h, g_x, g_t, qv = ellipse_friction(
         bearing.points, contact, R, c, m.v_r, even, slopes, buf.places, gradient, hessian
@@ -109,7 +111,6 @@ def race_friction(y, bearing, buf, j, f, qv, slopes):
 
     Parameters
     ----------
-    f : BallForces
     qv : ndarray (2,)
         QV of both contacts [W]; filled, as are the tractions of the ball in `buf.balls.T`.
     slopes : bool

@@ -58,6 +58,7 @@ class Buffers(NamedTuple):
     rest: np.ndarray  # (3,) displacement of the race at rest, a safe start [m]
     t: np.ndarray  # (points,) of the contact at hand, if they depend on it
     weight: np.ndarray  # (points,)
+    h: np.ndarray  # (points,)
     places: Places  # of the points of the contact at hand
     L: np.ndarray  # (4, 6) derivative of the slip coefficients, see contact_changes.slip_changes
     gradient: np.ndarray  # (n, 2, 4) of the friction potentials, or (n, 2, 5) with traction
@@ -78,6 +79,7 @@ def buffers(n, rule, points, traction):
         rest=np.zeros(3),
         t=np.empty(length),
         weight=np.empty(length),
+        h=np.empty(length),
         places=places(points),
         L=np.zeros((4, 6)),
         gradient=np.zeros((n, 2, size)),

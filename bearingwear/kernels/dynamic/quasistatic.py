@@ -210,6 +210,7 @@ def unbalanced_forces(y, bearing, balls):
         d, cage = balls.direction[j], balls.cage_linear[j]
         Q, T = balls.Q[j, 1], balls.T[j, 1]
         axial, radial = inner_force(balls, j)
+        # `unbalanced_force` once more: the race takes its part, and the cage joins in
         centrifugal = bearing.mass[j] * balls.r[j] * y[BALL * j + OMEGA] ** 2
         balls.left[j, 0] = axial - Q * d[SIN_O] + T * d[COS_O] + cage[FORCE_1]
         balls.left[j, 1] = radial - Q * d[COS_O] - T * d[SIN_O] + cage[FORCE_2] + centrifugal

@@ -101,8 +101,6 @@ def rates_here(time, y, bearing, buf, dy, slopes):
         [s]
     y : ndarray
         State vector, see state.StateLayout.
-    bearing : BearingModel
-    buf : Buffers
     dy : ndarray
         Filled.
     slopes : bool

@@ -9,15 +9,14 @@ from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.cage.body import axial_momentum, imbalance_vector
 from bearingwear.kernels.cage.law import INNER_TORQUE
+from bearingwear.kernels.contact.points import Points, point_buffers
 from bearingwear.kernels.contact.summary import (
     COLUMNS,
     LOAD,
     QV,
     TORQUE,
-    Workspace,
     contact_summary,
     slip_profile,
-    workspace,
 )
 from bearingwear.kernels.contact.verification import polygon_residual
 from bearingwear.kernels.dynamic.quasistatic import (
@@ -75,7 +74,7 @@ class Sums(NamedTuple):
     strips: np.ndarray  # positions x/a of the slip profiles
     before: np.ndarray  # integrals at the last instant
     row: np.ndarray  # (2, COLUMNS) buffer
-    work: Workspace
+    points: Points
     profile: np.ndarray  # (3, strips) buffer
 
 
@@ -125,7 +124,7 @@ def empty_sums(n, rule, strips, integrals):
         strips=strips,
         before=np.zeros(integrals),
         row=np.zeros((2, COLUMNS)),
-        work=workspace(rule),
+        points=point_buffers(rule),
         profile=np.zeros((3, strips.size)),
     )
 
@@ -198,7 +197,7 @@ def add_contacts(bearing, state, u, r, j, recorder, place):
     """Add both race contacts of ball j; leaves their summaries in `recorder.sums.row`."""
     sums, history = recorder.sums, recorder.history
     contact_summary(
-        bearing.g, bearing.D[j], bearing.op, state, u, r, bearing.rule, sums.work, sums.row, True
+        bearing.g, bearing.D[j], bearing.op, state, u, r, bearing.rule, sums.points, sums.row, True
     )
     for k in range(2):
         row = sums.row[k]

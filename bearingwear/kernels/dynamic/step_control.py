@@ -327,13 +327,8 @@ def march(control, time, end, h, y, bearing, buf, stage):
 
     Parameters
     ----------
-    control : StepControl
     h : float
         First step [s].
-
-    Returns
-    -------
-    Tally
     """
     n = bearing.D.size
     accepted = rejected = events = 0

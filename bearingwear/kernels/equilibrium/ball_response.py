@@ -12,7 +12,7 @@ from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER, angle_slope, race_contact
 from bearingwear.kernels.contact.profile import contact_stiffness
-from bearingwear.kernels.equilibrium.body_forces import body_forces
+from bearingwear.kernels.equilibrium.body_forces import body_forces, unbalanced_force
 from bearingwear.kernels.equilibrium.thrust_loaded import (
     FORCE_BALANCED,
     LAST_STEP,
@@ -92,7 +92,6 @@ def joined_step(k, constant_force, P_1, P_2, P):
 
     Parameters
     ----------
-    k : Tangent
     constant_force : bool
         Whether the race follows.
     P_1, P_2 : float
@@ -143,8 +142,7 @@ def joined_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
         if not (inner.Q > 0.0 and outer.Q > 0.0):
             break
         P_x, P_r, T_i = body_forces(g, D, load, X2, inner.s, inner.c, outer.s, outer.c)
-        r1 = inner.Q * inner.s - outer.Q * outer.s + P_x
-        r2 = inner.Q * inner.c - outer.Q * outer.c + P_r
+        r1, r2 = unbalanced_force(inner, outer, P_x, P_r)
         left = P - inner.Q * inner.s - T_i * inner.c if constant_force else 0.0
         if size <= LAST_STEP * math.sqrt(A1 * A1 + A2 * A2) and abs(left) <= FORCE_BALANCED * P:
             residual = math.sqrt(r1 * r1 + r2 * r2)

@@ -3,8 +3,25 @@
 import math
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
-from bearingwear.kernels.build.decorators import jit
+from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.equilibrium.kinematics import INNER_CONTROL, ORBIT, race_control
+
+
+@inlined
+def unbalanced_force(inner, outer, P_x, P_r):
+    """The two force equations of a ball (theory.md Eq. 7), axial and radially outward [N].
+
+    Parameters
+    ----------
+    inner, outer : Spring
+        Its contacts.
+    P_x, P_r : float
+        See `body_forces` [N].
+    """
+    return (
+        inner.Q * inner.s - outer.Q * outer.s + P_x,
+        inner.Q * inner.c - outer.Q * outer.c + P_r,
+    )
 
 
 @jit

@@ -42,10 +42,6 @@ def race_control(kinematics_model, omega_i, omega_o, gamma, alpha_i, alpha_o):
         OUTER_CONTROL or INNER_CONTROL.
     gamma : float
         D/dm [1].
-
-    Returns
-    -------
-    Kinematics
     """
     if kinematics_model == OUTER_CONTROL:
         beta = math.atan2(math.sin(alpha_o), math.cos(alpha_o) + gamma)

@@ -149,7 +149,6 @@ def race_forces(p, delta, out):
 
     Parameters
     ----------
-    p : RaceProblem
     delta : ndarray (3,)
         Displacement (axial, Y, Z) of the inner race [m].
     out : RaceForces

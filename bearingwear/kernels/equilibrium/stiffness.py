@@ -31,7 +31,6 @@ def bearing_stiffness(g, D, psi, Q, alpha, out):
 
     Parameters
     ----------
-    g : Geometry
     D : ndarray (n,)
         Worn diameters of the balls [m].
     psi : ndarray (n,)

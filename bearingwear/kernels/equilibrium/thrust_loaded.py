@@ -12,7 +12,11 @@ from typing import NamedTuple
 from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.contact.profile import contact_approach, contact_load, contact_stiffness
-from bearingwear.kernels.equilibrium.body_forces import body_forces, body_forces_at
+from bearingwear.kernels.equilibrium.body_forces import (
+    body_forces,
+    body_forces_at,
+    unbalanced_force,
+)
 from bearingwear.kernels.equilibrium.kinematics import ORBIT
 from bearingwear.kernels.params import BallLoad, BallState, Hertz
 from bearingwear.kernels.status import (
@@ -77,12 +81,7 @@ def loaded_spring(Q, d, length, s, c):
 
 @jit
 def spring(K, X1, X2, free):
-    """Contact of the Hertz factor K as a spring along (X1, X2), its length `free` without load.
-
-    Returns
-    -------
-    Spring
-    """
+    """Contact of the Hertz factor K as a spring along (X1, X2), its length `free` without load."""
     length = math.sqrt(X1 * X1 + X2 * X2)
     s, c = X1 / length, X2 / length
     d = length - free
@@ -215,8 +214,7 @@ def ball_newton(g, D, load, A1, A2, X1, X2, hertz_i, hertz_o):
         outer = spring(hertz_o.K, X1, X2, free_o)
         inner = spring(hertz_i.K, A1 - X1, A2 - X2, free_i)
         P_x, P_r, T_i = body_forces(g, D, load, X2, inner.s, inner.c, outer.s, outer.c)
-        r1 = inner.Q * inner.s - outer.Q * outer.s + P_x
-        r2 = inner.Q * inner.c - outer.Q * outer.c + P_r
+        r1, r2 = unbalanced_force(inner, outer, P_x, P_r)
         size = math.sqrt(r1 * r1 + r2 * r2)
         if not shortened and abs(step1) + abs(step2) <= small:
             status = OK
@@ -258,10 +256,8 @@ def ball_equilibrium(g, D, load, A1, A2, start):
 
     Parameters
     ----------
-    g : Geometry
     D : float
         Worn ball diameter [m].
-    load : BallLoad
     A1, A2 : float
         Axial and radial distance of the groove centres [m].
     start : BallState
@@ -344,7 +340,6 @@ def thrust_equilibrium(g, D, load, F_x, delta_a, constant_force, start):
         Preload, used if `constant_force` [N].
     delta_a : float
         Axial displacement of the inner race: kept, or the start if `constant_force` [m].
-    constant_force : bool
 
     Returns
     -------

@@ -17,7 +17,7 @@ from bearingwear.kernels.build.decorators import inlined, jit
 from bearingwear.kernels.contact.changes import BY_RADIUS, gradient_changes, slip_changes
 from bearingwear.kernels.contact.film_friction import add_even_part
 from bearingwear.kernels.contact.friction import friction_capacity, friction_coefficients
-from bearingwear.kernels.contact.points import Rule, contact_points, most_points
+from bearingwear.kernels.contact.points import Points, Rule, contact_points, point_buffers
 from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.kernels.contact.slip import LARGEST_AXIS, race_contacts, slip_coefficients
 from bearingwear.kernels.contact.traction import traction, traction_slope
@@ -48,20 +48,11 @@ class ThrustBearing(NamedTuple):
 
 
 class BalanceProblem(NamedTuple):
-    """What a solve under thrust holds constant, and its buffers for n points a contact.
-
-    The buffers lie side by side here: numba counts references to every array of a record within a
-    record whenever it is read, which took 16 % of a solve.
-    """
+    """What a solve under thrust holds constant, and its buffers."""
 
     bearing: ThrustBearing
     rule: Rule  # for the contact ellipses
-    t: np.ndarray  # (n,) points of the contact at hand, if they depend on it
-    weight: np.ndarray  # (n,)
-    h: np.ndarray  # (2, n), row 0 inner, 1 outer
-    width: np.ndarray  # (n,) see contact.half_width
-    across: np.ndarray  # (m,) points across, likewise
-    share: np.ndarray  # (m,)
+    points: Points  # of the contact at hand
     gradient: np.ndarray  # (2, 4), with traction (2, 5)
     hessian: np.ndarray  # (4, 4) or (5, 5)
     even: np.ndarray  # (2, 4) or (2, 5), the part of `gradient` of a film that shears evenly
@@ -95,17 +86,11 @@ class Rounding(NamedTuple):
 @jit
 def balance_problem(bearing, rule, traction):
     """The balance of a bearing by a rule, tractions unknown or left out; its buffers are empty."""
-    n, m = most_points(rule), rule.across.size
     k, f = (6, 5) if traction else (4, 4)
     return BalanceProblem(
         bearing=bearing,
         rule=rule,
-        t=np.empty(n),
-        weight=np.empty(n),
-        h=np.empty((2, n)),
-        width=np.zeros(n),
-        across=np.zeros(m),
-        share=np.ones(m),
+        points=point_buffers(rule),
         gradient=np.empty((2, f)),
         hessian=np.empty((f, f)),
         even=np.zeros((2, f)),
@@ -128,13 +113,8 @@ def orbit_equilibrium(bearing, Omega, near):
 
     Parameters
     ----------
-    bearing : ThrustBearing
     near : Seat
         The start.
-
-    Returns
-    -------
-    Seat
     """
     return loaded_equilibrium(bearing, orbit_load(Omega, 0.0, 0.0), near)
 
@@ -214,10 +194,8 @@ def friction_balance(p, v_r, state, u, out, slope):
 
     Parameters
     ----------
-    p : BalanceProblem
     v_r : float
         Regularisation, which may differ from that of the operating point [m/s].
-    state : BallState
     u : ndarray (k,)
         (w_x, w_y, w_z, Omega) [rad/s], and (T_i, T_o) [N].
     out : ndarray (k,)
@@ -242,19 +220,15 @@ def friction_balance(p, v_r, state, u, out, slope):
         contact = contacts[k]
         if contact.a >= LARGEST_AXIS * R:
             return OUTSIDE_HERTZ_RANGE
-        h = p.h[k]
         c = slip_coefficients(contact, u, r)
-        across, share = p.across, p.share
-        t, weight = contact_points(
-            p.rule, contact, R, c, v_r, p.t, p.weight, h, p.width, across, share
-        )
+        points = contact_points(p.rule, contact, R, c, v_r, p.points)
         L, gradient = p.L[k], p.gradient[k]
         slip_changes(contact, c, r, L)
-        points, mu = (t, weight, h, p.width, across, share), contact.mu - contact.mu_even
+        mu = contact.mu - contact.mu_even
         if slope:
-            traction_slope(contact, c, mu, v_r, *points, gradient, p.hessian)
+            traction_slope(contact, c, mu, v_r, points, gradient, p.hessian)
         else:
-            traction(contact, c, mu, v_r, *points, gradient)
+            traction(contact, c, mu, v_r, points, gradient)
         if contact.mu_even > 0.0:
             add_even_part(
                 p.rule, contact, R, c, v_r, points, p.even[k], p.even_hessian, gradient, p.hessian,
@@ -308,9 +282,8 @@ def add_friction_change(p, u, rates, J, column):
 @jit
 def add_load_columns(p, seat, u):
     """Add to the Jacobian what the loads make of the orbit rate and the tractions."""
-    b = p.bearing
-    place = seat.delta_a, b.preload.constant_force, seat.state
-    load_rates(b.g, b.D, motion_load(u), *place, p.rates)
+    b, load = p.bearing, motion_load(u)
+    load_rates(b.g, b.D, load, seat.delta_a, b.preload.constant_force, seat.state, p.rates)
     for v in range(u.size - 3):
         add_friction_change(p, u, p.rates[v], p.jacobian, 3 + v)
 
@@ -366,10 +339,6 @@ def rounding(bearing, state, u, J):
     ----------
     J : ndarray (k, k)
         Jacobian of the balance by u.
-
-    Returns
-    -------
-    Rounding
     """
     g = bearing.g
     mu_i, mu_o = friction_coefficients(bearing.op, state)

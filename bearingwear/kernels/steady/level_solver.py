@@ -83,15 +83,10 @@ def newton(p, v_r, seat, u, tolerance):
 
     Parameters
     ----------
-    p : BalanceProblem
     seat : Seat
         Equilibrium of u.
     tolerance : float
         On the residual, as a share of the friction forces [1].
-
-    Returns
-    -------
-    Solution
     """
     size, floor = UNKNOWN, 0.0
     for iteration in range(NEWTON_STEPS):
@@ -170,10 +165,6 @@ def pseudo_transient(p, v_r, seat, u, tolerance, most):
     ----------
     most : int
         Number of steps at the most; otherwise as `newton`.
-
-    Returns
-    -------
-    Solution
     """
     g, D, op = p.bearing.g, p.bearing.D, p.bearing.op
     m = ball_mass(g.rho, D)

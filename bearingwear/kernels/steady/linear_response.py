@@ -10,9 +10,8 @@ import math
 from bearingwear.kernels.ball import ball_mass
 from bearingwear.kernels.build.decorators import jit
 from bearingwear.kernels.contact.changes import add_axis_changes, exact_changes
-from bearingwear.kernels.contact.film_friction import area_shares
 from bearingwear.kernels.contact.hertz import axes_by_angle
-from bearingwear.kernels.contact.points import contact_points
+from bearingwear.kernels.contact.points import area_shares, contact_points
 from bearingwear.kernels.contact.profile import contact_approach
 from bearingwear.kernels.contact.slip import race_contacts, slip_coefficients
 from bearingwear.kernels.equilibrium.ball_response import (
@@ -46,19 +45,17 @@ def find_exact_changes(p, state, u, by_axes):
         A buffer.
     """
     g, D, op, R = p.bearing.g, p.bearing.D, p.bearing.op, 0.5 * p.bearing.D
-    contacts, v_r, across, share = race_contacts(g, op, state), op.v_r, p.across, p.share
+    contacts, v_r = race_contacts(g, op, state), op.v_r
     for k in range(2):
-        contact, h = contacts[k], p.h[k]
+        contact = contacts[k]
         hertz = state.hertz_i if k == 0 else state.hertz_o
         c = slip_coefficients(contact, u, g.R_o + state.X2)
-        t, weight = contact_points(
-            p.rule, contact, R, c, v_r, p.t, p.weight, h, p.width, across, share
-        )
+        points = contact_points(p.rule, contact, R, c, v_r, p.points)
         by_axes[:, :] = 0.0
-        by_a, by_b, points = by_axes[0], by_axes[1], (t, weight, h, p.width, across, share)
+        by_a, by_b = by_axes[0], by_axes[1]
         add_axis_changes(contact, c, contact.mu - contact.mu_even, R, v_r, points, by_a, by_b)
         if contact.mu_even > 0.0:
-            area_shares(p.rule, contact, R, c, v_r, t, weight, across, share)
+            area_shares(p.rule, contact, R, c, v_r, points)
             add_axis_changes(contact, c, contact.mu_even, R, v_r, points, by_a, by_b)
         axes = axes_by_angle(g, contact.sigma, D, contact.sin_a, contact.cos_a, hertz)
         exact_changes(contact.Q, axes, p.gradient[k], p.even[k], by_a, by_b, p.change[k])
@@ -72,7 +69,6 @@ def linear_response(p, seat, u, out):
     ----------
     p : BalanceProblem
         As `friction_balance` has left it at this state, with its slope.
-    seat : Seat
     u : ndarray (k,)
         Motion (w_x, w_y, w_z, Omega), and tractions.
     out : ndarray (k + 2, k + 2)
@@ -122,7 +118,7 @@ def quasistatic_stiffness(p, v_r, seat, u, response):
     copy(response[:k, k], p.step)
     if not solve_motion(p, response):
         return math.nan
-    if p.rule.split and p.across.size > 1:  # those along move too little to show
+    if p.rule.split and p.rule.across.size > 1:  # those along move too little to show
         way = ALONG * contact_approach(state.hertz_i.K, state.Q_i)
         for v in range(k):
             p.trial[v] = u[v] - way * p.step[v]

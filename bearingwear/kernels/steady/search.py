@@ -91,7 +91,6 @@ def balance_moments(p, v_r, state, u, allowed):
         Its `residual` and `jacobian` are those of u afterwards.
     v_r : float
         Regularisation [m/s].
-    state : BallState
     allowed : float
         What may be left of the largest moment [N m].
 
@@ -134,7 +133,6 @@ def balance_at_rate(p, v_r, near, u, tangent, balanced):
 
     Parameters
     ----------
-    p : BalanceProblem
     v_r : float
         Regularisation [m/s].
     near : Seat
@@ -146,10 +144,6 @@ def balance_at_rate(p, v_r, near, u, tangent, balanced):
     balanced : float
         Moments that may be left, as a share of the friction forces; what they would still change
         is put in to first order [1].
-
-    Returns
-    -------
-    RatePoint
     """
     bearing, J = p.bearing, p.jacobian
     seat = orbit_equilibrium(bearing, u[3], near)
@@ -197,7 +191,6 @@ def settle(p, near, u, motions, count):
 
     Parameters
     ----------
-    p : BalanceProblem
     near : Seat
         Equilibrium nearby.
     u : ndarray (4,)
@@ -236,17 +229,12 @@ def search_towards(end, p, coarse, v_r, known, u_known, tangent, unstable, motio
         To settle by, and to search by.
     v_r : float
         Regularisation of the search [m/s].
-    known : RatePoint
     u_known, tangent : ndarray (4,), (3,)
         Motion of the known state, and as in `balance_at_rate`.
     unstable : bool
         Whether a ball leaves the known state.
     motions, count
         As in `settle`.
-
-    Returns
-    -------
-    int
     """
     span = orbit_range(p.bearing.op)[1]
     here, last, u = known, u_known.copy(), u_known.copy()
@@ -295,7 +283,6 @@ def settled_elsewhere(bearing, rule, coarse_rule, v_r, delta_a, u_known, unstabl
 
     Parameters
     ----------
-    bearing : ThrustBearing
     rule, coarse_rule : Rule
         For the ellipse: to settle by, and to search by.
     v_r : float
@@ -313,7 +300,13 @@ def settled_elsewhere(bearing, rule, coarse_rule, v_r, delta_a, u_known, unstabl
     """
     # Without traction on the normal forces, which moves a state, but makes none.
     p, coarse = balance_problem(bearing, rule, False), balance_problem(bearing, coarse_rule, False)
-    low, span = orbit_range(bearing.op)
+    return settled_motions(p, coarse, v_r, delta_a, u_known, unstable, most)
+
+
+@jit
+def settled_motions(p, coarse, v_r, delta_a, u_known, unstable, most):
+    """`settled_elsewhere` of both balances: references to their buffers are not counted here."""
+    low, span = orbit_range(p.bearing.op)
     u, tangent, motions = u_known.copy(), np.empty(3), np.empty((most, 4))
     near = Seat(delta_a=delta_a, state=cold_start())
     known = balance_at_rate(coarse, v_r, near, u, tangent, BALANCED_MOMENTS)

@@ -89,10 +89,6 @@ def predict(bearing, kept, before, ahead, seat, u):
         Distance to the new level, over that between the last two.
     seat : Seat
         Equilibrium of the last level.
-
-    Returns
-    -------
-    Seat
     """
     for i in range(u.size):
         u[i] = kept[i] + ahead * (kept[i] - before[i])
@@ -217,7 +213,6 @@ def steady_state(p, u, v_start, tolerance):
 
     Parameters
     ----------
-    p : BalanceProblem
     u : ndarray (k,)
         Start, see `unknowns`; the answer replaces it.
     v_start : float
@@ -225,10 +220,6 @@ def steady_state(p, u, v_start, tolerance):
         fails the solver goes up by itself and comes down again.
     tolerance : float
         On the residual, as a share of the friction forces [1].
-
-    Returns
-    -------
-    Solution
     """
     lost, seat = seated_start(p.bearing, u)
     size, total = UNKNOWN, 0

@@ -142,15 +142,10 @@ def checked(p, seat, u, fine_rule):
     ----------
     p : BalanceProblem
         Its `jacobian` is that of the state.
-    seat : Seat
     u : ndarray (4,)
         (w_x, w_y, w_z, Omega) [rad/s].
     fine_rule : Rule
         With as many points as the solver's it is the same.
-
-    Returns
-    -------
-    Residuals
     """
     state = seat.state
     g, D, op = p.bearing.g, p.bearing.D, p.bearing.op
@@ -233,21 +228,21 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
 
     Parameters
     ----------
-    bearing : ThrustBearing
     rule, fine_rule : Rule
         For the ellipse; the fine one has four times the points.
     start : ndarray (4,)
         Start of (w_x, w_y, w_z, Omega).
     v_start : float
         Regularisation of the first level, see `steady_state` [m/s].
-    tolerance : float
-
-    Returns
-    -------
-    ThrustCase
     """
-    g, D, op = bearing.g, bearing.D, bearing.op
     p = balance_problem(bearing, rule, bearing.traction)
+    return balanced_case(p, fine_rule, start, v_start, tolerance)
+
+
+@jit
+def balanced_case(p, fine_rule, start, v_start, tolerance):
+    """`thrust_case` of a balance: references to its buffers are not counted here."""
+    g, D, op = p.bearing.g, p.bearing.D, p.bearing.op
     u = unknowns(p, start)
     contacts = np.full((2, COLUMNS), np.nan)
     s = steady_state(p, u, v_start, tolerance)
@@ -260,7 +255,7 @@ def thrust_case(bearing, rule, fine_rule, start, v_start, tolerance):
     find_exact_changes(p, state, u, np.empty((2, 5)))
     linear_response(p, s.seat, u, response)
     add_load_columns(p, s.seat, u)
-    contact_summary(g, D, op, state, u, r, rule, p, contacts, False)
+    contact_summary(g, D, op, state, u, r, p.rule, p.points, contacts, False)
     skid = skid_ratio(op, state.alpha_i, state.alpha_o, 0.5 * D, r, u)
     residuals, load = checked(p, s.seat, u, fine_rule), motion_load(u)
     jacobian = motion_jacobian(p)

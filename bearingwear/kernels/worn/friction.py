@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels.build.decorators import REORDER_SUMS, jit
-from bearingwear.kernels.contact.film_friction import add_even_part, area_shares, even_dissipation
+from bearingwear.kernels.contact.film_friction import add_even_part, even_dissipation
 from bearingwear.kernels.contact.friction import force_slope, friction_capacity
-from bearingwear.kernels.contact.points import contact_points, most_points
+from bearingwear.kernels.contact.points import Points, area_shares, contact_points, point_buffers
 from bearingwear.kernels.contact.profile import contact_load, profile
 from bearingwear.kernels.contact.slip import (
     dissipation,
@@ -53,12 +53,7 @@ THIN_PRESSURE = 0.3  # of Hertz' peak: cells with less count in proportion to th
 class FrictionWork(NamedTuple):
     """Buffers of the friction balance."""
 
-    t: np.ndarray
-    weight: np.ndarray
-    h: np.ndarray
-    width: np.ndarray
-    across: np.ndarray
-    share: np.ndarray
+    points: Points
     gradient: np.ndarray  # (5,), with the force along the major axis
     hessian: np.ndarray  # (5, 5)
     part_gradient: np.ndarray
@@ -81,12 +76,10 @@ class FrictionWork(NamedTuple):
 @jit
 def friction_work(rule, n, m_cells):
     """Buffers for a rule and n by m_cells cells at the most."""
-    k, m = most_points(rule), rule.across.size
     ones = np.ones(2)
     ones[1] = -1.0
     return FrictionWork(
-        t=np.empty(k), weight=np.empty(k), h=np.empty(k), width=np.zeros(k),
-        across=np.zeros(m), share=np.ones(m), gradient=np.empty(5), hessian=np.empty((5, 5)),
+        points=point_buffers(rule), gradient=np.empty(5), hessian=np.empty((5, 5)),
         part_gradient=np.empty(5), part_hessian=np.empty((5, 5)), L=np.empty((4, 4)),
         residual=np.empty(4), jacobian=np.empty((4, 4)), moving=np.zeros((4, 4)),
         earlier=np.empty((5, 4)), matrix=np.empty((4, 4)), step=np.empty(4), trial=np.empty(4),
@@ -199,7 +192,7 @@ def loaded_cells(cells):
 
 @jit(fastmath=REORDER_SUMS)
 def cell_slopes(a, c, v_r, cells):
-    """Sums of `ellipse_slope` over cells and their mirror images.
+    """Sums of `ellipse_slopes` over cells and their mirror images.
 
     Its loop over the points across would be too short for vector instructions.
 
@@ -255,12 +248,9 @@ def cell_slopes(a, c, v_r, cells):
 @jit
 def worn_slope(k, contact, R, c, v_r, rule, work):
     """Gradient and second derivatives of the friction potential of a worn contact, into `work`."""
-    across, share = work.across, work.share
-    t, weight = contact_points(
-        rule, contact, R, c, v_r, work.t, work.weight, work.h, work.width, across, share
-    )
-    points, mu = (t, weight, work.h, work.width, across, share), contact.mu - contact.mu_even
-    traction_slope(contact, c, mu, v_r, *points, work.gradient, work.hessian)
+    points = contact_points(rule, contact, R, c, v_r, work.points)
+    mu = contact.mu - contact.mu_even
+    traction_slope(contact, c, mu, v_r, points, work.gradient, work.hessian)
     if contact.mu_even > 0.0:
         add_even_part(
             rule, contact, R, c, v_r, points, work.part_gradient, work.part_hessian, work.gradient,
@@ -424,42 +414,31 @@ def worn_dissipation(g, op, D, races, seat, rule, work, u, out, rates):
         race, force = (races[0], seat.inner) if k == 0 else (races[1], seat.outer)
         contact = unworn_contact(g, op, k, force)
         c = slip_coefficients(contact, u, r)
-        across, share = work.across, work.share
-        t, weight = contact_points(
-            rule, contact, R, c, op.v_r, work.t, work.weight, work.h, work.width, across, share
-        )
-        points, mu = (t, weight, work.h, work.width, across, share), contact.mu - contact.mu_even
-        qv, heat, gyro, torque = dissipation(contact, c, mu, op.v_r, r, *points)
+        points = contact_points(rule, contact, R, c, op.v_r, work.points)
+        mu = contact.mu - contact.mu_even
+        qv, heat, gyro, torque = dissipation(contact, c, mu, op.v_r, r, points)
         gyro *= qv
         if contact.mu_even > 0.0:
-            area_shares(rule, contact, R, c, op.v_r, t, weight, across, share)
+            area_shares(rule, contact, R, c, op.v_r, points)
             even_heat, even_torque = even_dissipation(contact, c, op.v_r, r, points)
             heat += even_heat
             torque += even_torque
         rounded = math.hypot(op.v_r, work.rounded[k])
         for worn in range(2):
             t, weight, friction, h, width, column = loaded_cells(work.cells[k, worn])
-            part = dissipation(
-                contact, c, contact.mu, rounded, r, t, weight, h, width, work.ones, work.halves
+            cells = Points(
+                t=t, weight=weight, h=h, width=width, across=work.ones, share=work.halves
             )
+            part = dissipation(contact, c, contact.mu, rounded, r, cells)
             sign = 1.0 if worn == OF_WORN else -1.0
             qv += sign * part[0]
             gyro += sign * part[2] * part[0]
             out[k, 4] = contact.mu * (friction.sum() / weight.sum())
             if contact.mu_even > 0.0 or race.without >= 0.0:
-                part = dissipation(
-                    contact,
-                    c,
-                    contact.mu,
-                    rounded,
-                    r,
-                    t,
-                    friction,
-                    h,
-                    width,
-                    work.ones,
-                    work.halves,
+                rubbing = Points(
+                    t=t, weight=friction, h=h, width=width, across=work.ones, share=work.halves
                 )
+                part = dissipation(contact, c, contact.mu, rounded, r, rubbing)
             heat += sign * part[1]
             torque += sign * part[3]
         rates[k, :] = 0.0

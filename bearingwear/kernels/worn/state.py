@@ -161,6 +161,7 @@ def worn_seat(bearing, races, reference, rule, work, state, at, u, left):
     i_x, i_r = race_parts(INNER, inner, F_i)
     o_x, o_r = race_parts(OUTER, outer, F_o)
     load = max(inner.Q, outer.Q)
+    # `unbalanced_force` once more: the contacts are no springs, their pressure has a pitch
     left[0] = (i_x + o_x) / load
     left[1] = (i_r + o_r + ball_mass(g.rho, D) * (g.R_o + at.X2) * u[3] * u[3]) / load
     left[2] = (i_x - preload.F_x / g.n_balls) / load if state.active[2] else 0.0

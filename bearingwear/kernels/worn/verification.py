@@ -107,14 +107,13 @@ def friction_of_cells(pressure, fresh, law, bare, without):
     pressure, fresh : ndarray (m, n)
         Worn and unworn, over the peak of Hertz.
     law : tuple of 3 floats
-        Shear strength of the film [Pa], its coefficient beside that [1], and the peak pressure of
-        Hertz [Pa].
+        `plain_law` of the unworn contact.
     bare : ndarray (n,)
         Share of the cells without film [1].
     without : float
         Coefficient there, below zero as with film [1].
     """
-    S, constant, peak = law
+    constant, S, peak = law
     m, n = pressure.shape
     load = old_load = old_area = filmed_area = bare_load = 0.0
     for i in range(n):

@@ -159,21 +159,6 @@ def _surface(
     )
 
 
-def friction_law(scene: Scene, bare: Bare = COVERED) -> dict[str, float]:
-    """Shear strengths [Pa] and coefficients of both contacts, as `OperatingPoint` names them."""
-    given = scene.friction.film
-    law: dict[str, float] = {}
-    for name, uncovered in zip(("i", "o"), bare, strict=True):
-        if given is None:
-            S, mu = 0.0, scene.friction.coefficient
-        elif uncovered and given.bare_ball_race is not None:
-            S, mu = 0.0, given.bare_ball_race
-        else:
-            S, mu = given.shear_strength_MPa * MPA, given.pressure_coefficient
-        law |= {f"S_{name}": float(S), f"mu_{name}": float(mu)}
-    return law
-
-
 def _semi_axis_factors(scene: Scene) -> np.ndarray:
     """Semi-axes over the cube root of the load (2, 2): of both contacts, major and minor."""
     g = mounted_geometry(scene)
@@ -191,9 +176,3 @@ def pressure_of_load(scene: Scene, load: np.ndarray) -> np.ndarray:
     """Mean pressure of Hertz's contacts under these loads (..., 2) [N], as `mean_pressure`."""
     c_a, _ = _semi_axis_factors(scene)
     return mean_pressure(scene, c_a * np.cbrt(load))
-
-
-def friction_at(scene: Scene, pressure: float) -> float:
-    """Friction coefficient of a contact with the scene's film under a mean pressure [Pa]."""
-    law = friction_law(scene)
-    return law["mu_i"] + law["S_i"] / pressure if law["S_i"] else law["mu_i"]

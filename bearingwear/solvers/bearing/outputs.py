@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.contact.friction import has_friction
 from bearingwear.kernels.contact.summary import (
     ANGLE,
     FRICTION,
@@ -66,11 +67,8 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
-    if max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:  # without friction nothing holds the moment
-        # a mean would round a single coefficient
-        one = np.array([op.mu_i, op.mu_o])
-        mu = rows[..., FRICTION] if max(op.S_i, op.S_o) > 0.0 else one
-        used = friction_used(mu, D, gyroscopic, rows[..., LOAD])
+    if has_friction(op):  # else nothing holds the moment
+        used = friction_used(rows[..., FRICTION], D, gyroscopic, rows[..., LOAD])
         values["friction_used_by_gyroscopic_moment"] = used
     if scene.friction.film is not None:
         values["friction_coefficient"] = rows[..., FRICTION]

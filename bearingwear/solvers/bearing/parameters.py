@@ -6,12 +6,13 @@ import math
 import numpy as np
 
 from bearingwear.kernels.contact.ellipse_friction import EllipsePoints
+from bearingwear.kernels.contact.friction import Law
 from bearingwear.kernels.contact.points import SEGMENTS, Rule
 from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.solvers.bearing.films import Films, friction_law
+from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
 from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
@@ -66,8 +67,26 @@ def operating_point(scene: Scene) -> OperatingPoint:
         omega_o=scene.operation.outer_speed_rpm * RPM,
         v_r=float(scene.friction.slip_regularisation_m_s),
         drag=float(scene.lubricant.drag_density_kg_m3),
-        **friction_law(scene),
+        **friction_laws(scene),
     )
+
+
+def friction_law(scene: Scene, bare: bool = False) -> Law:
+    """Friction of balls and races, where a film covers them or is worn through."""
+    film = scene.friction.film
+    if film is None:
+        mu, S = scene.friction.coefficient, 0.0
+    elif bare and film.bare_ball_race is not None:
+        mu, S = film.bare_ball_race, 0.0
+    else:
+        mu, S = film.pressure_coefficient, film.shear_strength_MPa * MPA
+    return Law(mu=float(mu), S=float(S))
+
+
+def friction_laws(scene: Scene, bare: Bare = COVERED) -> dict[str, Law]:
+    """Of both contacts, as `OperatingPoint` names them."""
+    inner, outer = bare
+    return {"law_i": friction_law(scene, inner), "law_o": friction_law(scene, outer)}
 
 
 def ball_diameters(scene: Scene) -> np.ndarray:

@@ -34,7 +34,7 @@ from bearingwear.kernels.steady.balance import LAST_BIT
 from bearingwear.kernels.steady.thrust import MOST_ROUNDING
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import Bare, friction_law
+from bearingwear.solvers.bearing.films import Bare
 from bearingwear.solvers.effects.choice import asymmetries
 
 LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost off
@@ -79,7 +79,7 @@ class RaceControlProblem:
 
     def where_bare(self, scene: Scene, bare: Bare) -> "RaceControlProblem":
         """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
+        return replace(self, op=self.op._replace(**parameters.friction_laws(scene, bare)))
 
     @property
     def psi(self) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.contact.friction import has_friction
 from bearingwear.kernels.contact.points import Rule, most_points
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL, race_control
 from bearingwear.kernels.params import Geometry, OperatingPoint
@@ -20,7 +21,7 @@ from bearingwear.kernels.steady.search import settled_elsewhere
 from bearingwear.kernels.steady.thrust import ThrustCase, thrust_case
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import Bare, friction_law
+from bearingwear.solvers.bearing.films import Bare
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
@@ -64,7 +65,7 @@ class ThrustProblem:
 
     def where_bare(self, scene: Scene, bare: Bare) -> "ThrustProblem":
         """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=self.op._replace(**friction_law(scene, bare)))
+        return replace(self, op=self.op._replace(**parameters.friction_laws(scene, bare)))
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""
@@ -114,8 +115,7 @@ class ThrustProblem:
 
     def undetermined(self) -> int:
         """Status that is known before any solve, or OK."""
-        op = self.op
-        if not max(op.S_i, op.S_o, op.mu_i, op.mu_o) > 0.0:
+        if not has_friction(self.op):
             return code.UNDETERMINED
         if self.preload.constant_force and self.preload.F_x == 0.0:
             return code.PRELOAD_GONE

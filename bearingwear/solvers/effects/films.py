@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.films import Films, friction_at, friction_law, pressure_of_load
+from bearingwear.solvers.bearing.films import Films, pressure_of_load
 from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
 from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding
@@ -70,10 +70,13 @@ def _then(scene: Scene) -> str:
 
 def _at_rest(scene: Scene) -> str:
     """Friction coefficients under the preload at rest, by fitted Hertz factors."""
-    g, preload = mounted_geometry(scene), scene.operation.preload_N
+    # its kernels take long to load, and other commands need none of them
+    from bearingwear.solvers.bearing.parameters import friction_law
+
+    g, preload, law = mounted_geometry(scene), scene.operation.preload_N, friction_law(scene)
     sine = math.sin(g.alpha0)
     if not (preload > 0.0 and sine > 0.0):
-        return f"{friction_law(scene)['mu_i']:.3g} and more"
+        return f"{law.mu:.3g} and more"
     loads = np.full(2, preload / (g.n_balls * sine))
-    pair = (friction_at(scene, float(p)) for p in pressure_of_load(scene, loads))
+    pair = (law.mu + law.S / float(p) if law.S else law.mu for p in pressure_of_load(scene, loads))
     return " (inner) and ".join(f"{mu:.2g}" for mu in pair) + " (outer)"

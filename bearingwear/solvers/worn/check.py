@@ -6,6 +6,7 @@ import numpy as np
 
 from bearingwear.kernels.ball import drag_force
 from bearingwear.kernels.contact.profile import contact_load
+from bearingwear.kernels.contact.verification import plain_law
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL
 from bearingwear.kernels.worn.balance import WornForce, WornRace
 from bearingwear.kernels.worn.state import WornSeat
@@ -74,6 +75,5 @@ class WornCheck:
     ) -> float:
         """Coefficient of friction of a contact with films, by plain sums over its cells."""
         op, Q = p.op, contact_load(force.hertz.K, force.approach)
-        shear, constant = ((op.S_i, op.mu_i), (op.S_o, op.mu_o))[k]
-        law = shear, constant, 1.5 * Q / (np.pi * force.a * force.b)
+        law = plain_law((op.law_i, op.law_o)[k], Q, force.a, force.b)
         return float(friction_of_cells(race.pressure, race.cells.fresh, law, bare, race.without))
