@@ -103,15 +103,34 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     for name, entry in entries.items():
         own = {key: value for key, value in entry.attrs.items() if key != "coordinates"}
         encoding = {} if entry.fill is None else {"_FillValue": entry.fill}
-        variable = xr.Variable(entry.dims, entry.data, own, encoding)
+        variable = xr.Variable(entry.dims, entry.data, own, encoding, fastpath=True)
         variables[name] = named(variable) if by_name else variable
     names = [*filter(variables.__contains__, (*COORDINATES, STRIP_POSITION.name))]
     coordinates = {name: variables.pop(name) for name in names}
     attrs["wall_time_s"] = float(result.wall_time_s)
-    made = xr.Dataset(variables, _indexed(coordinates), attrs)
+    made = _joined(variables, _indexed(coordinates), attrs)
     if STRIP_POSITION.name in coordinates:  # no index, so it may be written to: each has its own
         made.variables[STRIP_POSITION.name].data = coordinates[STRIP_POSITION.name].data
     return made
+
+
+def _joined(
+    variables: dict[str, xr.Variable], coordinates: xr.Coordinates, attrs: dict[str, Any]
+) -> xr.Dataset:
+    """A dataset of variables that are known to fit together.
+
+    xarray's public way copies each of them and looks for conflicts, for longer than a solve takes.
+    """
+    import xarray as xr
+
+    construct = getattr(xr.Dataset, "_construct_direct", None)
+    if construct is None:
+        return xr.Dataset(variables, coordinates, attrs)
+    own = {name: one.copy(deep=False) for name, one in coordinates.variables.items()}
+    every = {**variables, **own}
+    sizes = {n: k for v in every.values() for n, k in zip(v.dims, v.shape, strict=True)}
+    indexes = dict(coordinates.xindexes)
+    return construct(every, coord_names=set(own), dims=sizes, attrs=attrs, indexes=indexes)
 
 
 _KNOWN_COORDINATES: dict[Any, xr.Coordinates] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from typing import Any
@@ -62,6 +63,10 @@ class Variable:
     @property
     def attributes(self) -> dict[str, Any]:
         """Its attributes in a file."""
+        return self._attributes.copy()
+
+    @functools.cached_property
+    def _attributes(self) -> dict[str, Any]:
         found: dict[str, Any] = {"long_name": self.long_name}
         if self.units:
             found["units"] = self.units

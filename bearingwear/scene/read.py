@@ -20,6 +20,10 @@ from bearingwear.scene.uncertain import uncertain_key
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
 
 
+CHECKED = "_is_checked"
+"""Marks a scene that was checked; `dataclasses.replace` makes one without it."""
+
+
 def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Scene:
     """Read and check a scene file.
 
@@ -41,6 +45,8 @@ def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> S
 
 def as_scene(scene: Source) -> Scene:
     """A checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
+    if isinstance(scene, Scene) and CHECKED in scene.__dict__:
+        return scene
     return scene_from_dict(*as_data(scene))
 
 
@@ -92,9 +98,10 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         scene = built(Scene, _with_accuracy(plain))
         if scene.cases:
             _ = scene.in_cases  # refuses what is no scene
-        return scene
     except SceneError as error:
         raise SceneError(error.key, error.problem, error.involved, source) from None
+    scene.__dict__[CHECKED] = True
+    return scene
 
 
 def for_life(scene: Scene, source: str = "scene") -> Scene:

@@ -71,7 +71,7 @@ def test_as_plain_vectors(scene, name, changes):
         v = np.column_stack([0 * x, -speed * (r + p[:, 2]), 0 * x]) - ball
         v -= (v @ normal)[:, None] * normal  # slip lies in the contact's plane
         dQ = 0.75 * load[k] * (1 - x01**2) * weight
-        pull = ((m.mu_i, m.mu_o)[k] * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
+        pull = ((m.law_i, m.law_o)[k].mu * dQ / np.sqrt((v**2).sum(axis=1) + m.v_r**2))[:, None] * v
         on_ball = pull.sum(axis=0) - load[k] * normal
         force, moment = force + on_ball, moment + np.cross(p, pull).sum(axis=0)
         race = on_ball[0] if side < 0 else race
