@@ -126,9 +126,13 @@ def _joined(
     construct = getattr(xr.Dataset, "_construct_direct", None)
     if construct is None:
         return xr.Dataset(variables, coordinates, attrs)
-    own = {name: one.copy(deep=False) for name, one in coordinates.variables.items()}
-    every = {**variables, **own}
-    sizes = {n: k for v in every.values() for n, k in zip(v.dims, v.shape, strict=True)}
+    own: dict[Any, xr.Variable] = {
+        name: one.copy(deep=False) for name, one in coordinates.variables.items()
+    }
+    every: dict[Any, xr.Variable] = {**variables, **own}
+    sizes: dict[Any, int] = {
+        n: k for v in every.values() for n, k in zip(v.dims, v.shape, strict=True)
+    }
     indexes = dict(coordinates.xindexes)
     return construct(every, coord_names=set(own), dims=sizes, attrs=attrs, indexes=indexes)
 

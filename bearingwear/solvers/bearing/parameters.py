@@ -12,7 +12,7 @@ from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
+from bearingwear.solvers.bearing.films import MPA, Bare, Films
 from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
@@ -67,7 +67,8 @@ def operating_point(scene: Scene) -> OperatingPoint:
         omega_o=scene.operation.outer_speed_rpm * RPM,
         v_r=float(scene.friction.slip_regularisation_m_s),
         drag=float(scene.lubricant.drag_density_kg_m3),
-        **friction_laws(scene),
+        law_i=friction_law(scene),
+        law_o=friction_law(scene),
     )
 
 
@@ -83,10 +84,10 @@ def friction_law(scene: Scene, bare: bool = False) -> Law:
     return Law(mu=float(mu), S=float(S))
 
 
-def friction_laws(scene: Scene, bare: Bare = COVERED) -> dict[str, Law]:
-    """Of both contacts, as `OperatingPoint` names them."""
+def with_laws(op: OperatingPoint, scene: Scene, bare: Bare) -> OperatingPoint:
+    """An operating point with other contacts bare."""
     inner, outer = bare
-    return {"law_i": friction_law(scene, inner), "law_o": friction_law(scene, outer)}
+    return op._replace(law_i=friction_law(scene, inner), law_o=friction_law(scene, outer))
 
 
 def ball_diameters(scene: Scene) -> np.ndarray:

@@ -79,7 +79,7 @@ class RaceControlProblem:
 
     def where_bare(self, scene: Scene, bare: Bare) -> "RaceControlProblem":
         """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=self.op._replace(**parameters.friction_laws(scene, bare)))
+        return replace(self, op=parameters.with_laws(self.op, scene, bare))
 
     @property
     def psi(self) -> np.ndarray:

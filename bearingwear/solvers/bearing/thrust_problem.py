@@ -65,7 +65,7 @@ class ThrustProblem:
 
     def where_bare(self, scene: Scene, bare: Bare) -> "ThrustProblem":
         """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=self.op._replace(**parameters.friction_laws(scene, bare)))
+        return replace(self, op=parameters.with_laws(self.op, scene, bare))
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""

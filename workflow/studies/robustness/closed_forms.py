@@ -32,11 +32,11 @@ def closed_form(limit: str, value: float | None, scene: Scene) -> float:
         X2 = g.r_o - 0.5 * D + (F_c / rest.hertz_o.K) ** (2 / 3)
         reach = math.hypot(A1, A2 - X2) - (g.r_i - 0.5 * D)
         return -min(reach, slack)
-    if Q == 0.0 or m.mu_o == 0.0:
+    if Q == 0.0 or m.law_o.mu == 0.0:
         return 1.0
     if limit == "gyroscopic_slip" and value is not None:
         w_R = m.omega_i * (1.0 - gamma**2 * math.cos(g.alpha0) ** 2) / (2.0 * gamma)
         M_g = 0.1 * mass * D * D * w_R * Omega * math.sin(rest.alpha_o)
-        return M_g / (m.mu_o * (2.0 * Q + F_c) * 0.5 * D) - value
+        return M_g / (m.law_o.mu * (2.0 * Q + F_c) * 0.5 * D) - value
     drag = math.pi / 8.0 * m.drag * D**2 * (0.5 * g.dm * Omega) ** 2
-    return drag / (2.0 * m.mu_o * Q) - 1.0
+    return drag / (2.0 * m.law_o.mu * Q) - 1.0
