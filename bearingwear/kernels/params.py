@@ -4,9 +4,12 @@ The factory is `bearingwear.solvers.bearing.parameters`; it makes every field a 
 int), since each mixture of types would compile another version of every kernel.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
 
-from bearingwear.kernels.contact.friction import Law
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:  # numba takes long to load, and commands read these records without it
+    from bearingwear.kernels.contact.friction import Law
 
 
 class Geometry(NamedTuple):
