@@ -20,7 +20,7 @@ from bearingwear.scene.uncertain import uncertain_key
 Source = str | os.PathLike[str] | Mapping[str, Any] | Scene
 
 
-CHECKED = "_is_checked"
+_CHECKED = "_is_checked"
 """Marks a scene that was checked; `dataclasses.replace` makes one without it."""
 
 
@@ -45,7 +45,7 @@ def load_scene(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> S
 
 def as_scene(scene: Source) -> Scene:
     """A checked scene from a path, a dict of a scene file's shape, or a `Scene`."""
-    if isinstance(scene, Scene) and CHECKED in scene.__dict__:
+    if isinstance(scene, Scene) and _CHECKED in scene.__dict__:
         return scene
     return scene_from_dict(*as_data(scene))
 
@@ -100,7 +100,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
             _ = scene.in_cases  # refuses what is no scene
     except SceneError as error:
         raise SceneError(error.key, error.problem, error.involved, source) from None
-    scene.__dict__[CHECKED] = True
+    scene.__dict__[_CHECKED] = True
     return scene
 
 
