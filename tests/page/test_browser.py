@@ -297,8 +297,9 @@ def test_everything_is_there_without_the_script(opened):
     page, told = opened(script=False)
     assert told == []
     assert not page.locator(".slider").first.is_visible()
-    page.locator("summary", has_text="over the preload").first.click()
-    assert page.locator("details table").first.is_visible()
+    folded = page.locator("details", has_text="over the preload").first
+    folded.locator("summary").click()
+    assert folded.locator("table").is_visible()
     assert page.locator(".chart .star").count() and page.locator(".sketch svg").is_visible()
 
 
