@@ -488,9 +488,9 @@ def test_recommend(capsys):
     told = capsys.readouterr().out
     assert "  Axial stiffness of one bearing at least 4 N/um; friction power" in told
     assert re.search(
-        r"held by +dynamic axial stiffness of one bearing +no preload keeps to all limits", told
+        r"held by +dynamic axial stiffness of one bearing +no preload satisfies all limits", told
     )
-    assert "No preload by fixed position keeps to all limits: each limit can be kept" in told
+    assert "No preload by fixed position satisfies all limits: each limit can be kept" in told
     (new_and_worn,) = re.findall(
         r"^  stiffness, one bearing +N/um +([\d.]+) +([\d.]+)$", told, re.M
     )
@@ -543,7 +543,7 @@ def test_recommend_at_a_cliff(capsys):
     told = capsys.readouterr().out
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
     (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
-    assert re.search(r"held by +a sudden fall of the life +a change in what ends the life", told)
+    assert re.search(r"held by +a sudden drop of the life +a change in what ends the life", told)
     assert re.search(r"^ +Constant force: at [\d.]+ N, [\d.]+ % less, the life falls", told, re.M)
     assert "A loss of 0.7 um is" in told
     lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))
@@ -560,7 +560,7 @@ def test_recommend_says_where_nothing_could_be_solved(capsys):
         assert main([*without_friction, *limits]) == 3
         told, error = capsys.readouterr()
         assert error == f"{SCENE}: no life could be solved at any preload\n"
-    assert "No preload by constant force keeps to all limits: no life could be solved" in told
+    assert "No preload by constant force satisfies all limits: no life could be solved" in told
 
 
 @pytest.mark.parametrize(

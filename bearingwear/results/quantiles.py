@@ -59,7 +59,7 @@ BY_WEAR = f"  {BEARINGS_BETWEEN}, by wear"
 class Spread(NamedTuple):
     """Between which lives bearings lie, and why; counting wear in one way [h]."""
 
-    bearings: Interval  # over all that is uncertain
+    bearings: Interval  # including all uncertain values
     scatter: Interval | None  # within the middle batch; None: bearings of a batch are alike
     unknown: Interval | None  # of the middle bearing of a batch; None: batches are alike
     quantiles: Mapping[str, float]  # L10 and L50 of the middle batch; empty without scatter

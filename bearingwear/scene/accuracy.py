@@ -171,7 +171,7 @@ class Model:
         default=None,
     )
     cage_results: bool = setting(
-        "Solve motion and wear of the cage, which takes the dynamic model", default=False
+        "Solve motion and wear of the cage, which requires the dynamic model", default=False
     )
     accuracy: str | float = setting(
         'Sets all keys of accuracy together (those with the default "by model.accuracy"), '

@@ -303,7 +303,7 @@ def test_a_comment_in_a_scene_makes_nothing_anew(solved):
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.08", "ball_race: 0.09")
     assert "grid_solve" not in solved.run("-n").jobs
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.09", "ball_race: 0.08")
-    solved.edit("config/scenes/gyro_s1.yaml", "description: ", "description: Edited. ")
+    solved.edit("config/scenes/gyro_s1.yaml", "Instrument bearing", "Edited bearing")
     assert solved.run("-n").jobs == {"page": 1, "verdict": 1}
 
 

@@ -97,7 +97,7 @@ def passed(one: xr.Dataset) -> str:
     margins = zip(limits.given, limit_margins(one, limits), strict=True)
     beyond = [LIMIT_WORDS[name] for name, left in margins if not left >= -SAME]
     if number := int(one["impractical"]):
-        beyond.append(f"nobody would build it: {in_words(IMPRACTICAL[number - 1])}")
+        beyond.append(f"impractical design: {in_words(IMPRACTICAL[number - 1])}")
     return ", ".join(beyond) or NONE_PASSED
 
 

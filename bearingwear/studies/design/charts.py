@@ -142,7 +142,7 @@ def _beyond(line: Sequence[tuple[float, xr.Dataset]]) -> list[tuple[float, float
 
 
 def _margin(one: xr.Dataset) -> float:
-    """The least of a point to all limits; -1 where it was not solved or nobody would build it."""
+    """The least of a point to all limits; -1 where it was not solved or is impractical."""
     if int(one["status"]) != OK or int(one["impractical"]):
         return -1.0
     return min([float(m) for m in limit_margins(one, limits_of(one))], default=math.inf)

@@ -93,7 +93,7 @@ CLIFF = table(
         "nearest preload, within 5 % of the recommended one, whose life is a tenth shorter or more",
     ),
     Variable("cliff_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
-    Variable("clear_preload", (), "N", "preload within the limits that keeps 5 % away from it"),
+    Variable("clear_preload", (), "N", "preload within the limits, 5 % or more away from it"),
     Variable("clear_life", (), "h", "wear life there", scale=HOURS_PER_SECOND),
 )
 WORST_CASES = "worst_cases"

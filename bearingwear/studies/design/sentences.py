@@ -32,20 +32,20 @@ from bearingwear.studies.design.words import (
 )
 
 TAKE = {
-    "constant_force": "a spring of {} N (constant force)",
-    "fixed_position": "a fixed position preloaded with {} N",
-    "spring pair": "a spring pair at {} N",
+    "constant_force": "a spring preload of {} N (constant force)",
+    "fixed_position": "a fixed-position preload of {} N",
+    "spring pair": "a spring pair preloaded with {} N",
     "rigid pair": "a rigid pair preloaded with {} N",
 }
 """How a preload is applied, in the words of the headline, by method or pair."""
 
 _HELD = {
-    "none": "No limit decides: the life is longest there.",
+    "none": "No limit is active: the life has its maximum there.",
     "end_of_range": "The map ends there; a longer life may lie beyond it.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
-    "end_of_life": "No limit decides: at other preloads something else ends the life sooner.",
-    "impractical": "With a preload of a longer life nobody would build or run the bearing.",
-    "cliff": "The life falls suddenly beside it.",
+    "end_of_life": "No limit is active: at other preloads another criterion ends the life sooner.",
+    "impractical": "Preloads with a longer life give an impractical design.",
+    "cliff": "The life drops sharply near it.",
 }
 """Why no other preload has a longer life, where no limit decides."""
 
@@ -87,13 +87,13 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
     if not limits_of(found).given:
         return f"{name}: {without_limits(found.attrs[NONE_BECAUSE])[0]}"
     if not lives:
-        return f"{name}: no preload keeps to all limits"
+        return f"{name}: no preload satisfies all limits"
     taken = [
         TAKE[method_words(scene, method) if is_pair(scene) else method].format(preload_text(one))
         for method, one, _ in lives
     ]
     if int(found["verdict"]) == NEITHER_LONGER:
-        return f"{name}: neither method lasts longer; take {' or '.join(taken)}"
+        return f"{name}: neither method lasts longer; use {' or '.join(taken)}"
     one, end = lives[0][1], ""
     preload, below = float(one["preload"]), float(one["cliff_preload"])
     if ACTIVE[int(one["active_limit"])] == "end_of_range":
@@ -103,7 +103,7 @@ def headline(found: xr.Dataset, design: xr.Dataset | None = None) -> str:
         near = percent_in_text(abs(below / preload - 1.0))
         life = Rough(one["cliff_life"]).text
         end = f"; with {near} {'less' if below < preload else 'more'} it lasts {life} h"
-    return f"{name}: take {taken[0]}{end}"
+    return f"{name}: use {taken[0]}{end}"
 
 
 def what_it_gives(found: xr.Dataset) -> str:
@@ -126,13 +126,13 @@ def what_limits_it(found: xr.Dataset) -> list[str]:
     one = by_life(found)[0][1]
     name, given = ACTIVE[int(one["active_limit"])], limits_of(found).given
     text = _HELD.get(name) or (
-        f"A preload with a longer life would pass a limit: {limit_text(name, given[name])}."
+        f"Any preload with a longer life violates a limit: {limit_text(name, given[name])}."
     )
     return [text, *map(sentence, _cliffs(found))]
 
 
 def _cliffs(found: xr.Dataset) -> list[str]:
-    """How near a sudden fall of the life is to each recommended preload."""
+    """How near a sudden drop of the life is to each recommended preload."""
     said = []
     for name, (_, one) in zip(method_names(found), methods(found), strict=True):
         columns = ("preload", "cliff_preload", "cliff_life", "clear_preload", "clear_life")
@@ -144,7 +144,7 @@ def _cliffs(found: xr.Dataset) -> list[str]:
         fall = f"the life falls to {Rough(life).text} h" if life > 0.0 else "there is no life"
         text = f"{name}: at {below:.7g} N, {near} {side}, {fall}"
         if math.isfinite(clear):
-            text += f"; {clear:.7g} N keeps 5 % away from it and lasts {Rough(kept).text} h"
+            text += f"; {clear:.7g} N keeps a margin of 5 % to it and lasts {Rough(kept).text} h"
         said.append(text)
     return said
 
@@ -190,7 +190,7 @@ def what_would_change_it(found: xr.Dataset) -> str:
     if not said:
         return "No limit, end of life or friction tried makes the other method better."
     other = method_words(scene_of(found), lives[1][0]).capitalize()
-    return f"{other} is the better method with {'; '.join(said)}."
+    return f"{other} becomes the better method for {'; '.join(said)}."
 
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
@@ -212,7 +212,7 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
     name = method_words(scene_of(found), PRELOAD_METHODS[flag]).capitalize()
     said = (
         ("The other method lasts longer with {}.", turned),
-        (f"{name} passes a limit with {{}}.", beyond),
+        (f"{name} violates a limit with {{}}.", beyond),
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(each)) for text, each in said if each]
@@ -229,11 +229,11 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
     said = []
     if int(found["verdict"]) == NEITHER_LONGER:
         said.append(
-            f"Neither method can be said to last longer: a change of {100 * CLAIMED:g} % in one "
+            f"Neither method is preferred: a change of {100 * CLAIMED:g} % in one "
             "assumption, or the other ball track, would reverse the order."
         )
     if mine := spread[method]:
-        said.append(f"{mine.sentence}, over all that is uncertain.")
+        said.append(f"{mine.sentence}, including all uncertain values.")
     else:
         band, taken = band_by_wear(scene, life)
         if band:
@@ -264,6 +264,6 @@ def what_is_not_possible(found: xr.Dataset) -> list[str]:
     if not limits_of(found).given:
         return list(filter(None, without_limits(because)[1:]))
     return [
-        f"No preload by {method_words(scene_of(found), method)} keeps to all limits: {why}."
+        f"No {method_words(scene_of(found), method)} preload satisfies all limits: {why}."
         for method, why in json.loads(because).items()
     ]

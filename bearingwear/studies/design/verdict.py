@@ -1,4 +1,4 @@
-"""Whether one preload method can be said to last longer, and how far that holds, as data.
+"""Whether one preload method is preferred, and how far that holds, as data.
 
 Theory: docs/theory.md, section 14.
 """
@@ -36,7 +36,7 @@ HELD = table(
         "verdict",
         (),
         "",
-        "whether one method can be said to last longer than the other",
+        "whether one method is preferred to the other",
         dtype="i1",
         flags=VERDICTS,
         comment="neither: a change of 5 % in one assumption, or the other ball track, reverses the "
@@ -49,7 +49,7 @@ HELD = table(
 def verdict_on(
     lives: Sequence[float], errors: Sequence[float], room: Sequence[Assumption], tracks: np.ndarray
 ) -> int:
-    """Index into `VERDICTS`: whether one of two methods can be said to last longer.
+    """Index into `VERDICTS`: whether one of two methods is preferred.
 
     Parameters
     ----------

@@ -11,10 +11,10 @@ LIMIT_WORDS = {name: one.words for name, one in LIMITED.items()} | {
     "none": "nothing: life is longest there",
     "end_of_range": "end of the map",
     "not_solved": "an unsolved neighbour",
-    "no_preload_within_limits": "no preload keeps to all limits",
+    "no_preload_within_limits": "no preload satisfies all limits",
     "end_of_life": "a change in what ends the life",
-    "impractical": "a warning: nobody would build it",
-    "cliff": "a sudden fall of the life",
+    "impractical": "a warning: impractical design",
+    "cliff": "a sudden drop of the life",
 }
 """What keeps a preload from one with a longer life."""
 
@@ -55,13 +55,13 @@ NONE_BECAUSE = "none_because"
 NO_LIMIT = "no limit was given"
 """Why, where there is nothing to choose by."""
 
-AS_LITTLE = f"{NO_LIMIT}; take as little preload as you dare"
+AS_LITTLE = f"{NO_LIMIT}; use as little preload as you dare"
 """What there is to say without a limit, in a headline."""
 
 WHAT_LIMITS = (
     "Without a limit the answer is the preload that wears least. Name what the machine needs, such "
     "as a stiffness, and what the bearing withstands, such as a pressure: a limit leaves the "
-    "preloads that keep to it."
+    "preloads that satisfy it."
 )
 """What a limit does, where none was given."""
 

@@ -58,13 +58,14 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     answer, found = load_document(path), load(files["recommendation"])
     spring, fixed = (float(life) for life in found["life"].isel(loss_basis=1))
     preload = float(found["preload"][0])
-    assert answer.title == f"mine: take a spring of {preload:g} N (constant force)"
+    assert answer.title == f"mine: use a spring preload of {preload:g} N (constant force)"
     said = told(answer)
     assert said["What it gives"].startswith(f"{Rough(spring).text} h of life, counting balls")
     assert f"the {Rough(fixed).text} h of fixed position" in said["What it gives"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
     assert (
-        "Fixed position is the better method with axial stiffness" in said["What would change it"]
+        "Fixed position becomes the better method for axial stiffness"
+        in said["What would change it"]
     )
     assert "order of magnitude" in said["How sure"]
     assert "Temperature is left out" in said["Warnings, at their worst"]
@@ -98,7 +99,7 @@ def test_neither_lasts_longer(files):
     found = load(files["recommendation"])
     found["verdict"][...] = NEITHER_LONGER
     answer = preload_document(found, load(files["design"]))
-    assert answer.title.startswith("mine: neither method lasts longer; take a spring of")
+    assert answer.title.startswith("mine: neither method lasts longer; use a spring preload of")
     assert " or a fixed position preloaded with " in answer.title
     assert "a change of 5 % in one assumption" in told(answer)["How sure"]
 
@@ -114,7 +115,7 @@ def test_an_answer_at_the_end_of_the_map_says_so(files):
         assert answer.title.endswith(f", the {word} preload tried")
     found.attrs |= {"limits": "{}", NONE_BECAUSE: json.dumps({"fixed_position": NO_LIMIT})}
     answer = preload_document(found.assign(life=np.nan * found["life"]), design)
-    assert answer.title == "mine: no limit was given; take as little preload as you dare"
+    assert answer.title == "mine: no limit was given; use as little preload as you dare"
     assert "Name what the machine needs" in told(answer)["What a limit does"]
     assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["charted"]
     found.attrs[NONE_BECAUSE] = json.dumps({"fixed_position": "no life could be solved"})
@@ -159,7 +160,7 @@ def test_no_preload_within_the_limits(files):
     why = {"constant_force": "axial stiffness at least 900 N/µm, at best 5 at 20 N"}
     found.attrs["none_because"] = json.dumps(why)
     answer = preload_document(found, load(files["design"]))
-    assert answer.title == "mine: no preload keeps to all limits"
+    assert answer.title == "mine: no preload satisfies all limits"
     assert "at best 5 at 20 N" in told(answer)["What is not possible"]
     assert not {"lead", "open"} & tables(answer).keys() and tables(answer)["charted"]
 
@@ -167,7 +168,7 @@ def test_no_preload_within_the_limits(files):
 def test_what_other_assumptions_change_is_told(files):
     found, beside = load(files["recommendation"]), load(files["beside"])
     assert what_others_change(beside, found, 0) == [
-        "Constant force passes a limit with a warm inner ring "
+        "Constant force violates a limit with a warm inner ring "
         "(axial stiffness of the arrangement).",
         "Constant force stays the better method within its limits "
         "under every other assumption below.",
@@ -177,7 +178,7 @@ def test_what_other_assumptions_change_is_told(files):
     said = what_others_change(beside, found, 0)
     assert said == [
         "The other method lasts longer with a warm inner ring.",
-        "Constant force passes a limit with nothing (axial stiffness of the arrangement).",
+        "Constant force violates a limit with nothing (axial stiffness of the arrangement).",
     ]
     beside["status"][0, 0] = 1
     assert "No life was found with nothing." in what_others_change(beside, found, 0)
@@ -261,4 +262,4 @@ def test_where_no_preload_is_taken_no_life_is_sampled(files, small_project, tmp_
     assert load(path).sizes["preload_method"] == 0
     given = {"design": files["design"], "recommendation": none, "spread": path}
     assert step("studies.design.document.design_answer", answer, **given) == 0
-    assert load_document(answer).title == "mine: no preload keeps to all limits"
+    assert load_document(answer).title == "mine: no preload satisfies all limits"

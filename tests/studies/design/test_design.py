@@ -173,7 +173,7 @@ def test_a_method_without_a_preload_within_the_limits_is_called_so(tmp_path, cap
     assert main(["show", str(file)]) == 0
     text = capsys.readouterr().out
     assert re.search(
-        r"held by +dynamic axial stiffness of one bearing +no preload keeps to all limits\n", text
+        r"held by +dynamic axial stiffness of one bearing +no preload satisfies all limits\n", text
     )
     assert re.search(r"least stiffness, one bearing, dynamic +N/um +4\.6\d? +–\n", text)
     assert re.search(r"least stiffness, one bearing, quasi-static +N/um +4\.6\d? +–\n", text)
@@ -414,7 +414,7 @@ def test_answer_stands_first(folder):
     )
     low, high = spread_at(spread).bearings.text.split(" to ")
     title = text.partition("\n")[0]
-    assert f"take a spring of {float(found['preload']):.7g} N (constant force)" in title
+    assert f"use a spring preload of {float(found['preload']):.7g} N (constant force)" in title
     assert f"{Rough(found['life'][1]).text} h of life, counting balls and races" in text
     assert f"90 % of bearings between {low} and {high} h" in text
     assert "would pass a limit: axial stiffness of one bearing at least" in text
@@ -489,7 +489,7 @@ def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
     text = tables[1].read_text()
     assert "How sure" not in text and "L10" not in text
     why = "axial stiffness of one bearing at least 90"
-    assert f"No preload by fixed position keeps to all limits: {why}" in text
+    assert f"No preload by fixed position satisfies all limits: {why}" in text
     assert "at best" in text and "nan" not in text
 
 

@@ -251,7 +251,7 @@ def test_nothing_is_recommended_without_a_limit(tmp_path, capsys):
     assert all("--stiffness 20 --pressure 2" in line for line in last)
     assert main(["recommend", str(scene_file("gyro_s1"))]) == 0
     text = capsys.readouterr().out
-    assert "no limit was given; take as little preload as you dare" in text
+    assert "no limit was given; use as little preload as you dare" in text
     assert "initial preload" not in text and "lasts" not in text
     assert "over the preload, constant force" in text and "stiffness, arrangement" in text
 
