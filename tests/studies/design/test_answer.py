@@ -100,7 +100,7 @@ def test_neither_lasts_longer(files):
     found["verdict"][...] = NEITHER_LONGER
     answer = preload_document(found, load(files["design"]))
     assert answer.title.startswith("mine: neither method lasts longer; use a spring preload of")
-    assert " or a fixed position preloaded with " in answer.title
+    assert " or a fixed-position preload of " in answer.title
     assert "a change of 5 % in one assumption" in told(answer)["How sure"]
 
 
@@ -137,7 +137,7 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
     assert all(
         f"90 % of bearings last {ends[0]} to {ends[1]} h by wear alone" in one for one in said
     )
-    assert ["promise no hours" in one for one in said] == [True, False]
+    assert ["do not quote them as hours" in one for one in said] == [True, False]
     assert "Wear and friction come from 2 tests (mine.csv)" in said[1]
 
 

@@ -313,7 +313,7 @@ def test_figures_and_tables_are_drawn(folder):
     tables = [folder / "map.csv", folder / "design.md"]
     assert step("design.document.tables", tables, **files) == 0
     text = (folder / "design.md").read_text()
-    assert "would pass a limit: axial stiffness" in text and "10 lives over preload" in text
+    assert "violates a limit: axial stiffness" in text and "10 lives over preload" in text
     assert len((folder / "map.csv").read_text().splitlines()) == 11
     assert step("design.draw.other", folder / "x.svg", **files) == 2
     wrong = dict(zip(FILES, reversed(files.values()), strict=True))
@@ -417,7 +417,7 @@ def test_answer_stands_first(folder):
     assert f"use a spring preload of {float(found['preload']):.7g} N (constant force)" in title
     assert f"{Rough(found['life'][1]).text} h of life, counting balls and races" in text
     assert f"90 % of bearings between {low} and {high} h" in text
-    assert "would pass a limit: axial stiffness of one bearing at least" in text
+    assert "violates a limit: axial stiffness of one bearing at least" in text
 
 
 def test_parts_of_other_plans_are_refused(folder, tmp_path, capsys):
@@ -489,7 +489,7 @@ def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
     text = tables[1].read_text()
     assert "How sure" not in text and "L10" not in text
     why = "axial stiffness of one bearing at least 90"
-    assert f"No preload by fixed position satisfies all limits: {why}" in text
+    assert f"No fixed position preload satisfies all limits: {why}" in text
     assert "at best" in text and "nan" not in text
 
 
