@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -203,14 +205,14 @@ def test_a_killed_ensemble_goes_on_to_the_same_bytes(tmp_path):
     script = tmp_path / "run.py"
     script.write_text(code, encoding="utf-8")
     journal = Journal(torn, found.attrs)
-    process = subprocess.Popen([sys.executable, str(script)])
+    process = subprocess.Popen([sys.executable, str(script)], start_new_session=True)
     try:
         for _ in range(600):
             time.sleep(0.1)
             if journal.path.is_file() and journal.path.read_text().count("\n") >= 4:
                 break
     finally:
-        process.kill()
+        os.killpg(process.pid, signal.SIGKILL)  # its workers, too
         process.wait()
     with journal.path.open("a", encoding="utf-8") as file:
         file.write('[7, {"status": 0, "wor')  # torn as it was written
