@@ -117,5 +117,5 @@ def cell_text(number: float, flags: Sequence[str] | None) -> str:
 
 def flag_names(coordinate: xr.DataArray) -> list[str]:
     """The names of the flags along a dimension."""
-    names = coordinate.attrs["flag_meanings"].split()
+    names = coordinate.attrs.get("flag_meanings", "").split()
     return [names[int(flag)] for flag in coordinate.values]

@@ -7,11 +7,14 @@ import math
 import re
 
 import html5lib
+import numpy as np
+import xarray as xr
 
 from bearingwear.document.data import as_csv, as_json
 from bearingwear.document.document import Block, Document, Row, load_document
 from bearingwear.document.html import as_html
 from bearingwear.document.markdown import as_markdown
+from bearingwear.document.table import flag_names
 from bearingwear.document.text import as_text
 from bearingwear.results.units import Interval, Rough
 
@@ -80,3 +83,8 @@ def test_what_is_stored_comes_back(tmp_path):
     read = load_document(path)
     assert as_text(read) == as_text(DOCUMENT) and as_html(read) == as_html(DOCUMENT)
     assert read.figures == ("design",) and read.placed("charted")[0].title == "map"
+
+
+def test_an_axis_without_entries_has_no_names():
+    """As the assumptions of a recommendation of one method, read from a file."""
+    assert flag_names(xr.DataArray(np.zeros(0, dtype=int), dims="assumption")) == []
