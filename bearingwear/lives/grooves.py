@@ -21,6 +21,7 @@ from bearingwear.solvers.worn.solver import Worn
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
 STEP = 0.16  # deepest wear of a step, over the gap A a^2
+FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
 QUICK_STEP = 1.5 * STEP
 """Of a quick life, over the gap; with it go `FEWER_CELLS`."""
 ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
@@ -126,6 +127,15 @@ class Grooves:
             deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
             lengths.append(self.depth / (deepest / gap).max())
+            films = side.bearing.films
+            if films is not None and films.films.wear_through:
+                wear, race, ball = point_of(state).wear, films.films.race, films.films.ball
+                worn = np.append(wear.grooves.max(axis=1), 0.5 * wear.ball)
+                thickness = np.array([race.thickness, race.thickness, ball.thickness])
+                speed = np.append(rate.grooves.max(axis=1), 0.5 * rate.ball)
+                covers = (worn < thickness) & (thickness < math.inf) & (speed > 0.0)
+                part = FILM_STEP * self.depth / STEP
+                lengths.extend(part * thickness[covers] / speed[covers])
         return float(min(lengths))
 
     def is_too_deep(self, now: Node, new: Node) -> bool:

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.verification import plain_law
 from bearingwear.kernels.worn.verification import friction_of_cells
-from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
+from bearingwear.lives.grooves import STEP, Grooves, follow_grooves, point_of
 from bearingwear.lives.life import life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers.bearing.films import Films
@@ -67,15 +67,26 @@ def ends(found):
     )
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [COULOMB, COULOMB | THICK | {"friction.film.bare_ball_race": 0.08}],
-    ids=["no shear strength", "a film like what lies below"],
-)
-def test_limits_without_film(marched, changes):
-    plain, filmed = ends(marched(WORN)), ends(marched(changes))
+def test_a_film_without_shear_strength_changes_nothing(marched):
+    plain, filmed = ends(marched(WORN)), ends(marched(COULOMB))
     for one, other in zip(plain, filmed, strict=True):
         assert_allclose(other, one, rtol=1e-8, atol=1e-8 * np.abs(one).max())
+
+
+def test_a_film_like_what_lies_below_wears_like_it(marched):
+    """Only its steps are shorter: Heun's error, which two steps as long changed by 5e-4."""
+    plain, filmed = marched(WORN), marched(COULOMB | THICK | {"friction.film.bare_ball_race": 0.08})
+    assert filmed.times[1, 1] < plain.times[1, 1]
+    assert_allclose(filmed.times[-1, 1], plain.times[-1, 1], rtol=5e-4)
+
+
+def test_a_film_thinner_than_a_step_is_worn_through_in_several(scene):
+    """The estimate of the error covers what eight times shorter steps change."""
+    thin = scene("mos2_gyro", {"friction.film.thickness_um": 0.05})
+    found, values = follow_grooves(Grooves(thin)), life(thin).values
+    exact = follow_grooves(Grooves(thin, step=STEP / 8.0)).times[-1, 1]
+    error = abs(found.times[-1, 1] / exact - 1.0)
+    assert error < values["life_error_estimate"][1] < 0.05
 
 
 def test_unworn_friction_is_that_of_hertz(scene, marched):

@@ -253,7 +253,7 @@ def test_nothing_is_recommended_without_a_limit(tmp_path, capsys):
     text = capsys.readouterr().out
     assert "no limit was given; use as little preload as you dare" in text
     assert "initial preload" not in text and "lasts" not in text
-    assert "over the preload, constant force" in text and "stiffness, arrangement" in text
+    assert "Life and limits over the preload" in text and "constant force" in text
 
 
 def test_what_cannot_be_solved_is_not_a_question_of_limits(capsys):
@@ -271,5 +271,5 @@ def test_limits_out_of_reach_have_no_table_of_dashes(capsys):
 
     assert main(["recommend", str(scene_file("gyro_s1")), "--stiffness", "500"]) == 0
     text = capsys.readouterr().out
-    assert text.count("at best") == 2 and "–" not in text
-    assert len(text.splitlines()) < 10
+    assert " ".join(text.split()).count("at best") == 2 and "–" not in text
+    assert len(text.splitlines()) < 12
