@@ -138,7 +138,7 @@ def test_figure_tables_and_sheet_tell_the_grooves(found, tmp_path, capsys):
     assert "with a Hertzian groove (h)" in text
     assert "Their grooves are in 8 of them followed as they wear" in text
     csv = (tmp_path / "map.csv").read_text().splitlines()
-    assert ",worn," in csv[1] and f"{float(design['life'][0, 0, 0, 0, 1]):.6g}"[:6] in csv[1]
+    assert ",worn," in csv[1] and f"{float(design['life'][0, 0, 0, 0, 1]):.9g}" in csv[1]
     assert main(["show", str(files["recommendation"])]) == 0
     text = capsys.readouterr().out
     assert "its groove" in text and "with a Hertzian groove" in text
