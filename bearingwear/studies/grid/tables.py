@@ -76,7 +76,7 @@ def study_summary(study: xr.Dataset, lives: xr.Dataset, known: Sequence[xr.Datas
     """
     scene = scene_of(study)
     unsolved = tuple(_unsolved(study)) or ("Nothing: every case was solved and verified.",)
-    heading = (scene["name"],)
+    heading = tuple(filter(None, (scene["name"], scene.get("description", ""))))
     table = lives_block("Wear life", lives_of(lives, known), scene, every=True)
     table = replace(table, lines=(*table.lines, *filter(None, [_not_compared(lives)])))
     blocks = (_wear(study), table, Block("Not solved", lines=unsolved))
