@@ -24,8 +24,9 @@ BASE = load_scene(ROOT / "config" / "scenes" / "gyro_s1.yaml").to_dict()
 def test_ends_as_it_should(found):
     scene = drawn_scene(BASE, found["draw"])
     values = solved_values(scene, found["fidelity"])
-    assert STATUS_NAMES[values["status"]] == found["status"]
-    if found["status"] == "ok":
+    status, expected = STATUS_NAMES[values["status"]], found["status"]
+    assert status in (expected if isinstance(expected, list) else [expected])
+    if status == "ok":
         assert violations(scene, found["fidelity"], values) == []
     if "states" in found:
         assert values["steady_state_count"] == found["states"]

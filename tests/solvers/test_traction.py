@@ -77,7 +77,7 @@ def test_as_plain_vectors(scene, name, changes):
         race = on_ball[0] if side < 0 else race
     spin = 0.1 * mass * g.D0**2 * Omega * np.array([0.0, w[2], -w[1]])
     assert np.abs(force).max() < 1e-7 * load.max()
-    assert np.abs(moment + spin).max() < 1e-6 * m.mu_o * load.max() * R
+    assert np.abs(moment + spin).max() < 1e-6 * m.law_o.mu * load.max() * R
     assert_allclose(g.n_balls * race, values["residual_preload"], rtol=1e-6)
     if s.operation.preload_method == "constant_force":
         assert_allclose(values["residual_preload"], s.operation.preload_N, rtol=1e-8)

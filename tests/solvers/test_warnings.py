@@ -369,15 +369,15 @@ def test_a_life_of_nothing_says_why(spindle, tmp_path, capsys):
     """Once it was 0 h, "ok: solved and verified", and nothing else."""
     steep = [f"--set={key}={value}" for key, value in STEEP.items()]
     assert main(["life", str(spindle), "-o", str(tmp_path / "life.nc"), *steep]) == 0
-    told = capsys.readouterr().err.splitlines()[0]
-    assert re.fullmatch(
+    told = " ".join(capsys.readouterr().out.split())
+    assert re.search(
         r"warning: over the limit when new: gyroscopic slip share 6\d\.\d % above 50 %; "
         "lower speed, more preload or ceramic balls",
         told,
     )
     made = load(tmp_path / "life.nc")
     assert re.fullmatch(r"gyroscopic slip share 6\d.\d %, limit 50 %", made.attrs["ended_by"])
-    assert warning_lines(made.attrs)[0] == told
+    assert warning_lines(made.attrs)[0] in told
     assert main(["show", str(tmp_path / "life.nc")]) == 0
     shown = capsys.readouterr().out
     assert told in " ".join(shown.split()) and made.attrs["ended_by"] in shown
@@ -429,9 +429,10 @@ def test_a_criterion_that_is_met_later_is_no_warning(spindle):
 def test_exit_status_stays(spindle, tmp_path, capsys):
     argv = ["solve", str(spindle), "-o", str(tmp_path / "case.nc")]
     assert main([*argv, "--set", "operation.preload_N=20000"]) == 0
-    assert capsys.readouterr().err.startswith("warning: ")
+    assert "\nwarning: " in capsys.readouterr().out
     assert main(argv) == 0
-    assert capsys.readouterr().err == ""
+    said = capsys.readouterr()
+    assert "warning: " not in said.out and said.err == ""
     assert load(tmp_path / "case.nc").attrs["warnings"] == "[]"
 
 

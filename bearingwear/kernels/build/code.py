@@ -21,17 +21,15 @@ from numba.core.cpu import CPUContext
 from numba.core.datamodel.models import StructModel
 from numba.core.environment import Environment
 from numba.core.registry import CPUDispatcher
-from numba.core.runtime.context import NRTContext
 from numba.core.typed_passes import IRLegalization
-from numba.core.types import BaseTuple, NamedTupleClass
 from numba.core.types.functions import BaseFunction
 
 from bearingwear.kernels.build.boxing import box_without_python
 
 NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 VIEWS = {
-    "getattr", "getiter", "getitem", "static_getitem", "typed_getitem", "build_tuple",
-    "exhaust_iter", "cast", "phi",
+    "getattr", "getitem", "static_getitem", "typed_getitem", "build_tuple", "exhaust_iter", "cast",
+    "phi",
 }  # fmt: skip
 """Expressions whose arrays are parts of others, and live as long as those do."""
 
@@ -109,31 +107,13 @@ def written_as_text(codegen) -> Iterator[None]:
             codegen._library_class = before
 
 
-class _CountedRecords(NRTContext):
-    """Counts references to arrays, but not to those in records of other types than these."""
-
-    def __init__(self, context, kinds):
-        super().__init__(context, True)
-        self._kinds = kinds
-
-    def _call_incref_decref(self, builder, typ, value, funcname):
-        if not isinstance(typ, BaseTuple) or typ in self._kinds:
-            super()._call_incref_decref(builder, typ, value, funcname)
-
-
-def _with_parts(kind) -> Iterator:
-    yield kind
-    for part in kind.types if isinstance(kind, BaseTuple) else ():
-        yield from _with_parts(part)
-
-
 @register_pass(mutates_CFG=False, analysis_only=False)
 class Borrow(LoweringPass):
-    """Counts no references to what belongs to a function's caller, whose own outlast the call.
+    """Counts no references to arrays in a function that only looks at its caller's.
 
     Counting made up a third of the text, and of the time of a step. A function may do without
     where it makes no array (nor gets a new one from a call, nor assigns one to another, which may
-    take a copy) and returns none. Another counts records only of the types that it makes.
+    take a copy) and returns none: the caller's references outlast the call.
     """
 
     _name = "borrow"
@@ -144,28 +124,21 @@ class Borrow(LoweringPass):
     def run_pass(self, state):
         models, typemap = state.targetctx.data_model_manager, state.typemap
 
-        def holds_array(kind):
-            return models[kind].contains_nrt_meminfo()
+        def holds_array(name):
+            return models[typemap[name]].contains_nrt_meminfo()
 
-        made, kinds = False, set(_with_parts(state.return_type))
-        for statement in (s for block in state.func_ir.blocks.values() for s in block.body):
+        def makes_array(statement):
             if isinstance(statement, ir.SetItem | ir.StaticSetItem):
-                made |= holds_array(typemap[statement.value.name])
-            elif isinstance(statement, ir.Assign) and isinstance(statement.value, ir.Expr):
-                value, kind = statement.value, typemap[statement.target.name]
-                if not holds_array(kind):
-                    continue
-                is_record = value.op == "build_tuple" or (
-                    value.op == "call" and isinstance(typemap[value.func.name], NamedTupleClass)
-                )
-                made |= value.op not in VIEWS and not is_record
-                if value.op not in VIEWS or is_record:
-                    kinds |= set(_with_parts(kind))
-        context = state.targetctx
-        if made or holds_array(state.return_type):
-            state.targetctx = context.subtarget(nrt=_CountedRecords(context, kinds))
-        else:
-            state.targetctx = context.subtarget(enable_nrt=False)
+                return holds_array(statement.value.name)
+            if not isinstance(statement, ir.Assign) or not isinstance(statement.value, ir.Expr):
+                return False
+            return statement.value.op not in VIEWS and holds_array(statement.target.name)
+
+        statements = (s for block in state.func_ir.blocks.values() for s in block.body)
+        if not models[state.return_type].contains_nrt_meminfo() and not any(
+            makes_array(statement) for statement in statements
+        ):
+            state.targetctx = state.targetctx.subtarget(enable_nrt=False)
         return False
 
 
