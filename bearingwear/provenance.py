@@ -77,7 +77,7 @@ _IMPORT = re.compile(
     r"|import ((?:bearingwear|workflow)\.[\w.]+))",
     re.M,
 )
-_FOR_THE_TYPE_CHECKER = re.compile(r"^if TYPE_CHECKING:\n(?:[ ].*\n|\n)*", re.M)
+_FOR_THE_TYPE_CHECKER = re.compile(r"^if TYPE_CHECKING:.*\n(?:[ ].*\n|\n)*", re.M)
 
 
 @functools.cache

@@ -463,7 +463,7 @@ def test_a_mistyped_command(command, meant, capsys):
 def test_the_hidden_command_is_not_offered(capsys):
     assert main(["xyz"]) == 2
     err = capsys.readouterr().err
-    assert "expected new, check, solve, life" in err and "step" not in err
+    assert "expected new, check, solve, launch, life" in err and "step" not in err
 
 
 def test_plot_in_any_order_of_arguments(tmp_path, capsys):
