@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.netcdf import read_as
 from bearingwear.results.units import Display, Interval, Rough, digits, display, in_print
 from bearingwear.results.variables import CASE, LIFE
 
@@ -200,16 +200,13 @@ def load_document(path: Path) -> Document:
     CaseFileError
         One line.
     """
-    try:
+    with read_as(path, "a document"):
         read = _decoded(json.loads(path.read_text(encoding="utf-8")))
         blocks = tuple(
             Block(**block | {"rows": tuple(Row(**row) for row in block["rows"])})
             for block in read.pop("blocks")
         )
         return Document(blocks=blocks, **read)
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(f"{path}: cannot be read ({reason}), expected a document") from None
 
 
 def _encoded(value: Any) -> Any:

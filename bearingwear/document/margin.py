@@ -65,14 +65,14 @@ def margin_block(scene: Scene, corners: Sequence[Corner]) -> Block:
     """Torque, what the rule requires, and margin in every corner."""
     drive = scene.drive
     assert drive is not None
-    required = [drive.required(one.torque) for one in corners]
+    required, worst = [drive.required(one.torque) for one in corners], worst_corner(corners)
     unit = display("N m", [*(one.torque for one in corners), *required])
     rows = tuple(
         Row(
             corner_words(one),
             "",
             (float(unit.of(one.torque)), float(unit.of(needed)), 100.0 * one.margin),
-            note="stalls" if one.stalls else "worst" if one is worst_corner(corners) else "",
+            note="stalls" if one.stalls else "worst" if one is worst else "",
         )
         for one, needed in zip(corners, required, strict=True)
     )

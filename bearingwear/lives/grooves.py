@@ -127,15 +127,15 @@ class Grooves:
             deepest = rate.grooves.max(axis=1) + rate.band.max(initial=0.0) + 0.5 * rate.ball
             gap = side.bearing.gap_at_edge(point_of(state))
             lengths.append(self.depth / (deepest / gap).max())
-            films = side.bearing.films
-            if films is not None and films.films.wear_through:
-                wear, race, ball = point_of(state).wear, films.films.race, films.films.ball
-                worn = np.append(wear.grooves.max(axis=1), 0.5 * wear.ball)
-                thickness = np.array([race.thickness, race.thickness, ball.thickness])
-                speed = np.append(rate.grooves.max(axis=1), 0.5 * rate.ball)
-                covers = (worn < thickness) & (thickness < math.inf) & (speed > 0.0)
-                part = FILM_STEP * self.depth / STEP
-                lengths.extend(part * thickness[covers] / speed[covers])
+            if (films := side.bearing.films) is not None:
+                wear = point_of(state).wear
+                through = films.time_through(
+                    wear.grooves.max(axis=1),
+                    0.5 * wear.ball,
+                    rate.grooves.max(axis=1),
+                    0.5 * rate.ball,
+                )
+                lengths.append(FILM_STEP * self.depth / STEP * through)
         return float(min(lengths))
 
     def is_too_deep(self, now: Node, new: Node) -> bool:

@@ -7,12 +7,16 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from bearingwear.kernels import status as code
 from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.scene.coefficients import usual_spread
-from bearingwear.scene.scene import Scene
+from bearingwear.scene.distributions import possible, quantile
+from bearingwear.scene.scene import Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN, nominal_value
 from bearingwear.solvers.bearing.films import COVERED, Films
+from bearingwear.solvers.bearing.mounted import RPM
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.effects.choice import NotAvailable
 
@@ -20,8 +24,7 @@ Losses = tuple[float, ...]
 """Of ball diameter, of each bearing [m]."""
 
 _NEW, _WORN, _BARE = "new", "worn", "film gone"
-_DEVIATE = 1.6448536269514722  # of a normal distribution at 95 %
-_RAD_S = math.pi / 30.0
+_ENDS = 0.05, 0.95
 
 
 @dataclass(frozen=True)
@@ -57,23 +60,12 @@ def friction_interval(scene: Scene) -> tuple[str, list[float]]:
     name = "shear_strength_MPa" if scene.friction.film is not None else "ball_race"
     own, given = nominal_value(scene, name), (scene.uncertainty or {}).get(name)
     key = f"{UNCERTAIN[name]}.{name}"
-    if given is None and scene.uncertainty is not None:
-        return key, [own]
+    if scene.uncertainty is None and (usual := usual_spread(scene.to_dict())[0].get(name)):
+        given = Distribution(**usual)
     if given is None:
-        spread = usual_spread(scene.to_dict())[0].get(name)
-        factor = spread["factor"] ** _DEVIATE if spread else 1.0
-        return key, sorted({own / factor, own, own * factor})
-    if given.distribution == "uniform":
-        assert given.low is not None and given.high is not None
-        ends = [given.low + p * (given.high - given.low) for p in (0.05, 0.95)]
-    elif given.distribution == "normal":
-        mean = own if given.mean is None else given.mean
-        spread = _DEVIATE * (given.standard_deviation or 0.0)
-        ends = [max(mean - spread, 0.0), mean + spread]
-    else:
-        factor = (given.factor or 1.0) ** _DEVIATE
-        ends = [(given.median or own) / factor, (given.median or own) * factor]
-    return key, sorted({*ends, own})
+        return key, [own]
+    ends = quantile(given, own, possible(key), np.array(_ENDS))
+    return key, sorted({*ends.tolist(), own})
 
 
 def arrangement_torque(scene: Scene, losses: Losses, bare: bool = False) -> float:
@@ -92,7 +84,7 @@ def arrangement_torque(scene: Scene, losses: Losses, bare: bool = False) -> floa
         return math.nan
     power = [float(state["friction_power"]) for state in states]
     operation = scene.operation
-    speed = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * _RAD_S
+    speed = abs(operation.shaft_speed_rpm - operation.outer_speed_rpm) * RPM
     tandem = scene.pair.tandem if scene.pair is not None else (1,)
     both = power * 2 if len(power) < len(tandem) else power
     return sum(n * P for n, P in zip(tandem, both, strict=True)) / speed

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.netcdf import read_as
 
 Point = tuple[float, float | None]
 
@@ -89,13 +89,10 @@ def load_charts(path: Path) -> Charts:
     CaseFileError
         One line.
     """
-    try:
+    with read_as(path, "charts"):
         read = json.loads(path.read_text(encoding="utf-8"))
         charts = [
             Chart(**chart | {"lines": [ChartLine(**line) for line in chart["lines"]]})
             for chart in read["charts"]
         ]
         return Charts(question=read["question"], charts=charts)
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise CaseFileError(f"{path}: cannot be read ({reason}), expected charts") from None

@@ -244,6 +244,21 @@ def readable(path: str | os.PathLike[str]) -> None:
         raise foreign(path)
 
 
+@contextlib.contextmanager
+def read_as(path: str | os.PathLike[str], what: str) -> Iterator[None]:
+    """Report any fault in reading a file of JSON in one line, with what it should hold.
+
+    Raises
+    ------
+    CaseFileError
+    """
+    try:
+        yield
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+        reason = " ".join(str(error).split())
+        raise CaseFileError(f"{path}: cannot be read ({reason}), expected {what}") from None
+
+
 def damaged(path: str | os.PathLike[str], error: BaseException) -> CaseFileError:
     """The error for a file that netCDF cannot read."""
     return CaseFileError(

@@ -20,6 +20,7 @@ from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import Source, as_scene
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
+from bearingwear.solvers.bearing.mounted import RPM
 
 TILTS = ("held", "released")
 """What is done about tilt, of which ROSS's bearings know nothing: it is held, or no moment is."""
@@ -31,7 +32,6 @@ FEWEST_SPEEDS = 5
 """That ROSS interpolates between."""
 
 _NOTHING = 1e-14  # of the largest stiffness: rounding of what balls in a circle cancel
-_RAD_S = np.pi / 30.0  # of one r/min
 _FROM_ROSS = (1, 2, 0)  # its x, y, z here
 
 
@@ -154,7 +154,7 @@ class StiffnessOverSpeed:
     ) -> str:
         """A bearing as `ross.BearingElement.load` reads it."""
         known = self.coefficients(bearing, tilt, damping or 0.0)
-        known[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * _RAD_S).tolist()
+        known[ROSS_NAMES[ross]] = (np.array(self.speeds_rpm) * RPM).tolist()
         given = "none given, 0 assumed" if damping is None else f"{damping:g} N s/m, given"
         moved = "tilt held" if tilt == "held" else "tilt released: no moment"
         arm = 1e3 * self.effective_arm(bearing)
@@ -214,4 +214,4 @@ def to_ross(
     )
     taken = inspect.signature(BearingElement.__init__).parameters
     name = next(name for name in ROSS_NAMES.values() if name in taken)
-    return BearingElement(n=node, **known, **{name: np.array(speeds_rpm, dtype=float) * _RAD_S})
+    return BearingElement(n=node, **known, **{name: np.array(speeds_rpm, dtype=float) * RPM})

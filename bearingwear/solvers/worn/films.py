@@ -74,10 +74,25 @@ class WornFilms:
             _factor(race, ball, race_depth, on_race, on_ball, pressed),
         )
 
+    @property
+    def thickness(self) -> np.ndarray:
+        """Of the films of inner and outer race and balls (3,) [m]."""
+        race = self.films.race.thickness
+        return np.array([race, race, self.films.ball.thickness])
+
     def left(self, race_depths: np.ndarray, ball_depth: float) -> np.ndarray:
         """Thickness less the deepest wear, of inner and outer race and balls (3,) [m]."""
-        race, ball = self.films.race.thickness, self.films.ball.thickness
-        return np.array([*(race - race_depths), ball - ball_depth])
+        return self.thickness - [*race_depths, ball_depth]
+
+    def time_through(
+        self, race_depths: np.ndarray, ball_depth: float, race_rates: np.ndarray, ball_rate: float
+    ) -> float:
+        """Time in which the first film that still covers would wear by its whole thickness [s]."""
+        if not self.films.wear_through:
+            return np.inf
+        rates = np.array([*race_rates, ball_rate])
+        covers = (self.left(race_depths, ball_depth) > 0.0) & (rates > 0.0)
+        return float(np.min(self.thickness[covers] / rates[covers], initial=np.inf))
 
 
 def _factor(

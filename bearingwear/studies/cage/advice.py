@@ -12,6 +12,8 @@ import xarray as xr
 from bearingwear.plotting.drawing import in_words, scene_of
 from bearingwear.results.units import digits
 from bearingwear.scene.blocks import GUIDES
+from bearingwear.scene.read import scene_from_dict
+from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.studies.cage.motion import FLOATS, HANGS, WITH_BALLS
 from bearingwear.studies.cage.show import shares_in_words
 
@@ -150,11 +152,10 @@ def _short(axis: str, value: float) -> str:
 
 def mapped_wear(motions: xr.Dataset) -> dict[str, Any]:
     """Wear of pockets and land of a map [m3/s], by the scene's K_s/H, without a film."""
-    scene = scene_of(motions)
-    own = scene["materials"][scene["cage"]["material"]]
-    per_joule = own["wear_coefficient"] / (own["brinell_hardness_GPa"] * 1e9)
-    operation = scene["operation"]
-    fastest = max(abs(operation["shaft_speed_rpm"]), abs(operation.get("outer_speed_rpm", 0.0)))
+    scene = scene_from_dict(scene_of(motions))
+    assert scene.cage is not None
+    per_joule, operation = wear_per_joule(scene, scene.cage.material), scene.operation
+    fastest = max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm))
     return {
         name: motions[f"mean_{name}_work"].isel(group=0) * per_joule * fastest / 60.0
         for name in ("pocket", "land")

@@ -21,6 +21,7 @@ from bearingwear.lives.worn_parts import cage_surfaces
 from bearingwear.results.quantiles import INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.distributions import quantile
 from bearingwear.scene.scene import COUNTS, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.dynamic.windows import wear_per_joule
@@ -28,7 +29,6 @@ from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.studies.cage.draws import WEAR, cage_spread
 from bearingwear.studies.cage.ensemble import END, OF_MOTION
 from bearingwear.studies.dataset import filled
-from bearingwear.studies.distributions import quantile
 
 WEARING = ("pockets", "land")
 ENDS_OF_CAGE = ("pocket_film", "land_film", "pocket_clearance", "guide_clearance", "none")

@@ -15,9 +15,9 @@ from scipy.stats import qmc
 from bearingwear.kernels.status import OK
 from bearingwear.results.quantiles import CONFIDENCE, INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND
+from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
-from bearingwear.studies.distributions import values_at
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
 from bearingwear.studies.uncertainty.sample import lives, wear_factor

@@ -20,11 +20,11 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, TAKEN
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
 from bearingwear.scene.checking import record
+from bearingwear.scene.distributions import value_at
 from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.recommend import recommended_for
-from bearingwear.studies.distributions import value_at
 from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (

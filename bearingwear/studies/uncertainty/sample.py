@@ -21,10 +21,10 @@ from bearingwear.results.quantiles import PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.blocks import CRITERIA
+from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
-from bearingwear.studies.distributions import values_at
 from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.pool import Tell, told_in_lines
 from bearingwear.studies.sampling import Sampling
