@@ -185,8 +185,11 @@ def named(page):
     return page.relative_to(ROOT).as_posix()
 
 
-SLOW = ("docs/dynamic.md", "docs/gallery/mos2-film.md")
-"""Pages whose quick blocks take a minute, too: `make test-long` runs them."""
+SLOW = ("docs/cage.md", "docs/calibrate.md", "docs/dynamic.md", "docs/gallery/mos2-film.md")
+"""Pages whose quick blocks take many seconds, too: `make test-long` runs them."""
+
+SLOW_PYTHON = ("docs/tutorial.md",)
+"""Pages of which `make test` leaves out the Python, sixteen lives with grooves as they wear."""
 
 
 def marked(pages):
@@ -203,29 +206,24 @@ def holding(*languages):
 
 @pytest.mark.parametrize("page", marked(holding("sh", "python")), ids=named)
 def test_page(run, page):
-    compared = typed(run, page, ("sh", "python"))
+    compared = typed(run, page, ("sh",) if named(page) in SLOW_PYTHON else ("sh", "python"))
     made = {path.name for path in run.folder.iterdir()}
     if page.name == "tutorial.md":
-        assert compared > 40
-        drawn = (run.folder / "life_against_preload.svg").read_text(encoding="utf-8")
-        assert "</svg>" in drawn
+        assert compared > 20
     if page.name == "python.md":
         assert compared >= 3
-        assert made == {
-            "config",
-            "mine.yaml",
-            "stiffer.yaml",
-            "case.nc",
-            "case.svg",
-            "life.svg",
-            "docs",
-        }
+        figures = {"case.svg", "life.svg"}
+        assert made == {"config", "docs", "mine.yaml", "stiffer.yaml", "case.nc", *figures}
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", holding("bash"), ids=named)
 def test_page_that_takes_minutes(run, page):
-    typed(run, page, ("sh", "bash", "python"))
+    compared = typed(run, page, ("sh", "bash", "python"))
+    if page.name == "tutorial.md":
+        assert compared > 50
+        drawn = (run.folder / "life_against_preload.svg").read_text(encoding="utf-8")
+        assert "</svg>" in drawn
 
 
 @pytest.mark.parametrize("page, other", SAID_BEFORE.items())
