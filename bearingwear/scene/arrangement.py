@@ -46,19 +46,20 @@ class Arrangement:
     """How many bearings hold the rotor, and how."""
 
     kind: str = setting(
-        "One bearing, a pair held by a fixed distance (fixed_position), or a pair of which a "
-        "spring loads the second (constant_force)",
+        "A single bearing, a pair at a fixed distance (fixed_position), or a pair with a spring "
+        "on the second bearing (constant_force)",
         choices=ARRANGEMENTS,
         default="single",
     )
     orientation: str = setting(
-        "Whether the contact lines of a pair meet the axis outside it (back to back) or inside",
+        "Orientation of a pair: its contact lines meet the axis outside it (back to back) or "
+        "inside",
         choices=("back_to_back", "face_to_face"),
         default="back_to_back",
     )
     external_axial_N: float = setting(
-        "Axial force on the rotor of a pair towards +X: loads the first bearing, relieves the "
-        "second",
+        "Axial force on the rotor of a pair towards +X, which loads the first bearing and "
+        "unloads the second",
         "N",
         "[-1e7, 1e7]",
         default=0.0,
@@ -76,28 +77,28 @@ class Arrangement:
         default=None,
     )
     rotor_transverse_inertia_kg_mm2: float | None = setting(
-        "Moment of inertia of the rotor about a transverse axis through its centre of mass (if "
-        "left out, assumed as of a slender rod of that mass and span)",
+        "Moment of inertia of the rotor about a transverse axis through its centre of mass (that "
+        "of a slender rod of that mass and span, assumed if omitted)",
         "kg mm2",
         "(0, 1e12]",
         default=None,
     )
     rotor_offset_mm: float = setting(
-        "Centre of mass of the rotor from half way between the bearings, towards +X",
+        "Distance of the rotor's centre of mass from the middle between the bearings, towards +X",
         "mm",
         "[-1e5, 1e5]",
         default=0.0,
     )
     stop_um: float | None = setting(
-        "Way by which the spring of a constant force can be pressed until it bottoms or a snubber "
-        "takes over, at launch (no end if omitted)",
+        "Travel of the preload spring at launch, to its stop or to a snubber (unlimited if "
+        "omitted)",
         "um",
         "[0, 1e5]",
         default=None,
     )
     tandem: tuple[int, ...] = setting(
-        "Bearings in tandem on the first and on the second side of a pair: alike, and each "
-        "bears its share of the side's axial force",
+        "Number of identical bearings in tandem on the first and on the second side of a pair, "
+        "which share the axial force of that side",
         each=f"Whole number in [1, {MOST_IN_TANDEM}]",
         least=2,
         most=2,

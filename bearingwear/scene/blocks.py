@@ -34,12 +34,12 @@ class Bearing:
     """Nominal, unworn geometry."""
 
     maker: str | None = setting(
-        "Whose catalogue the designation is of, for its limit of speed",
+        "Maker of the catalogue, for its speed limits",
         choices=tuple(MAKERS),
         default=None,
     )
     designation: str | None = setting(
-        "Of the bearing in the catalogue, as `bearingwear new --list` has it",
+        "Designation in the maker's catalogue (`bearingwear new --list`)",
         longest=40,
         default=None,
     )
@@ -66,7 +66,7 @@ class Bearing:
         default=None,
     )
     outside_diameter_mm: float | None = setting(
-        "Outside diameter of the outer ring, for its growth where it turns",
+        "Outside diameter of the outer ring, for its growth if it rotates",
         "mm",
         _RING,
         default=None,
@@ -100,15 +100,15 @@ class Material:
         "Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]"
     )
     yield_pressure_GPa: float | None = setting(
-        "Largest contact pressure that leaves no dent, for a warning (if omitted 4.2, as "
-        "ISO 76 has it for steel, assumed for other materials)",
+        "Largest contact pressure without a dent, for a warning (4.2 if omitted, from ISO 76 for "
+        "steel, assumed for other materials)",
         "GPa",
         "(0, 100]",
         default=None,
     )
     thermal_expansion_1_K: float | None = setting(
-        f"Thermal expansion, linear ({STEEL_EXPANSION:g} if omitted, assumed as of bearing "
-        "steel, parts of unlike materials with temperatures need it)",
+        f"Linear thermal expansion ({STEEL_EXPANSION:g}, that of bearing steel, assumed if "
+        f"omitted, required for different materials with temperatures)",
         "1/K",
         "[0, 1e-4]",
         default=None,
@@ -117,7 +117,7 @@ class Material:
         "A solid film on the balls or races of this material, none if omitted", default=None
     )
     running_in: RunningIn | None = setting(
-        "How its wear coefficient changes while its surface is new, not if omitted", default=None
+        "Running-in of its wear coefficient, none if omitted", default=None
     )
 
 
@@ -131,7 +131,7 @@ class Cage:
 
     material: str = setting("Material of the cage", pattern=NAME, allowed=MATERIAL)
     guiding_race: str = setting(
-        "What guides the cage, the land of a race or the balls",
+        "Guidance of the cage: the land of a race, or the balls",
         choices=GUIDES,
         default="outer",
     )
@@ -157,15 +157,15 @@ class Cage:
         default=0.0,
     )
     worn_share: float = setting(
-        "Share of pocket walls and guiding surface over which wear spreads evenly, assumed,"
-        " lives of cages only",
+        "Share of pocket walls and guiding surface over which wear is spread, assumed, for lives "
+        "of cages only",
         "1",
         "[0.001, 1]",
         default=1.0,
     )
     film: Film | None = setting(
-        "A solid film on the walls of the pockets and the guiding surface, seen by `bearingwear "
-        "cage` alone, none if omitted",
+        "A solid film on pocket walls and guiding surface, used only by `bearingwear cage`, none "
+        "if omitted",
         default=None,
     )
 
@@ -179,7 +179,7 @@ class Operation:
         "Speed of the outer race, in either direction", "r/min", "[-1e7, 1e7]", default=0.0
     )
     preload_method: str = setting(
-        "How the preload is applied: by a spring or by a fixed distance", choices=PRELOAD_METHODS
+        "Application of the preload: by a spring, or at a fixed position", choices=PRELOAD_METHODS
     )
     preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]")
     radial_load_N: tuple[float, float] = setting(
@@ -190,7 +190,7 @@ class Operation:
         default=(0.0, 0.0),
     )
     rotating_load_N: float = setting(
-        "Radial load that turns with the shaft, along +Z at the start",
+        "Radial load that rotates with the shaft, along +Z at the start",
         "N",
         "[-1e7, 1e7]",
         default=0.0,
@@ -257,7 +257,7 @@ class Wear:
     """
 
     ball_diameter_loss_um: tuple[float, ...] = setting(
-        "Loss of ball diameter at which a case is solved, below a tenth of the ball diameter",
+        "Loss of ball diameter of a case, below a tenth of the ball diameter",
         "um",
         "[0, 50000]",
         single=True,
@@ -268,14 +268,13 @@ class Wear:
         default=(0.0,),
     )
     counts: str = setting(
-        "Which wear counts in the interference loss where one life is quoted (files always "
-        "hold both)",
+        "Wear included in the interference loss of the reported life (files contain both)",
         choices=COUNTS,
         default=COUNTS[1],
     )
     ball_track: str = setting(
-        "How balls wear in a life with worn grooves: evenly, because their axes wander "
-        "(spread), or in bands about fixed axes",
+        "Wear of balls in a life with worn grooves: evenly, because their axes wander (spread), "
+        "or in bands about fixed axes",
         choices=BALL_TRACKS,
         default=BALL_TRACKS[0],
     )
@@ -287,7 +286,6 @@ class Wear:
         default=0.1,
     )
     end_of_life: EndOfLife | None = setting(
-        "End-of-life criteria, the first one met ends the life (a life needs at least one, "
-        "leave out what does not apply)",
+        "End-of-life criteria, the first one reached ends the life (a life requires at least one)",
         default=None,
     )

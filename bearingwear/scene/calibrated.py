@@ -36,7 +36,8 @@ SEEN_AS = {
 
 @keyed
 class Calibrated:
-    """By which tests `bearingwear calibrate` found friction and wear coefficients of a scene."""
+    """Tests from which `bearingwear calibrate` derived friction and wear coefficients of a "
+    "scene."""
 
     tests: str = setting("Name of the file of tests", pattern=r"^[^\u0000-\u001f\u007f]*$")
     sha256: str = setting("Its SHA-256", pattern=r"^[0-9a-f]{64}$", longest=64)

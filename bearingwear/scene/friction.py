@@ -26,7 +26,7 @@ class Film:
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of friction.film, or of what lies below, if omitted (of a "
+        "Hardness of the film, that of friction.film, or of the material below, if omitted (of a "
         "cage, its own)",
         "GPa",
         "[0.001, 100]",
@@ -39,13 +39,11 @@ class RunningIn:
     """A wear coefficient that falls, or rises, as the surface wears."""
 
     wear_coefficient: float = setting(
-        "Wear coefficient of the new surface, from which it goes to that of the material",
+        "Wear coefficient of the new surface, which approaches that of the material",
         "1",
         _SHARE,
     )
-    depth_um: float = setting(
-        "Depth worn off at which 1/e of the difference is left", "um", _THICKNESS
-    )
+    depth_um: float = setting("Wear depth at which 1/e of the difference is left", "um", _THICKNESS)
 
 
 @keyed
@@ -66,32 +64,32 @@ class FilmFriction:
         default=None,
     )
     wear_coefficient: float | None = setting(
-        "Wear coefficient of all that rubs while there is a film, of the materials if omitted",
+        "Wear coefficient of both surfaces while a film remains, that of the materials if omitted",
         "1",
         _SHARE,
         default=None,
     )
     brinell_hardness_GPa: float | None = setting(
-        "Hardness of the film, that of what lies below if omitted",
+        "Hardness of the film, that of the material below if omitted",
         "GPa",
         "[0.001, 100]",
         default=None,
     )
     bare_ball_race: float | None = setting(
-        "Coulomb coefficient where the film is worn through, as with the film if omitted",
+        "Coulomb coefficient where the film is worn through, that of the film if omitted",
         "1",
         "[0, 2]",
         default=None,
     )
     pressure_exponent: float | None = setting(
-        "Power of the mean contact pressure, over reference_pressure_GPa, with which the film "
-        "wears, not in dynamic lives (none if omitted)",
+        "Exponent of the film's wear over mean contact pressure, relative to "
+        "reference_pressure_GPa, not in dynamic lives (none if omitted)",
         "1",
         "[0, 10]",
         default=None,
     )
     reference_pressure_GPa: float | None = setting(
-        "Mean pressure at which the film wears with its wear_coefficient",
+        "Mean pressure at which the wear_coefficient of the film applies",
         "GPa",
         "(0, 20]",
         default=None,
@@ -103,7 +101,7 @@ class Friction:
     """Coulomb friction, regularised at small slip, or that of a film."""
 
     ball_race: float | None = setting(
-        "Coulomb coefficient of ball and race, needed without friction.film",
+        "Coulomb coefficient of ball and race, required without friction.film",
         "1",
         "[0, 2]",
         default=None,

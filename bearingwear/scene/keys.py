@@ -40,7 +40,7 @@ def _item(path: str, part: Part) -> str:
     default = _default(part)
     default = default if default == "required" else f"default: {default}"
     allowed = part.allowed
-    if not allowed.startswith("a-z"):
+    if not allowed.startswith(("a-z", *part.key.choices)):
         allowed = allowed[:1].upper() + allowed[1:]
     text = f"- `{path}`{unit}:{meaning} *{allowed}; {default}.*"
     return textwrap.fill(

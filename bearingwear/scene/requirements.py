@@ -18,18 +18,21 @@ class Launch:
     """Accelerations of the rotor's mass while nothing turns."""
 
     axial_g: float = setting(
-        "Quasi-static acceleration along the axis, either way (standard g)", "1", _G, default=0.0
+        "Quasi-static axial acceleration, in both directions (standard g)", "1", _G, default=0.0
     )
-    radial_g: float = setting("The same across the axis", "1", _G, default=0.0)
+    radial_g: float = setting("Quasi-static radial acceleration (standard g)", "1", _G, default=0.0)
     axial_density_g2_Hz: float | None = setting(
-        "Density of random acceleration along the axis at the rotor's axial frequency, in place of "
+        "Spectral density of random axial acceleration at the rotor's axial frequency, replaces "
         "axial_g by Miles' equation (three sigma)",
         "1/Hz",
         _DENSITY,
         default=None,
     )
     radial_density_g2_Hz: float | None = setting(
-        "The same across the axis, at the radial frequency", "1/Hz", _DENSITY, default=None
+        "Spectral density of random radial acceleration at the rotor's radial frequency",
+        "1/Hz",
+        _DENSITY,
+        default=None,
     )
     amplification: float = setting(
         "Amplification Q = 1/(2 damping ratio) at these frequencies (10 is assumed)",
@@ -80,26 +83,25 @@ class Drive:
     torque_Nm: float = setting("Least torque of the drive", "N m", _TORQUE)
     standard: str = setting("Rule of the torque margin", choices=tuple(STANDARDS), default="ecss")
     data: str = setting(
-        "Where the torques come from, analysis, test, or tests at the extremes of the environment "
-        "(ecss knows analysis and extremes)",
+        "Source of the torques: analysis, test, or tests at the extremes of the environment "
+        "(ecss: analysis or extremes)",
         choices=("analysis", "test", "extremes"),
         default="analysis",
     )
     bearings_as: str | None = setting(
-        "As which resistance the torque of the bearings counts (if omitted friction of ecss, and "
-        "fixed of nasa, as it reads)",
+        "Class of resistance of the bearing torque (if omitted friction for ecss, fixed for nasa)",
         longest=40,
         default=None,
     )
     resistances_Nm: Mapping[str, float] = setting(
-        "Other torques that resist, by the names of the rule",
+        "Other resisting torques, under the names of the rule",
         each="A torque",
         unit="N m",
         within="[0, 1e6]",
         default_factory=dict,
     )
     factors: Mapping[str, float] = setting(
-        "Factors of a rule of one's own, by names of one's own",
+        "Factors of a user-defined rule, under names of your choice",
         each="A factor",
         unit="1",
         within="(0, 1000]",

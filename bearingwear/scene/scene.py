@@ -108,19 +108,19 @@ class Scene:
     )
     operation: Operation = setting("Speeds, preload and loads")
     arrangement: Arrangement | None = setting(
-        "How many bearings hold the rotor, a single one if omitted", default=None
+        "Bearings of the rotor, a single one if omitted", default=None
     )
     launch: Launch | None = setting(
-        "Accelerations at launch, while nothing turns, none if omitted", default=None
+        "Accelerations of the stationary rotor at launch, none if omitted", default=None
     )
     drive: Drive | None = setting(
-        "What turns the shaft, for its torque margin, none if omitted", default=None
+        "Drive of the shaft, for its torque margin, none if omitted", default=None
     )
     temperature: Temperature | None = setting(
-        "How warm the parts are, as mounted if omitted", default=None
+        "Temperatures of the parts, as mounted if omitted", default=None
     )
     thermal: Thermal | None = setting(
-        "Temperatures of rings and balls found from the friction heat, in place of given ones",
+        "Network that computes the temperatures of rings and balls from the friction heat",
         default=None,
     )
     fits: Fits | None = setting(
@@ -130,22 +130,22 @@ class Scene:
     lubricant: Lubricant = setting("Lubricant, no drag if omitted", default_factory=Lubricant)
     wear: Wear = setting("State of wear and end of life", default_factory=Wear)
     uncertainty: Mapping[str, Distribution] | None = setting(
-        "Distributions of values of the scene for the study of uncertainty, each a block "
-        "under the name of its key",
+        "Distributions of uncertain values of the scene, each a block under the name of its key",
         least=1,
         names=tuple(UNCERTAIN),
         each="Distribution of one value of the scene",
         default=None,
     )
     cage_uncertainty: Mapping[str, Distribution] | None = setting(
-        "Distributions of values of the cage for `bearingwear cage`, which assumes some if this is "
-        "left out (none at {})",
+        "Distributions of uncertain values of the cage for `bearingwear cage`, assumed if "
+        "omitted (none if {})",
         names=tuple(UNCERTAIN_CAGE),
         each="Distribution of one value of the cage",
         default=None,
     )
     calibrated: Calibrated | None = setting(
-        "By which tests `bearingwear calibrate` found friction and wear coefficients", default=None
+        "Tests from which `bearingwear calibrate` derived friction and wear coefficients",
+        default=None,
     )
     cases: Mapping[str, Mapping[str, Any]] | None = setting(
         "Other conditions under which the bearing has to do its work, each a few keys of the scene "

@@ -78,7 +78,7 @@ class Distribution:
     """
 
     distribution: str = setting(
-        "Kind of distribution, cut off where the value would be impossible",
+        "Kind of distribution, truncated to possible values",
         choices=tuple(PARAMETERS),
     )
     mean: float | None = setting(
@@ -109,8 +109,8 @@ class Distribution:
         "Largest value of a uniform distribution", "as the value", default=None
     )
     same_for_batch: bool | None = setting(
-        "Whether it is one unknown number for all bearings of a batch (true if omitted for "
-        "hardness, wear coefficient, friction and drag), or scatters from bearing to bearing",
+        "Whether the value is common to all bearings of a batch (true if omitted for hardness, "
+        "wear coefficient, friction and drag), or scatters from bearing to bearing",
         default=None,
     )
     friction_correlation: float | None = setting(

@@ -66,9 +66,11 @@ class Conductance:
 class Thermal:
     """A network that finds the temperatures of rings and balls from the friction heat."""
 
-    conductance_W_K: Conductance = setting("Conductances that carry the friction heat away")
-    shaft_C: float = setting("Temperature of the shaft, held", "degC", _DEGREES, default=20.0)
-    housing_C: float = setting("Temperature of the housing, held", "degC", _DEGREES, default=20.0)
+    conductance_W_K: Conductance = setting("Conductances that remove the friction heat")
+    shaft_C: float = setting("Constant temperature of the shaft", "degC", _DEGREES, default=20.0)
+    housing_C: float = setting(
+        "Constant temperature of the housing", "degC", _DEGREES, default=20.0
+    )
     reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
 
 
@@ -89,13 +91,13 @@ class Fits:
         default=0.0,
     )
     shaft_bore_mm: float = setting(
-        "Diameter of the hole in the shaft, 0 for a full one", "mm", "[0, 20000]", default=0.0
+        "Bore diameter of the shaft, 0 if solid", "mm", "[0, 20000]", default=0.0
     )
     shaft_material: str | None = setting(
         "Material of the shaft, that of the races if omitted", pattern=NAME, default=None
     )
     housing_material: str | None = setting(
-        "Material of the housing, taken as thick, that of the races if omitted",
+        "Material of the (thick) housing, that of the races if omitted",
         pattern=NAME,
         default=None,
     )
