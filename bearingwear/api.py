@@ -18,15 +18,15 @@ from bearingwear.results.netcdf import CaseFileError, dataset
 from bearingwear.results.netcdf import load as read_file
 from bearingwear.results.restart import restart_from
 from bearingwear.results.warnings import warnings_in
-from bearingwear.scene.assumed import CLASSES
-from bearingwear.scene.catalogue import MAKERS
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
+from bearingwear.scene.checking.strict_yaml import data_of, yaml_of
 from bearingwear.scene.coefficients import FILMS, RUBBING
-from bearingwear.scene.designations import CLEARANCES
-from bearingwear.scene.new import BALL_MATERIALS
+from bearingwear.scene.new.assumed import CLASSES
+from bearingwear.scene.new.catalogue import MAKERS
+from bearingwear.scene.new.designations import CLEARANCES
+from bearingwear.scene.new.scene_file import BALL_MATERIALS
 from bearingwear.scene.read import Source, as_scene, for_life, load_scene, scene_from_dict
-from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.scene.strict_yaml import data_of, yaml_of
 from bearingwear.studies import registry
 from bearingwear.studies.export import to_ross
 from bearingwear.studies.sweep import sweep
@@ -190,7 +190,7 @@ def cage(
     SceneError
         A ValueError of one line.
     """
-    from bearingwear.scene.checking import record
+    from bearingwear.scene.checking.check import record
     from bearingwear.studies.cage.found import cage_found
     from bearingwear.studies.cage.plan import Ensemble
 
@@ -362,7 +362,7 @@ def new(
     SceneError
         A ValueError of one line.
     """
-    from bearingwear.scene.new import OPTIONS, scene_text
+    from bearingwear.scene.new.scene_file import OPTIONS, scene_text
 
     keys = {_argument(option): key for option, key, *_ in OPTIONS}
     own = inspect.signature(scene_text).parameters.keys() - {"name", "bore", "outside", "given"}

@@ -13,13 +13,13 @@ from typing import Any, NoReturn
 from bearingwear import __version__
 from bearingwear.console import one_line
 from bearingwear.measures import LIMITED
-from bearingwear.scene.assumed import CLASSES
 from bearingwear.scene.calibrated import SEEN
-from bearingwear.scene.catalogue import MAKERS
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.coefficients import FILMS, RUBBING
-from bearingwear.scene.designations import CLEARANCES
-from bearingwear.scene.new import BALL_MATERIALS, OPTIONS
-from bearingwear.scene.records import SCENE_SUFFIXES
+from bearingwear.scene.new.assumed import CLASSES
+from bearingwear.scene.new.catalogue import MAKERS
+from bearingwear.scene.new.designations import CLEARANCES
+from bearingwear.scene.new.scene_file import BALL_MATERIALS, OPTIONS
 from bearingwear.scene.scene import FIDELITIES, PRELOAD_METHODS
 from bearingwear.studies import NAMES
 
@@ -512,6 +512,6 @@ def _file_name(text: str) -> Path:
 
 def _scene_keys(**_: Any) -> list[str]:
     """Keys of `--set`, for completion in a shell."""
-    from bearingwear.scene.keys import scene_keys
+    from bearingwear.scene.checking.keys import scene_keys
 
     return [f"{key}=" for key in scene_keys()]

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 from bearingwear.console import UsageError, one_line
 from bearingwear.measures import LIMITED
 from bearingwear.results.replaced import check_folder, check_output
-from bearingwear.scene.new import OPTIONS
-from bearingwear.scene.records import SCENE_SUFFIXES
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
+from bearingwear.scene.new.scene_file import OPTIONS
 
 if TYPE_CHECKING:
     from bearingwear.document.document import Document
@@ -44,7 +44,7 @@ TO_CHOOSE_BY = ("recommend", "study")
 
 
 def new(args: argparse.Namespace) -> int:
-    from bearingwear.scene.new import usual_stiffness, write_scene
+    from bearingwear.scene.new.scene_file import usual_stiffness, write_scene
 
     if args.list is not None:
         return _list(args.list)
@@ -71,8 +71,8 @@ def new(args: argparse.Namespace) -> int:
 
 def _list(words: list[str]) -> int:
     """The bearings of a maker."""
-    from bearingwear.scene.catalogue import MAKERS, listed
-    from bearingwear.scene.errors import SceneError, shown
+    from bearingwear.scene.checking.errors import SceneError, shown
+    from bearingwear.scene.new.catalogue import MAKERS, listed
 
     maker = words[0].upper()
     if maker not in MAKERS:
@@ -85,7 +85,7 @@ def _list(words: list[str]) -> int:
 def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     """The scene's file and the designation, of words that are typed; SEA 60 is two."""
     if not names:
-        from bearingwear.scene.errors import SceneError
+        from bearingwear.scene.checking.errors import SceneError
 
         problem = "got nothing, expected MYBEARING.yaml, a designation as 7008C, or both"
         raise SceneError("", problem, source="new")
@@ -160,7 +160,7 @@ def uncertainty(args: argparse.Namespace) -> int:
 
 def cage(args: argparse.Namespace) -> int:
     scene = _scene(args)
-    from bearingwear.scene.checking import record
+    from bearingwear.scene.checking.check import record
     from bearingwear.studies.cage.found import cage_found
     from bearingwear.studies.cage.plan import Ensemble
     from bearingwear.studies.sampling import usable_cores
@@ -207,7 +207,7 @@ def recommend(args: argparse.Namespace) -> int:
     from bearingwear.studies.life_scene import life_scene
 
     scene = life_scene(args.scene, args.set)
-    from bearingwear.studies.design.document import recommended_sheet
+    from bearingwear.studies.design.document.sheets import recommended_sheet
     from bearingwear.studies.sampling import usable_cores
 
     def tell(text: str) -> None:
@@ -393,7 +393,7 @@ def _tried(path: str) -> list[str]:
 
 def _limits(args: argparse.Namespace) -> DesignLimits:
     """The limits that are given, by the options of the table of measures."""
-    from bearingwear.scene.checking import record
+    from bearingwear.scene.checking.check import record
     from bearingwear.studies.design.plan import DesignLimits
 
     given = {name: getattr(args, name) for name in LIMITED}

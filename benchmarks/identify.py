@@ -1,6 +1,6 @@
 """Identify the balls of catalogue bearings from their printed ratings.
 
-`python benchmarks/identify.py` writes bearingwear/scene/catalogue.csv, the table behind
+`python benchmarks/identify.py` writes bearingwear/scene/new/catalogue.csv, the table behind
 `bearingwear new --maker`, from the printed numbers in benchmarks/catalogue/.
 
 A catalogue prints the static rating C0 = f0 Z D^2 cos(a), often f0, and the dynamic rating C. All
@@ -21,7 +21,7 @@ import numpy as np
 import plain_scipy as ps
 
 PRINTED = Path(__file__).parent / "catalogue"
-TABLE = Path(__file__).resolve().parents[1] / "bearingwear" / "scene" / "catalogue.csv"
+TABLE = Path(__file__).resolve().parents[1] / "bearingwear" / "scene" / "new" / "catalogue.csv"
 
 GROOVE, E_STAR, STATIC_PRESSURE = 0.52, 207e9 / (2.0 * (1.0 - 0.3**2)), 4.2e9  # as ISO 76 has it
 RATED = 1.3 * 38.2 * 26.0**0.41  # b_m of ISO 281, and f_c of its table within 0.2 %

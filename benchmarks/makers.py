@@ -21,7 +21,7 @@ from identify import PRINTED
 
 import bearingwear
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure
-from bearingwear.scene.catalogue import MAKERS, bearings
+from bearingwear.scene.new.catalogue import MAKERS, bearings
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.at_rest import RestingPair
 

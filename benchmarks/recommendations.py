@@ -30,7 +30,7 @@ from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK
 from bearingwear.results.warnings import impractical_warnings
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.new import write_scene
+from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.design.choice import limit_margins

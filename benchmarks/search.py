@@ -25,7 +25,7 @@ from bearingwear.kernels.equilibrium.thrust_loaded import cold_start
 from bearingwear.kernels.steady.balance import Seat, motion_equilibrium
 from bearingwear.kernels.steady.level_solver import pseudo_transient
 from bearingwear.kernels.steady.solver import unknowns
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import SceneError
 from bearingwear.solvers.bearing import parameters

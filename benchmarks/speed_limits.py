@@ -18,7 +18,7 @@ from comparison import FIGURES, PAGE, table, with_block
 
 import bearingwear
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save
-from bearingwear.scene.catalogue import MAKERS, CatalogueBearing, entry_of
+from bearingwear.scene.new.catalogue import MAKERS, CatalogueBearing, entry_of
 
 SIZES = [f"70{code:02d}C" for code in range(2, 22)]
 CLASSES, FACTORS = MAKERS["NSK"].classes, MAKERS["NSK"].rigid_speed

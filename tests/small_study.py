@@ -67,7 +67,7 @@ def make_small_study(folder: Path) -> None:
         tables = [f"{FOLDER}/tables/{name}" for name in ("cases.csv", "summary.md")]
         small_map = [choice, taken]
         settings = {"axes": AXES, "limits": LIMITS}
-        draw, chosen = "studies.grid.draw", "studies.design"
+        draw, chosen = "studies.grid.figures.draw", "studies.design"
         figure = [drawn(name) for name in (*FIGURES, f"{CHOICE}/figures/design")]
         for status in (
             step("studies.grid.gather.study", study, paths=cases),
@@ -78,10 +78,10 @@ def make_small_study(folder: Path) -> None:
             step(f"{draw}.draw_overlay", *figure[2], studies=[study], settings=one),
             step("studies.grid.answer.lives_answer", LIVES_ANSWER, lives=[lives]),
             step(f"{chosen}.recommend.small_map", *small_map, scene=scene, settings=settings),
-            step(f"{chosen}.draw.draw_design", *figure[3], **design),
-            step(f"{chosen}.document.tables", *texts(), **design),
-            step(f"{chosen}.document.design_answer", f"{CHOICE}/answer.json", **design),
-            step(f"{chosen}.charts.design_charts", f"{CHOICE}/charts.json", **design),
+            step(f"{chosen}.figures.draw.draw_design", *figure[3], **design),
+            step(f"{chosen}.document.sheets.tables", *texts(), **design),
+            step(f"{chosen}.document.sheets.design_answer", f"{CHOICE}/answer.json", **design),
+            step(f"{chosen}.document.charts.design_charts", f"{CHOICE}/charts.json", **design),
         ):
             assert status == 0
 

@@ -21,21 +21,21 @@ from bearingwear.measures import ENDS, LIMITED, MEASURES, Measure
 from bearingwear.results.life_variables import LIFE
 from bearingwear.results.variables import CASE
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
+from bearingwear.scene.checking.records import parts
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.records import parts
 from bearingwear.solvers.effects.criterion import criteria_of_case, end_attribute
 from bearingwear.solvers.state import OF_EACH_CONTACT, State
 from bearingwear.studies.design.choice import ACTIVE, limit_margins
-from bearingwear.studies.design.document import SHORT_TABLE
-from bearingwear.studies.design.figures import LETTERS
-from bearingwear.studies.design.map import POINT, gone_through
-from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import (
+from bearingwear.studies.design.document.sheets import SHORT_TABLE
+from bearingwear.studies.design.document.words import (
     LIMIT_WORDS,
     RECOMMENDED_WORDS,
     limit_text,
 )
-from bearingwear.studies.grid.figures import END_MARKS
+from bearingwear.studies.design.figures.choice import LETTERS
+from bearingwear.studies.design.map import POINT, gone_through
+from bearingwear.studies.design.plan import DesignLimits
+from bearingwear.studies.grid.figures.quasistatic import END_MARKS
 from bearingwear.studies.grid.life import interpolated_life, known_of
 
 PRELOAD, LIMIT = 7.0, 0.5

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.scene.catalogue import identity_line, speed_limit_line
+from bearingwear.scene.new.catalogue import identity_line, speed_limit_line
 
 _CONTACTS = {
     "paper": "contact model of the paper",

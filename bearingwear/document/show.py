@@ -26,8 +26,8 @@ from bearingwear.document.rows import (
     values,
 )
 from bearingwear.kernels.status import STATUS_NAMES
-from bearingwear.results.growth_variables import BEARING_PARTS
 from bearingwear.results.kinds import CASE_KIND, LIFE_KIND, Registry, function, kind_of
+from bearingwear.results.life_variables import BEARING_PARTS
 from bearingwear.results.netcdf import in_memory, opened
 from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.units import digits

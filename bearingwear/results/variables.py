@@ -15,8 +15,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bearingwear.results.growth_variables import BEARING_PARTS, GROWN
-from bearingwear.results.life_variables import LIFE
+from bearingwear.results.life_variables import BEARING_PARTS, GROWN, LIFE
 from bearingwear.results.pair_variables import PAIR_COORDINATES, SYSTEM
 from bearingwear.results.variable import DEGREE, ESTIMATE, STATUS, Variable, table
 from bearingwear.scene.scene import COUNTS, PRELOAD_METHODS

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

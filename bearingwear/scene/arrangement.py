@@ -7,8 +7,8 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.scene.errors import SceneError, shown
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

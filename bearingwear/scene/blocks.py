@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bearingwear.measures import ENDS
-from bearingwear.scene.catalogue import MAKERS
+from bearingwear.scene.checking.records import NAME, Key, keyed, optional_numbers, setting
 from bearingwear.scene.friction import Film, RunningIn
-from bearingwear.scene.records import NAME, Key, keyed, optional_numbers, setting
+from bearingwear.scene.new.catalogue import MAKERS
 
 COUNTS = ("ball", "ball_and_races")
 BALL_TRACKS = ("spread", "bands")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.records import keyed, setting
 
 SEEN_LIFE, SEEN_RUN_OUT, SEEN_LOSS, SEEN_PRELOAD, SEEN_TORQUE = SEEN = (
     "life_h",

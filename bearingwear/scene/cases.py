@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.arrangement import flat_keys
-from bearingwear.scene.errors import SceneError, shown
-from bearingwear.scene.records import NAME
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.records import NAME
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.scene import key_of_scene
-from bearingwear.scene.strict_yaml import data_of
 
 KEY = r"[^\s.=\[\]]+(\.[^\s.=\[\]]+)*"
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bearingwear.scene.errors import yaml_number
+from bearingwear.scene.checking.errors import yaml_number
 
 M2_PER_N = 1e-9
 """One mm3/(N m), as papers have K_s/H, in m2/N."""

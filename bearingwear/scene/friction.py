@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bearingwear.scene.accuracy import ACCURACY, STANDARD
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

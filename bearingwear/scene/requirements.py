@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, setting
 
 _G, _DENSITY = "[0, 1e5]", "(0, 1e4]"
 

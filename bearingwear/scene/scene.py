@@ -1,8 +1,8 @@
 """The scene: one bearing, how it runs, and how worn it is.
 
 The fields of `Scene` and of its blocks are the one table of keys: meaning, unit, range and default
-of each (`bearingwear.scene.records`). What several values must fulfil together is checked here,
-whoever builds the scene.
+of each (`bearingwear.scene.checking.records`). What several values must fulfil together is checked
+here, whoever builds the scene.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from bearingwear.scene.blocks import (
 )
 from bearingwear.scene.calibrated import Calibrated
 from bearingwear.scene.cases import checked_cases, scenes_of_cases
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import NAME, Part, keyed, part_at, setting, whole
 from bearingwear.scene.friction import Friction, check_films
-from bearingwear.scene.records import NAME, Part, keyed, part_at, setting, whole
 from bearingwear.scene.requirements import Drive, Launch
 from bearingwear.scene.uncertain import (
     PARAMETERS,
@@ -191,7 +191,7 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """In a notebook: the line, and every key below it."""
-        from bearingwear.scene.keys import leaves
+        from bearingwear.scene.checking.keys import leaves
 
         rows = "".join(
             f"<tr><td>{escape(key)}</td><td>{escape(str(value))}</td></tr>"

@@ -6,8 +6,8 @@ import operator
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

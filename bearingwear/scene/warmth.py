@@ -7,8 +7,8 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from bearingwear.scene.blocks import STEEL_EXPANSION
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import NAME, keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import NAME, keyed, setting
 
 if TYPE_CHECKING:
     from bearingwear.scene.scene import Scene

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.warmth import Temperature, Thermal
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bearingwear.results.variables import DOFS
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import Source, as_scene
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant

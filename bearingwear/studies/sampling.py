@@ -1,11 +1,16 @@
-"""How studies sample uncertain values."""
+"""How studies sample uncertain values, and a scene with such values in place."""
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, setting
+from bearingwear.scene.scene import UNCERTAIN, WORN, Bearing, Scene
 
 
 def usable_cores() -> int:
@@ -32,3 +37,90 @@ class Sampling:
             raise SceneError("samples", f"got {self.samples}, expected a power of two")
         if self.chunks > self.samples:
             raise SceneError("chunks", f"got {self.chunks}, expected at most the samples")
+
+
+DIAMETER = "ball_diameter_mm"
+
+
+def perturbed(scene: Scene, values: Mapping[str, float]) -> Scene | None:
+    """The scene with other values under keys of `UNCERTAIN`.
+
+    Groove factors and contact angle are those of nominal balls. A ball diameter then changes the
+    balls alone, as a batch out of tolerance does: grooves and their centres keep their places
+    (theory.md Eq. 54).
+
+    Parameters
+    ----------
+    values : mapping
+        In the units of the keys. A wear coefficient or a hardness is that of the races; those of
+        the balls and of films change in proportion.
+
+    Returns
+    -------
+    Scene or None
+        None where the balls have become too large to touch both grooves without load.
+    """
+    blocks: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        if name not in WORN and name != DIAMETER:
+            block, _, inner = UNCERTAIN[name].partition(".")
+            if inner:
+                part = replace(getattr(getattr(scene, block), inner), **{name: value})
+                blocks.setdefault(block, {})[inner] = part
+            else:
+                blocks.setdefault(block, {})[name] = value
+    changed = {key: replace(getattr(scene, key), **part) for key, part in blocks.items()}
+    ratio = {name: values[name] / scene.nominal(name) for name in WORN if name in values}
+    if ratio:
+        K_s = ratio.get("wear_coefficient", 1.0) * ratio.get("wear_scatter", 1.0)
+        worn = with_wear(
+            replace(scene, **changed),
+            {"wear_coefficient": K_s, "brinell_hardness_GPa": ratio.get(WORN[0], 1.0)},
+        )
+        changed |= {"materials": worn.materials, "friction": worn.friction}
+    if DIAMETER in values:
+        bearing = with_balls(changed.get("bearing", scene.bearing), values[DIAMETER])
+        if bearing is None:
+            return None
+        changed["bearing"] = bearing
+    return replace(scene, **changed)
+
+
+def with_wear(scene: Scene, factors: Mapping[str, float]) -> Scene:
+    """The scene with wear coefficients or hardness, of balls, races and films, times factors."""
+
+    def scaled(part: Any) -> Any:
+        """A material or a film, and what is on it."""
+        given = {name: getattr(part, name, None) for name in (*factors, "film", "running_in")}
+        new = {
+            name: scaled(value) if name not in factors else value * factors[name]
+            for name, value in given.items()
+            if value is not None
+        }
+        return replace(part, **new)
+
+    pair = {scene.bearing.ball_material, scene.bearing.race_material}
+    materials = {n: scaled(m) if n in pair else m for n, m in scene.materials.items()}
+    film = scene.friction.film
+    friction = scene.friction if film is None else replace(scene.friction, film=scaled(film))
+    return replace(scene, materials=materials, friction=friction)
+
+
+def with_balls(b: Bearing, ball_diameter_mm: float) -> Bearing | None:
+    """The bearing with other balls between the same grooves; None where they leave no play."""
+    D, D0 = ball_diameter_mm, b.ball_diameter_mm
+    r_i, r_o = b.inner_groove_factor * D0, b.outer_groove_factor * D0
+    cos_a0 = math.cos(math.radians(b.contact_angle_deg))
+    cosine = (r_i + r_o - D0) * cos_a0 / (r_i + r_o - D)
+    if not 0.0 < cosine <= 1.0 or min(r_i, r_o) <= 0.5 * D:
+        return None
+    # the outer groove's centre stays at R_o = dm/2 - (r_o - D/2) cos a0
+    shift = 2.0 * ((r_o - 0.5 * D) * cosine - (r_o - 0.5 * D0) * cos_a0)
+    return replace(
+        b,
+        ball_diameter_mm=D,
+        pitch_diameter_mm=b.pitch_diameter_mm + shift,
+        contact_angle_deg=math.degrees(math.acos(cosine)),
+        inner_groove_factor=r_i / D,
+        outer_groove_factor=r_o / D,
+    )

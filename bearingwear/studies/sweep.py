@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.results.warnings import WARNING, gathered_warnings, warning_lines
-from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.checking.errors import SceneError, shown
 from bearingwear.scene.read import Source, as_scene, for_life
 from bearingwear.scene.scene import Scene, key_of_scene
 from bearingwear.studies.axis import GRID_KEYS

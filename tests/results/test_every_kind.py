@@ -16,7 +16,7 @@ from support import ROOT, scene_file, step
 import bearingwear
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
-from bearingwear.scene.checking import record
+from bearingwear.scene.checking.check import record
 from workflow.studies.accuracy.plan import AccuracyPlan
 
 SCENE = str(scene_file("gyro_s1"))

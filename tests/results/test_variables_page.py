@@ -2,15 +2,16 @@
 
 from dataclasses import replace
 
-from support import ROOT
+from support import ROOT, benchmark
 
-from bearingwear.results import variables_page
 from bearingwear.results.variables import CASE, COORDINATES, LIFE
+
+variables_page = benchmark("variables_page")
 
 
 def test_the_page_is_up_to_date():
     text = (ROOT / "docs/variables.md").read_text(encoding="utf-8")
-    again = "run: python -m bearingwear.results.variables_page docs/variables.md"
+    again = "run: python benchmarks/variables_page.py docs/variables.md"
     assert variables_page.page_of_variables() == text, again
 
 

@@ -7,9 +7,9 @@ from support import benchmark
 
 import bearingwear
 from bearingwear.cli import main
-from bearingwear.scene.catalogue import MAKERS, bearings, entry_of
-from bearingwear.scene.designations import designation_of
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.new.catalogue import MAKERS, bearings, entry_of
+from bearingwear.scene.new.designations import designation_of
 from bearingwear.scene.read import load_scene
 
 

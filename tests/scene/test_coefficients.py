@@ -8,11 +8,11 @@ from numpy.testing import assert_allclose
 from support import ROOT, scene_file
 
 from bearingwear.scene import coefficients
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.coefficients import ASSUMED, M2_PER_N, MEASURED_WEAR, RUBBING
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.new import scene_text
+from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
-from bearingwear.scene.strict_yaml import data_of
 from bearingwear.solvers.bearing.films import Films
 
 

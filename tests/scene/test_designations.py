@@ -2,7 +2,7 @@
 
 import pytest
 
-from bearingwear.scene.designations import ANGLES, CLEARANCES, clearance_range, designation_of
+from bearingwear.scene.new.designations import ANGLES, CLEARANCES, clearance_range, designation_of
 
 CODES = [f"{code:02d}" for code in [*range(23), *range(24, 41, 2)]]
 SERIES = ["70", "72", "73", "719", "60", "62", "63"]

@@ -6,7 +6,7 @@ import pytest
 from support import scene_file
 
 from bearingwear.cli import main
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.friction import changes_as_it_wears, has_thickness
 from bearingwear.scene.read import scene_from_dict
 

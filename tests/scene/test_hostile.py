@@ -5,8 +5,8 @@ import math
 import pytest
 from support import scene_file
 
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.keys import scene_keys
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.keys import scene_keys
 from bearingwear.scene.read import as_scene, load_scene
 from bearingwear.scene.scene import key_of_scene
 

@@ -14,9 +14,9 @@ from bearingwear.cli import main
 from bearingwear.commands import OPTIONS
 from bearingwear.kernels.build import folder
 from bearingwear.results.netcdf import load
-from bearingwear.scene.new import scene_text
+from bearingwear.scene.checking.strict_yaml import data_of
+from bearingwear.scene.new.scene_file import scene_text
 from bearingwear.scene.read import load_scene, scene_from_dict
-from bearingwear.scene.strict_yaml import data_of
 from bearingwear.solvers.solve import solve
 
 SIZE = ["--bore", "40", "--outside", "68"]

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from bearingwear.scene.checking import read_record, record
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, part_at, setting, whole
+from bearingwear.scene.checking.check import read_record, record
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, part_at, setting, whole
 
 
 @keyed

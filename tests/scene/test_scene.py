@@ -15,11 +15,11 @@ import yaml
 from bearingwear.scene import read as config
 from bearingwear.scene import scene as module
 from bearingwear.scene.accuracy import STANDARD
-from bearingwear.scene.errors import yaml_number
-from bearingwear.scene.keys import key_list, keys, renewed
+from bearingwear.scene.checking.errors import yaml_number
+from bearingwear.scene.checking.keys import key_list, keys, renewed
+from bearingwear.scene.checking.schema import schema
+from bearingwear.scene.checking.strict_yaml import data_of
 from bearingwear.scene.scene import Scene, SceneError
-from bearingwear.scene.schema import schema
-from bearingwear.scene.strict_yaml import data_of
 from bearingwear.scene.variant import variant
 from bearingwear.solvers.effects.choice import choice
 
@@ -336,4 +336,4 @@ def test_plain_validators_agree(plain):
 def test_key_list_is_up_to_date():
     text = (CONFIG / "README.md").read_text(encoding="utf-8")
     assert key_list() in text
-    assert renewed(text) == text, "run: python -m bearingwear.scene.keys config/README.md"
+    assert renewed(text) == text, "run: python -m bearingwear.scene.checking.keys config/README.md"

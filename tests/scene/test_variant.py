@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_files
 from bearingwear.scene.variant import variant
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 
 NETWORK = {
     "thermal.conductance_W_K.inner_ring_shaft": 0.1,

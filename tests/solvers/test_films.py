@@ -23,7 +23,7 @@ from bearingwear.lives.life import life
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.results.warnings import warnings_in
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.films import Cover, Films
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import solver_of

@@ -10,8 +10,8 @@ import pytest
 from support import ROOT
 
 from bearingwear.kernels.status import STATUS_NAMES
+from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.strict_yaml import data_of, text_of
 from workflow.studies.robustness.draw import drawn_scene
 from workflow.studies.robustness.run import solved_values, violations
 

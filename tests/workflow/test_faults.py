@@ -156,7 +156,7 @@ def test_damaged_results_are_set_aside_and_made_anew(solved):
 def test_an_edit_with_an_old_date_counts(solved):
     for path, old, new in (
         ("config/scenes/gyro_s1_drag.yaml", "drag_density_kg_m3: 250", "drag_density_kg_m3: 240"),
-        ("bearingwear/studies/grid/figures.py", "running time (h)", "time (h)"),
+        ("bearingwear/studies/grid/figures/quasistatic.py", "running time (h)", "time (h)"),
     ):
         solved.edit(path, old, new)
         os.utime(solved.root / path, (0, 0))

@@ -238,7 +238,7 @@ def test_an_edited_help_text_makes_nothing_anew(solved):
 
 
 def test_an_edited_figure_draws_its_study_anew_and_nothing_else(solved):
-    solved.change_source("bearingwear/studies/grid/figures.py")
+    solved.change_source("bearingwear/studies/grid/figures/quasistatic.py")
     planned = set(solved.run("-n").jobs)
     assert planned == {*DRAWN, "page", "verdict"}
 

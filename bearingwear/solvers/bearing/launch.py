@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from bearingwear.kernels.contact.hertz import INNER, OUTER, race_contact
 from bearingwear.kernels.params import Geometry
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.arrangement import N_UM, plane_frequencies

@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from bearingwear.scene.catalogue import MAKERS, entry_of_bearing
+from bearingwear.scene.new.catalogue import MAKERS, entry_of_bearing
 from bearingwear.solvers.bearing.mounted import STEEL_YIELD, yield_pressure
 from bearingwear.solvers.effects.evidence import INNER_SIDE, OUTER_SIDE, Evidence, Finding
 

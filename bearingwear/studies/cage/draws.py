@@ -18,7 +18,7 @@ from bearingwear.scene.scene import WORN, Distribution, Scene
 from bearingwear.scene.uncertain import UNCERTAIN_CAGE
 from bearingwear.studies.cage.plan import Ensemble
 from bearingwear.studies.cage.run import CageStart
-from bearingwear.studies.perturbed import perturbed
+from bearingwear.studies.sampling import perturbed
 
 CLOSE = 0.95
 """Of its clearance: a cage starts anywhere within."""

@@ -11,8 +11,8 @@ from dataclasses import asdict
 from typing import Any, NamedTuple
 
 from bearingwear.scene.blocks import GUIDES
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import NAME, keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.variant import variant
 from bearingwear.studies.axis import RisingAxis, check_rising
 

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from glob import glob
 from typing import Any
 
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.cage.plan import CAGE_FILE, CagePlan
 from bearingwear.studies.protocol import Study, figure_step, step, table_step
 

@@ -20,9 +20,9 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant
 from bearingwear.studies.dataset import LOSS_BASIS
 from bearingwear.studies.design.choice import limit_margins, limits_of
+from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import IMPRACTICAL, MAP_AXES, filled_points, followed_point
 from bearingwear.studies.design.recommend import RECOMMENDATION, recommended_for
-from bearingwear.studies.design.words import LIMIT_WORDS
 from bearingwear.studies.life_scene import life_scene
 
 _KIND = "beside"

@@ -20,9 +20,9 @@ from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import digits
 from bearingwear.results.variable import Variable
 from bearingwear.studies.dataset import attrs, counted, flags
+from bearingwear.studies.design.document.words import NO_LIMIT, limit_text
 from bearingwear.studies.design.map import SLIP_SHARE
 from bearingwear.studies.design.plan import DesignLimits
-from bearingwear.studies.design.words import NO_LIMIT, limit_text
 
 ACTIVE = (
     *LIMITED,

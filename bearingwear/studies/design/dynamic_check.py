@@ -11,8 +11,8 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.results.netcdf import load
+from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
-from bearingwear.scene.strict_yaml import yaml_of
 from bearingwear.studies.design.recommend import best_method, recommended_for
 from bearingwear.studies.life_scene import life_scene
 

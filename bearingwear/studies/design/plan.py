@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.measures import LIMITED, Measure
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import Key, keyed, optional_numbers, setting
 from bearingwear.scene.read import for_life
-from bearingwear.scene.records import Key, keyed, optional_numbers, setting
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.variant import variant
 from bearingwear.studies.axis import MOST_DECIMALS, RisingAxis, in_name

@@ -41,6 +41,7 @@ from bearingwear.studies.design.choice import (
     whole_map,
     why_none,
 )
+from bearingwear.studies.design.document.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.design.machine import MACHINE, machine_answers
 from bearingwear.studies.design.map import (
     HERTZIAN_GROOVE,
@@ -65,7 +66,6 @@ from bearingwear.studies.design.room import (
 )
 from bearingwear.studies.design.search import Found, Request, answered, search
 from bearingwear.studies.design.verdict import held, verdict_on
-from bearingwear.studies.design.words import LIMIT_KEY, NONE_BECAUSE
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell, processes, to_stderr, told_in_lines
 

@@ -19,10 +19,10 @@ from bearingwear.lives.many import HertzianLives, lives_by_end, worn_life
 from bearingwear.measures import ENDS
 from bearingwear.scene.blocks import BALL_TRACKS, EndOfLife
 from bearingwear.scene.scene import Scene, key_of_scene
+from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, WEAR_KEY
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.design.preload_line import PreloadLine, round_number
 from bearingwear.studies.design.search import GUIDED, Asking, Request, guide
-from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, WEAR_KEY
 
 FARTHEST = 4.0
 """Largest factor by which a limit is moved either way."""

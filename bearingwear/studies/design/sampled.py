@@ -19,7 +19,7 @@ from bearingwear.results.units import Rough, key_in_words
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.uncertainty_figure import preload_drawn, quantities_of
+from bearingwear.studies.design.figures.uncertainty_figure import preload_drawn, quantities_of
 
 INDEX_WORDS = (
     "Total Sobol index of log life: the share of its variance that goes with the value, its "

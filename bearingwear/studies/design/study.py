@@ -11,7 +11,7 @@ from glob import glob
 from pathlib import Path
 from typing import Any
 
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.design.plan import CHECKED, CHECKED_FIDELITIES, DesignPlan
 from bearingwear.studies.protocol import (
     SCENE,
@@ -28,13 +28,13 @@ from bearingwear.studies.uncertainty.plan import UncertaintyPlan
 _SAMPLED = Path("config/uncertainty.yaml")
 _SMALL = "results/{scene}/preload"
 
-SHEETS = {"recommendation": "bearingwear.studies.design.document:recommendation_sheet"}
+SHEETS = {"recommendation": "bearingwear.studies.design.document.sheets:recommendation_sheet"}
 """What `bearingwear show` says of the kinds of files that this study makes."""
 
 PLOTS = {
-    "design map": "bearingwear.studies.design.plots:map_plot",
-    "uncertainty": "bearingwear.studies.design.plots:uncertainty_plot",
-    "recommendation": "bearingwear.studies.design.plots:recommendation_plot",
+    "design map": "bearingwear.studies.design.figures.plots:map_plot",
+    "uncertainty": "bearingwear.studies.design.figures.plots:uncertainty_plot",
+    "recommendation": "bearingwear.studies.design.figures.plots:recommendation_plot",
 }
 """What `bearingwear plot` draws of the kinds of files that this study makes and reads."""
 
@@ -198,7 +198,7 @@ def _checked(plan: DesignPlan) -> list[Step]:
         ),
         table_step(
             "check",
-            "check_table.check_table",
+            "document.check_table.check_table",
             name="check_table",
             recommendation="recommendation.nc",
             cases=check,
@@ -243,7 +243,7 @@ def _small_drawn(plan: DesignPlan, scene: str, with_spread: bool) -> Bundle:
 
 
 def _figure(name: str, inputs: Mapping[str, str]) -> Step:
-    run = f"draw.draw_{name}"
+    run = f"figures.draw.draw_{name}"
     return figure_step(name, run, name=f"figure_{name}", inputs=inputs, result=f"design, {name}")
 
 
@@ -251,12 +251,14 @@ def _told(inputs: Mapping[str, str], answered: Mapping[str, str]) -> list[Step]:
     """Tables, and the answer."""
     paths = ("map.csv", "design.md")
     return [
-        table_step(paths, "document.tables", name="tables", inputs=inputs, result="design, table"),
-        step("answer", "answer.json", "document.design_answer", inputs=answered),
+        table_step(
+            paths, "document.sheets.tables", name="tables", inputs=inputs, result="design, table"
+        ),
+        step("answer", "answer.json", "document.sheets.design_answer", inputs=answered),
         step(
             "charts",
             "charts.json",
-            "charts.design_charts",
+            "document.charts.design_charts",
             inputs={name: path for name, path in answered.items() if name != "beside"},
         ),
     ]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.scene.records import NAME, keyed, setting
+from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.scene import PRELOAD_METHODS
 
 _SCENES = "Names of files config/scenes/NAME.yaml"

@@ -12,7 +12,7 @@ from typing import Any
 
 from bearingwear.provenance import text_hash
 from bearingwear.scene.arrangement import one_bearing
-from bearingwear.scene.checking import record
+from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import as_data, changed_scene, for_life, load_scene, scene_files
 from bearingwear.studies.axis import in_name
 from bearingwear.studies.grid.config import Config, Overlay, UncertainLives

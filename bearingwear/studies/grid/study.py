@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.studies.axis import GRID_KEYS, in_name
-from bearingwear.studies.grid.drawn import bundles
+from bearingwear.studies.grid.figures.drawn import bundles
 from bearingwear.studies.grid.grid import Case, Line
 from bearingwear.studies.grid.plan import Plan
 from bearingwear.studies.protocol import SCENE, Bundle, Step, Study, step
@@ -25,10 +25,10 @@ SOLVE = 0.03
 """What a point takes, with its file [s]."""
 
 PLOTS = {
-    "case": "bearingwear.studies.grid.plots:case_plot",
-    "life": "bearingwear.studies.grid.plots:life_plot",
-    "study": "bearingwear.studies.grid.plots:study_plot",
-    "wear life": "bearingwear.studies.grid.plots:lives_plot",
+    "case": "bearingwear.studies.grid.figures.plots:case_plot",
+    "life": "bearingwear.studies.grid.figures.plots:life_plot",
+    "study": "bearingwear.studies.grid.figures.plots:study_plot",
+    "wear life": "bearingwear.studies.grid.figures.plots:lives_plot",
 }
 """What `bearingwear plot` draws of the kinds of files that this study makes."""
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.read import for_life
-from bearingwear.scene.records import NAME, keyed, setting
 from bearingwear.scene.variant import variant
 
 LIVES_FILE = "config/lives.yaml"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.lives.plan import LIVES_FILE, DynamicLife, LivesPlan
 from bearingwear.studies.protocol import Study, figure_step, step, table_step
 

@@ -19,7 +19,7 @@ import yaml
 
 from bearingwear.atomic import reason, write_text
 from bearingwear.console import UsageError
-from bearingwear.scene.records import NAME, NAME_RULE
+from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.own.plan import plan_of
@@ -45,8 +45,8 @@ def write_study(
     SceneError, UsageError, OutputError
         One line.
     """
+    from bearingwear.scene.checking.strict_yaml import text_of
     from bearingwear.scene.read import scene_files
-    from bearingwear.scene.strict_yaml import text_of
 
     name = file.stem
     if not re.match(NAME, name):

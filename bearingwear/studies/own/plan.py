@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, key_of_scene
 from bearingwear.scene.warmth import Temperature
 from bearingwear.studies.design.plan import DesignLimits, axes_around

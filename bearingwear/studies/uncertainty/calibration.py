@@ -24,18 +24,18 @@ from bearingwear.results.labels import coded
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.calibrated import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import SCENE_SUFFIXES
+from bearingwear.scene.checking.strict_yaml import yaml_of
 from bearingwear.scene.distributions import value_at
-from bearingwear.scene.errors import SceneError
 from bearingwear.scene.read import for_life
-from bearingwear.scene.records import SCENE_SUFFIXES
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
-from bearingwear.scene.strict_yaml import yaml_of
 from bearingwear.scene.uncertain import FRICTION_KEYS, friction_correlation, is_same_for_batch
 from bearingwear.solvers.bearing.films import Films
 from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.solve import solve
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.perturbed import perturbed, with_wear
+from bearingwear.studies.sampling import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
 from bearingwear.studies.uncertainty.plan import with_usual_spread

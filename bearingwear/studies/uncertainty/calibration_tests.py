@@ -11,9 +11,9 @@ from pathlib import Path
 
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.scene.calibrated import SEEN, SEEN_AS, SEEN_LOSS, SEEN_PRELOAD
-from bearingwear.scene.errors import SceneError, short
+from bearingwear.scene.checking.errors import SceneError, short
+from bearingwear.scene.checking.strict_yaml import data_of, text_of
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.strict_yaml import data_of, text_of
 
 _AFTER, _COUNT, _ERROR = "after_h", "bearings", "error_percent"
 TEST_COLUMNS = (*SEEN, _AFTER, _COUNT, _ERROR)

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.scene.coefficients import usual_spread
-from bearingwear.scene.records import keyed, setting
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell

@@ -19,9 +19,9 @@ from bearingwear.kernels.status import OK
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import CONFIDENCE, KIND, PRELOAD_CHOICE, TAKEN
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable
-from bearingwear.scene.checking import record
+from bearingwear.scene.checking.check import record
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.distributions import value_at
-from bearingwear.scene.errors import SceneError
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene
 from bearingwear.studies.dataset import filled
 from bearingwear.studies.design.recommend import recommended_for

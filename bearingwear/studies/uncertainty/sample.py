@@ -25,9 +25,8 @@ from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
-from bearingwear.studies.perturbed import perturbed
 from bearingwear.studies.pool import Tell, told_in_lines
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
 

@@ -14,7 +14,7 @@ from support import ROOT
 from bearingwear.cli import main
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.accuracy import NAMED_PRESETS
-from bearingwear.scene.checking import read_record, record
+from bearingwear.scene.checking.check import read_record, record
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.accuracy.effects import EFFECT_KINDS, effect_differences, effect_rows
 from workflow.studies.accuracy.factor_table import cell_texts

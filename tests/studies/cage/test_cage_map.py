@@ -9,7 +9,7 @@ from support import ROOT, with_value
 
 from bearingwear.page.page import page
 from bearingwear.plotting.drawing import save
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.variant import variant
 from bearingwear.studies.cage import ensemble
 from bearingwear.studies.cage.advice import designs, quiet_region, recommended_cage

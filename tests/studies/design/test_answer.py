@@ -11,11 +11,11 @@ from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import RECOMMENDED, spreads_of
 from bearingwear.results.units import Rough, digits
-from bearingwear.studies.design.document import preload_document
+from bearingwear.studies.design.document.sentences import what_others_change
+from bearingwear.studies.design.document.sheets import preload_document
+from bearingwear.studies.design.document.words import NO_LIMIT, NONE_BECAUSE
 from bearingwear.studies.design.plan import DesignPlan
-from bearingwear.studies.design.sentences import what_others_change
 from bearingwear.studies.design.verdict import NEITHER_LONGER
-from bearingwear.studies.design.words import NO_LIMIT, NONE_BECAUSE
 
 CASES = {
     "same": {"words": "nothing", "set": {}},
@@ -54,7 +54,7 @@ def tables(answer):
 
 def test_the_answer_is_that_of_the_files(files, tmp_path):
     path = tmp_path / "answer.json"
-    assert step("studies.design.document.design_answer", path, **files) == 0
+    assert step("studies.design.document.sheets.design_answer", path, **files) == 0
     answer, found = load_document(path), load(files["recommendation"])
     spring, fixed = (float(life) for life in found["life"].isel(loss_basis=1))
     preload = float(found["preload"][0])
@@ -192,7 +192,7 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
     other.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
     for given, why in ((path, "not of the scene"), (files["design"], "not a file of the kind")):
         out = tmp_path / "answer.json"
-        run = "studies.design.document.design_answer"
+        run = "studies.design.document.sheets.design_answer"
         assert step(run, out, **files | {"beside": given}) == 2
         said = capsys.readouterr().err
         assert str(given) in said and why in said and said.count("\n") == 1
@@ -201,7 +201,7 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
 def test_an_assumption_that_is_no_scene_is_refused(monkeypatch):
     from support import ROOT
 
-    from bearingwear.scene.checking import record
+    from bearingwear.scene.checking.check import record
 
     monkeypatch.chdir(ROOT)
     small = {
@@ -238,7 +238,7 @@ def test_the_spread_is_that_of_the_recommended_preload(files, small_project, tmp
     # 4.1 N in place of 7 N: half as long again
     assert float(median.sel(probability=0.5)) > 1.3 * float(at_own.sel(probability=0.5).squeeze())
     answer = tmp_path / "answer.json"
-    run = "studies.design.document.design_answer"
+    run = "studies.design.document.sheets.design_answer"
     assert step(run, answer, **files, spread=path) == 0
     rows = {row[0]: row[1:] for row in tables(load_document(answer))["lead"].table[1]}
     mine = json.loads(spread.attrs["scene"])
@@ -261,5 +261,5 @@ def test_where_no_preload_is_taken_no_life_is_sampled(files, small_project, tmp_
     assert step(run, path, settings={"samples": 16, "seed": 1}, **given) == 0
     assert load(path).sizes["preload_method"] == 0
     given = {"design": files["design"], "recommendation": none, "spread": path}
-    assert step("studies.design.document.design_answer", answer, **given) == 0
+    assert step("studies.design.document.sheets.design_answer", answer, **given) == 0
     assert load_document(answer).title == "mine: no preload satisfies all limits"

@@ -10,7 +10,7 @@ from bearingwear.document.text import as_text
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.design.choice import limit_margins
-from bearingwear.studies.design.document import preload_document
+from bearingwear.studies.design.document.sheets import preload_document
 from bearingwear.studies.design.machine import MACHINE
 from bearingwear.studies.design.map import followed_point, new_point, worst_cases
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around

@@ -21,7 +21,7 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import spread_at
 from bearingwear.results.units import Rough
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.choice import (
@@ -308,17 +308,17 @@ def test_figures_and_tables_are_drawn(folder):
         ("uncertainty", files),
     ):
         out = folder / f"{name}.svg"
-        assert step(f"design.draw.draw_{name}", out, **given) == 0
+        assert step(f"design.figures.draw.draw_{name}", out, **given) == 0
         assert out.stat().st_size > 10_000
     tables = [folder / "map.csv", folder / "design.md"]
-    assert step("design.document.tables", tables, **files) == 0
+    assert step("design.document.sheets.tables", tables, **files) == 0
     text = (folder / "design.md").read_text()
     assert "violates a limit: axial stiffness" in text and "10 lives over preload" in text
     assert len((folder / "map.csv").read_text().splitlines()) == 11
-    assert step("design.draw.other", folder / "x.svg", **files) == 2
+    assert step("design.figures.draw.other", folder / "x.svg", **files) == 2
     wrong = dict(zip(FILES, reversed(files.values()), strict=True))
-    assert step("design.document.tables", tables, **wrong) == 2
-    assert step("design.draw.draw_map", folder / "x.svg", design=files["uncertainty"]) == 2
+    assert step("design.document.sheets.tables", tables, **wrong) == 2
+    assert step("design.figures.draw.draw_map", folder / "x.svg", design=files["uncertainty"]) == 2
 
 
 def changed(path, target, **values):
@@ -354,7 +354,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
 
     def table(*paths):
         given = {"recommendation": recommendation, "cases": list(paths)}
-        assert step("design.check_table.check_table", out, **given) == 0
+        assert step("design.document.check_table.check_table", out, **given) == 0
         return out.read_text()
 
     text = table(*cases)
@@ -373,7 +373,7 @@ def test_recommended_preload_in_time(folder, tmp_path, capsys):
     capsys.readouterr()
     for wrong in ([*cases[:-1]], [recommendation], [*cases, folder / "design.nc"]):
         given = {"recommendation": recommendation, "cases": wrong}
-        assert step("design.check_table.check_table", out, **given) == 2
+        assert step("design.document.check_table.check_table", out, **given) == 2
     assert len(capsys.readouterr().err.splitlines()) == 3
 
 
@@ -394,7 +394,7 @@ def test_every_status_is_counted(folder, tmp_path):
     design.to_netcdf(tmp_path / "design.nc")
     files = files_in(folder) | {"design": tmp_path / "design.nc"}
     out = [tmp_path / "map.csv", tmp_path / "design.md"]
-    assert step("design.document.tables", out, **files) == 0
+    assert step("design.document.sheets.tables", out, **files) == 0
     text = (tmp_path / "design.md").read_text()
     for name, count in (("ok", 8), ("not_converged", 1), ("beyond_groove", 1)):
         assert f"| {in_words(name)} | {count} |" in text
@@ -406,7 +406,7 @@ def test_every_status_is_counted(folder, tmp_path):
 def test_answer_stands_first(folder):
     """Preload and method in the title; the life and its spread in the first sentences."""
     out = [folder / "map.csv", folder / "design.md"]
-    assert step("design.document.tables", out, **files_in(folder)) == 0
+    assert step("design.document.sheets.tables", out, **files_in(folder)) == 0
     text = (folder / "design.md").read_text().replace("\N{NO-BREAK SPACE}", " ")
     found = load(folder / "recommendation.nc").isel(preload_method=0)
     spread = load(folder / "uncertainty.nc").isel(
@@ -482,10 +482,10 @@ def test_figures_and_tables_without_an_uncertainty_study(scene, tmp_path):
     write_dataset(design, files["design"])
     write_dataset(found, files["recommendation"])
     out = tmp_path / "design.svg"
-    assert step("design.draw.draw_design", out, **files) == 0
+    assert step("design.figures.draw.draw_design", out, **files) == 0
     assert out.stat().st_size > 10_000
     tables = [tmp_path / "map.csv", tmp_path / "design.md"]
-    assert step("design.document.tables", tables, **files) == 0
+    assert step("design.document.sheets.tables", tables, **files) == 0
     text = tables[1].read_text()
     assert "How sure" not in text and "L10" not in text
     why = "axial stiffness of one bearing at least 90"
@@ -502,8 +502,8 @@ def test_figures_of_a_map_without_any_life(life, scene, tmp_path):
     files = {"design": tmp_path / "design.nc", "recommendation": tmp_path / "recommendation.nc"}
     write_dataset(design, files["design"])
     write_dataset(found, files["recommendation"])
-    assert step("design.draw.draw_design", tmp_path / "design.svg", **files) == 0
-    assert step("design.draw.draw_map", tmp_path / "map.svg", design=files["design"]) == 0
+    assert step("design.figures.draw.draw_design", tmp_path / "design.svg", **files) == 0
+    assert step("design.figures.draw.draw_map", tmp_path / "map.svg", design=files["design"]) == 0
 
 
 def test_scenes_without_an_uncertainty_study_ask_for_none():

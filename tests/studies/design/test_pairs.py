@@ -10,10 +10,10 @@ from bearingwear.lives.life import life
 from bearingwear.lives.many import HertzianLives
 from bearingwear.results.netcdf import opened
 from bearingwear.scene.arrangement import held_by
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.arrangement import lowest_frequency
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.design.document import recommendation_sheet
+from bearingwear.studies.design.document.sheets import recommendation_sheet
 from bearingwear.studies.design.map import life_point
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import mapped

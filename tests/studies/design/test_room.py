@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 from bearingwear.measures import LIMITED
 from bearingwear.studies.axis import RisingAxis
+from bearingwear.studies.design.document.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
 from bearingwear.studies.design.map import life_point, scene_at
 from bearingwear.studies.design.plan import DesignLimits, MapAxes
 from bearingwear.studies.design.recommend import best_method, mapped
@@ -16,7 +17,6 @@ from bearingwear.studies.design.verdict import (
     ONE_LONGER,
     verdict_on,
 )
-from bearingwear.studies.design.words import END_KEY, FRICTION_KEY, LIMIT_KEY, WEAR_KEY
 
 METHODS = ("constant_force", "fixed_position")
 STIFFNESS = "system_axial_stiffness_N_um"

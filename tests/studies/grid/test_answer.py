@@ -15,8 +15,8 @@ from bearingwear.document.document import load_document
 from bearingwear.results.netcdf import load
 from bearingwear.results.units import digits
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.grid import figures
 from bearingwear.studies.grid.answer import MethodLife, answer, lives_of
+from bearingwear.studies.grid.figures import quasistatic
 
 SCENE = {
     "name": "a",
@@ -211,10 +211,12 @@ def test_lives_stand_with_their_spread(small_project, sure, capsys):
     assert rows["constant force", "0.02"] == "–"
     assert "the command bearingwear uncertainty computes it" in table.read_text()
 
-    drawn = figures.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
+    drawn = quasistatic.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
     drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
     assert drawn.endswith("; 90 % of bearings, over what is uncertain: 2 to 30 h")
-    assert figures.life_figure(load(lives), [0.02]).get_suptitle().endswith("no spread computed")
+    assert (
+        quasistatic.life_figure(load(lives), [0.02]).get_suptitle().endswith("no spread computed")
+    )
 
     found = answered(lives, [spread])
     row = row_of(found, "constant force", "0.08")

@@ -11,7 +11,7 @@ from support import ROOT, scene_file, step
 
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.scene.scene import PRELOAD_METHODS
-from bearingwear.studies.grid.dynamic_figures import mean_so_far, reference_values
+from bearingwear.studies.grid.figures.dynamic import mean_so_far, reference_values
 from bearingwear.studies.grid.gather import study
 from bearingwear.studies.grid.grid import Case, Grid
 from bearingwear.studies.unsolved import verdict
@@ -20,7 +20,10 @@ STEADY = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.05, 0.08], [0.0, 0.1, 0.5, 0.
 DYNAMIC = Grid.from_lists(PRELOAD_METHODS, [0.02, 0.08], [0.0, 0.5, 0.7])
 NOT_CONVERGED = 1
 GATHER, TABLES = "studies.grid.gather.study", "studies.grid.dynamic_tables.comparison"
-COMPARED, AVERAGE = "studies.grid.draw.draw_dynamic", "studies.grid.draw.draw_running_average"
+COMPARED, AVERAGE = (
+    "studies.grid.figures.draw.draw_dynamic",
+    "studies.grid.figures.draw.draw_running_average",
+)
 FLAGS = {
     "status": "ok not_converged",
     "race": "inner outer",
@@ -197,7 +200,7 @@ def test_comparison_figure_twice(folder, tmp_path, suffix):
 
 
 def test_comparison_figure_has_lines_and_marks(folder):
-    from bearingwear.studies.grid.dynamic_figures import beside_steady_figure
+    from bearingwear.studies.grid.figures.dynamic import beside_steady_figure
 
     drawn = beside_steady_figure(load(folder / "study.nc"), load(folder / "dynamic.nc"))
     assert len(drawn.axes) == 3 * 2
@@ -259,7 +262,7 @@ def test_mean_so_far():
 
 @pytest.mark.filterwarnings("error")
 def test_running_average_draws_the_reference_where_there_is_one(folder, tmp_path):
-    from bearingwear.studies.grid.dynamic_figures import running_average_figure
+    from bearingwear.studies.grid.figures.dynamic import running_average_figure
 
     case = load(folder / "dynamic" / "constant_force-mu0.080-loss0.00.nc")
     empty = running_average_figure(case, ROOT / "config" / "reference" / "gupta_no2.csv")

@@ -356,7 +356,10 @@ def draw(name, *outputs, folder) -> int:
     """Draw a figure of FIGURES."""
     inputs, settings = FIGURES[name]
     return step(
-        f"studies.grid.draw.draw_{name}", *outputs, settings=settings, **inside(folder, inputs)
+        f"studies.grid.figures.draw.draw_{name}",
+        *outputs,
+        settings=settings,
+        **inside(folder, inputs),
     )
 
 
@@ -391,9 +394,9 @@ def test_figures_of_a_study_where_nothing_was_solved(folder, name, tmp_path, mon
 
 
 def test_failed_cases_are_marked(folder):
-    from bearingwear.studies.grid import figures
+    from bearingwear.studies.grid.figures import quasistatic
 
-    drawn = figures.friction_figure(load(folder / "study.nc"), 0.7)
+    drawn = quasistatic.friction_figure(load(folder / "study.nc"), 0.7)
     texts = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert "not solved" in texts
     crosses = [line for line in drawn.axes[0].lines if line.get_marker() == "x"]
@@ -403,7 +406,7 @@ def test_failed_cases_are_marked(folder):
 WRITERS = {
     GATHER: (["out.nc"], {"paths": [f"cases/{case_id}.nc" for case_id in GRID.cases()]}),
     LIFE: (["out.nc"], {"scene": str(scene_file("gyro_s1")), "study": "study.nc"}),
-    "studies.grid.draw.draw_life": (["f.svg"], {"lives": "wear_life.nc"}),
+    "studies.grid.figures.draw.draw_life": (["f.svg"], {"lives": "wear_life.nc"}),
     TABLES: (["cases.csv", "summary.md"], {"study": "study.nc", "lives": "wear_life.nc"}),
 }
 
@@ -442,7 +445,7 @@ def test_names_are_text_in_figures(folder, name, tmp_path, monkeypatch):
     """Result files, too, may come from strangers; a scene of ours cannot have such a name."""
     from xml.etree import ElementTree
 
-    from bearingwear.studies.grid import draw as steps
+    from bearingwear.studies.grid.figures import draw as steps
 
     def renamed(path, **axes):
         dataset = load(path)
@@ -472,7 +475,7 @@ def test_description_is_text_in_the_summary(folder):
 
 def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):
     path, output = folder / "study.nc", tmp_path / "figure.svg"
-    wear, life = "studies.grid.draw.draw_wear", "studies.grid.draw.draw_life"
+    wear, life = "studies.grid.figures.draw.draw_wear", "studies.grid.figures.draw.draw_life"
     assert step(wear, output, studies=[path], settings={"friction": [0.03]}) == 2
     assert capsys.readouterr().err == f"{path}: friction: got 0.03, expected 0, 0.02, 0.08\n"
     assert step(life, output, lives=path, settings={"friction": [0.02]}) == 2
@@ -484,7 +487,7 @@ def test_a_figure_of_what_the_file_has_not(folder, tmp_path, capsys):
 def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
     case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
     outputs = [tmp_path / "figure.svg", tmp_path / name]
-    assert step("studies.grid.draw.draw_slip", *outputs, cases=[case]) == 2
+    assert step("studies.grid.figures.draw.draw_slip", *outputs, cases=[case]) == 2
     told = capsys.readouterr().err
     assert told.startswith(f"{outputs[1]}: got the suffix ") and told.count("\n") == 1
     assert os.listdir(tmp_path) == []
@@ -493,13 +496,13 @@ def test_a_figure_in_an_unknown_format(name, folder, tmp_path, capsys):
 def test_no_clock_time_in_a_figure(folder, tmp_path):
     case = folder / "cases" / "constant_force-mu0.080-loss0.00.nc"
     outputs = [tmp_path / f"figure.{suffix}" for suffix in ("svg", "png", "pdf")]
-    assert step("studies.grid.draw.draw_slip", *outputs, cases=[case]) == 0
+    assert step("studies.grid.figures.draw.draw_slip", *outputs, cases=[case]) == 0
     for output in outputs:
         assert b"Date" not in output.read_bytes() and b"dc:date" not in output.read_bytes()
 
 
 def test_labels_say_what_tells_scenes_apart():
-    from bearingwear.studies.grid.overlay import scene_labels
+    from bearingwear.studies.grid.figures.overlay import scene_labels
 
     scenes = [
         {"name": name, "bearing": {"pitch_diameter_mm": d, "ball_count": 9}}
@@ -511,7 +514,7 @@ def test_labels_say_what_tells_scenes_apart():
 def test_labels_leave_out_what_a_case_does_not_depend_on():
     """The scenes of the study that differ in drag: one of them says how uncertain its drag is."""
     from bearingwear.scene.read import load_scene
-    from bearingwear.studies.grid.overlay import scene_labels
+    from bearingwear.studies.grid.figures.overlay import scene_labels
 
     names = ("gyro_s1", "gyro_s1_drag200", "gyro_s1_drag400")
     scenes = [load_scene(scene_file(name)).to_dict() for name in names]
@@ -524,7 +527,7 @@ def test_labels_leave_out_what_a_case_does_not_depend_on():
 
 
 def test_a_key_that_one_scene_lacks_is_said_in_words():
-    from bearingwear.studies.grid.overlay import scene_labels
+    from bearingwear.studies.grid.figures.overlay import scene_labels
 
     scenes = [{"name": "a", "wear": {"counts": "ball"}}, {"name": "b", "wear": {"counts": None}}]
     assert scene_labels(scenes) == ["a: counts ball", "b: no counts"]
@@ -532,8 +535,8 @@ def test_a_key_that_one_scene_lacks_is_said_in_words():
 
 def test_titles_name_their_scenes(folder):
     """Else figures of several scenes seem to contradict each other."""
-    from bearingwear.studies.grid import figures
-    from bearingwear.studies.grid.overlay import spread
+    from bearingwear.studies.grid.figures import quasistatic
+    from bearingwear.studies.grid.figures.overlay import spread
 
     study = load(folder / "study.nc")
     mu = float(study["friction"][0])
@@ -543,14 +546,14 @@ def test_titles_name_their_scenes(folder):
         )
     )
     name = scene_of(study)["name"]
-    for drawn in (spread([study, other], mu), figures.wear_figure([study, other], [mu, mu])):
+    for drawn in (spread([study, other], mu), quasistatic.wear_figure([study, other], [mu, mu])):
         title = drawn.get_suptitle().replace("\n", " ")
         assert name in title and "other" in title
     assert "other, drag 250 kg/m³" in title
 
 
 def test_degrees_stand_close():
-    from bearingwear.studies.grid.overlay import scene_labels
+    from bearingwear.studies.grid.figures.overlay import scene_labels
 
     scenes = [
         {"name": n, "bearing": {"contact_angle_deg": a}} for n, a in (("a", 15.0), ("b", 18.5))

@@ -9,7 +9,7 @@ from support import ROOT, scene_file, with_value
 
 from bearingwear.cli import main
 from bearingwear.results.netcdf import load
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import write_dataset
 from workflow.studies.identify.plan import IdentifyPlan
 from workflow.studies.identify.search import FIT_RESULTS, identified

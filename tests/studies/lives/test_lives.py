@@ -5,7 +5,7 @@ import json
 import pytest
 from support import ROOT
 
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.lives.plan import LIVES_FILE, LivesPlan
 from bearingwear.studies.lives.study import study_of_lives
 

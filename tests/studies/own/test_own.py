@@ -8,7 +8,7 @@ from support import scene_file
 
 from bearingwear.console import UsageError
 from bearingwear.lives.life import life
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene
 from bearingwear.studies.design.plan import DesignLimits
 from bearingwear.studies.own.folder import write_study

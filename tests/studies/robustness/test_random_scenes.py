@@ -14,7 +14,7 @@ from bearingwear.cli import main
 from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.netcdf import load
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import SceneError
 from bearingwear.studies.dataset import write_dataset

@@ -16,12 +16,11 @@ from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import Spread, causes_told, spread_at
 from bearingwear.results.units import Interval
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.uncertain import UNCERTAIN, Distribution, is_same_for_batch
 from bearingwear.studies.dataset import write_dataset
-from bearingwear.studies.perturbed import perturbed
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,

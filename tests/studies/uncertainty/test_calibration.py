@@ -15,11 +15,10 @@ from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.solvers.solve import solve
-from bearingwear.studies.perturbed import perturbed
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.calibration import calibrated
 from bearingwear.studies.uncertainty.calibration_tests import bearing_tests
 from bearingwear.studies.uncertainty.quantiles import own_quantiles

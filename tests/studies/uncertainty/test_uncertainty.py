@@ -13,13 +13,12 @@ from bearingwear.cli import main
 from bearingwear.lives.life import life
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.variable import HOURS_PER_SECOND
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import EndOfLife
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.design.map import life_point, scene_at
-from bearingwear.studies.perturbed import perturbed
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.indices import indices
 from bearingwear.studies.uncertainty.quantiles import own_quantiles, quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample, sample_part

@@ -10,12 +10,11 @@ from numpy.testing import assert_allclose
 from support import ROOT, scene_file
 
 from bearingwear.cli import main
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.distributions import value_at
 from bearingwear.scene.read import SceneError, load_scene, scene_from_dict
 from bearingwear.solvers.bearing import parameters
-from bearingwear.studies.perturbed import perturbed
-from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.sampling import Sampling, perturbed
 from bearingwear.studies.uncertainty.plan import UncertaintyPlan, uncertain_scene
 from bearingwear.studies.uncertainty.sample import sample
 

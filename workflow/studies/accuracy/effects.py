@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import loaded
 from workflow.studies.accuracy.factor_table import (
     FACTOR,

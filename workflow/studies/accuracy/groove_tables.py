@@ -8,7 +8,7 @@ import xarray as xr
 
 from bearingwear.lives.groove_life import REQUIRED
 from bearingwear.results.units import digits, span
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import loaded
 from workflow.studies.accuracy.factor_table import (
     ERROR,

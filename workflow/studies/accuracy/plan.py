@@ -13,9 +13,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from bearingwear.scene.accuracy import NAMED_PRESETS
-from bearingwear.scene.errors import SceneError, yaml_number
+from bearingwear.scene.checking.errors import SceneError, yaml_number
+from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.records import NAME, keyed, setting
 from bearingwear.scene.scene import Scene
 
 ACCURACY_FILE = "config/accuracy.yaml"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.protocol import Study, figure_step, step, table_step
 from workflow.studies.accuracy.plan import ACCURACY_FILE, FIGURE_NAMES, AccuracyPlan
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.document.table import cell_text
 from bearingwear.results.units import digits, display, span
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.accuracy.effects import effect_differences

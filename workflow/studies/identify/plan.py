@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bearingwear.scene.errors import SceneError
-from bearingwear.scene.records import keyed, setting
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import keyed, setting
 from bearingwear.studies.axis import RisingAxis, check_rising
 
 

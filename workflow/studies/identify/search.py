@@ -21,7 +21,7 @@ from bearingwear.kernels.steady.thrust import OUTER_SPIN
 from bearingwear.lives.many import HertzianLives
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.results.variables import STUDY_COORDINATES
-from bearingwear.scene.checking import record
+from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, most_balls
 from bearingwear.solvers.bearing import parameters

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.studies.protocol import SCENE, Study, figure_step, step, table_step
 from workflow.studies.identify.plan import IdentifyPlan
 

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels import status as code
-from bearingwear.scene.checking import record
+from bearingwear.scene.checking.check import record
 from bearingwear.scene.read import load_scene, scene_from_dict
 from bearingwear.scene.scene import COUNTS
 from bearingwear.solvers.bearing import parameters

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from bearingwear.scene.checking import record
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.check import record
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.checking.records import NAME, keyed, setting
 from bearingwear.scene.read import load_scene
-from bearingwear.scene.records import NAME, keyed, setting
 
 ROBUSTNESS_FILE = "config/robustness.yaml"
 

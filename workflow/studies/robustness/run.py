@@ -11,7 +11,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.results.entries import common_attributes
 from bearingwear.results.netcdf import CaseFileError
-from bearingwear.scene.checking import read_record
+from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene, SceneError
 from bearingwear.sides import of_bearing

@@ -9,9 +9,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bearingwear.scene.catalogue import MAKERS, MAKERS_CLASSES, SOURCES, CatalogueBearing, entry_of
-from bearingwear.scene.designations import Designation, clearance_range, designation_of
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.errors import SceneError
+from bearingwear.scene.new.catalogue import (
+    MAKERS,
+    MAKERS_CLASSES,
+    SOURCES,
+    CatalogueBearing,
+    entry_of,
+)
+from bearingwear.scene.new.designations import Designation, clearance_range, designation_of
 
 GROOVES = (0.52, 0.53)
 """Groove radius of the inner and the outer race over the ball diameter that is assumed."""

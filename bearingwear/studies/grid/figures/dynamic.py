@@ -27,7 +27,7 @@ from bearingwear.plotting.drawing import (
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import display
-from bearingwear.studies.grid.figures import WEAR_RATE
+from bearingwear.studies.grid.figures.quasistatic import WEAR_RATE
 
 IN_TIME = {
     "linestyle": "none",

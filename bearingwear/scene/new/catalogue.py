@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.checking.errors import SceneError, shown
 
 
 class Maker(NamedTuple):

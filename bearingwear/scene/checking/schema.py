@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from typing import Any
 
-from bearingwear.scene.records import NAME, Key, Part, whole
+from bearingwear.scene.checking.records import NAME, Key, Part, whole
 from bearingwear.scene.scene import Scene
 
 

@@ -25,7 +25,7 @@ from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.figures import as_wide_as_it_is
+from bearingwear.studies.design.figures.choice import as_wide_as_it_is
 
 
 class Mapped(NamedTuple):

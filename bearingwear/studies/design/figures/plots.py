@@ -27,15 +27,15 @@ from bearingwear.results.units import digits, display, span
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
-from bearingwear.studies.design.figures import LOSS_DASHES
-from bearingwear.studies.design.map_figure import MAPPED, map_overview
-from bearingwear.studies.design.sentences import method_names
-from bearingwear.studies.design.uncertainty_figure import (
+from bearingwear.studies.design.document.sentences import method_names
+from bearingwear.studies.design.document.words import LIMIT_WORDS
+from bearingwear.studies.design.figures.choice import LOSS_DASHES
+from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
+from bearingwear.studies.design.figures.uncertainty_figure import (
     draw_cumulated,
     preload_drawn,
     uncertainty_figure,
 )
-from bearingwear.studies.design.words import LIMIT_WORDS
 
 
 def map_plot(design: xr.Dataset) -> Figure:

@@ -40,9 +40,9 @@ from bearingwear.studies.design.choice import (
     limits_of,
     stiffness_of,
 )
+from bearingwear.studies.design.document.sentences import headline
+from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.map import WORN_GROOVE
-from bearingwear.studies.design.sentences import headline
-from bearingwear.studies.design.words import LIMIT_WORDS
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
 LETTERS |= dict(zip(ACTIVE[UNLIMITED:], "LEU×NBC", strict=True))

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bearingwear.plotting.drawing import Figure, frame, key, new_figure, scene_of
 from bearingwear.results.units import digits, display, span
-from bearingwear.studies.grid import figures
+from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Grid
 
@@ -16,7 +16,7 @@ LIFE_AXES = ("preload_method", "friction")
 
 def case_plot(case: xr.Dataset) -> Figure:
     """Slip over the contact ellipse; of a dynamic case, its histories."""
-    return _histories(case) if "history_contact_load" in case else figures.slip_figure([case])
+    return _histories(case) if "history_contact_load" in case else quasistatic.slip_figure([case])
 
 
 def _histories(case: xr.Dataset) -> Figure:
@@ -52,12 +52,12 @@ def _histories(case: xr.Dataset) -> Figure:
 def study_plot(study: xr.Dataset) -> Figure:
     """QV, preload, angles and rate of wear, a column for each coefficient of friction."""
     frictions = study["friction"].values.tolist()
-    return figures.wear_figure([study.sel(friction=[mu]) for mu in frictions], frictions)
+    return quasistatic.wear_figure([study.sel(friction=[mu]) for mu in frictions], frictions)
 
 
 def lives_plot(lives: xr.Dataset) -> Figure:
     """Wear and preload over the life."""
-    return figures.life_figure(lives, lives["friction"].values.tolist())
+    return quasistatic.life_figure(lives, lives["friction"].values.tolist())
 
 
 def life_plot(life: xr.Dataset) -> Figure:
@@ -75,4 +75,4 @@ def life_plot(life: xr.Dataset) -> Figure:
         mu = round(float(life["history_friction_coefficient"].isel(step=0).mean()), 3)
     grid = Grid((method,), (mu,), (0.0,))
     axes = {name: axis for name, axis in axis_coordinates(grid).items() if name in LIFE_AXES}
-    return figures.life_figure(life.expand_dims([*axes]).assign_coords(axes), [mu])
+    return quasistatic.life_figure(life.expand_dims([*axes]).assign_coords(axes), [mu])

@@ -1,6 +1,6 @@
 """The page of all variables of a case and a life file.
 
-`python -m bearingwear.results.variables_page docs/variables.md` makes it anew.
+`python benchmarks/variables_page.py docs/variables.md` makes it anew.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from bearingwear.kernels.status import STATUS_NAMES, STATUS_SENTENCES
-from bearingwear.results.growth_variables import GROWN
+from bearingwear.results.life_variables import GROWN
 from bearingwear.results.pair_variables import SYSTEM
 from bearingwear.results.variable import Variable
 from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, STATE, STRIP_POSITION
@@ -19,7 +19,7 @@ from bearingwear.results.variables import ALWAYS, COORDINATES, DYNAMIC, LIFE, ST
 INTRODUCTION = """\
 # Variables of a result
 
-<!-- made by `python -m bearingwear.results.variables_page docs/variables.md` -->
+<!-- made by `python benchmarks/variables_page.py docs/variables.md` -->
 
 What `bearingwear solve` and `life` write, and what `bearingwear.solve` and `life` return in Python.
 Each variable carries its meaning and unit as `long_name` and `units`; so do those of the studies'

@@ -1,7 +1,7 @@
 """The keys of a record as Markdown and as names, and the values of nested data under their keys.
 
-`python -m bearingwear.scene.keys config/README.md` puts lists between the markers of that file: of
-a scene's keys, or of those of the record that a marker names.
+`python -m bearingwear.scene.checking.keys config/README.md` puts lists between the markers of that
+file: of a scene's keys, or of those of the record that a marker names.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from bearingwear.scene.errors import yaml_number
-from bearingwear.scene.records import Part, whole
+from bearingwear.scene.checking.errors import yaml_number
+from bearingwear.scene.checking.records import Part, whole
+from bearingwear.scene.checking.schema import default
 from bearingwear.scene.scene import Scene
-from bearingwear.scene.schema import default
 
 LINE_LENGTH = 100
 """Longest line of the Markdown."""

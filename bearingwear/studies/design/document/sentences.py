@@ -20,8 +20,7 @@ from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, assumptions_of, passed
 from bearingwear.studies.design.choice import ACTIVE, limits_of, preload_text
-from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
-from bearingwear.studies.design.words import (
+from bearingwear.studies.design.document.words import (
     ASSUMED_WORDS,
     END_KEY,
     LIMIT_KEY,
@@ -30,6 +29,7 @@ from bearingwear.studies.design.words import (
     limit_text,
     without_limits,
 )
+from bearingwear.studies.design.verdict import CLAIMED, NEITHER_LONGER
 
 TAKE = {
     "constant_force": "a spring preload of {} N (constant force)",

@@ -7,18 +7,19 @@ from bearingwear.plotting.drawing import Figure
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import load_quantiles
 from bearingwear.studies.dataset import both_ways, loaded
-from bearingwear.studies.grid import dynamic_figures, figures
-from bearingwear.studies.grid.overlay import lives_side_by_side, spread
+from bearingwear.studies.grid.figures import dynamic as dynamic_figures
+from bearingwear.studies.grid.figures import quasistatic
+from bearingwear.studies.grid.figures.overlay import lives_side_by_side, spread
 
 
 def draw_friction(study: Path, loss_um: float) -> Figure:
     """QV and contact load against friction at one state of wear."""
-    return figures.friction_figure(loaded(study, ball_diameter_loss=[loss_um]), loss_um)
+    return quasistatic.friction_figure(loaded(study, ball_diameter_loss=[loss_um]), loss_um)
 
 
 def draw_slip(cases: Sequence[Path]) -> Figure:
     """Slip over the contact ellipse."""
-    return figures.slip_figure([loaded(path, strip=()) for path in cases])
+    return quasistatic.slip_figure([loaded(path, strip=()) for path in cases])
 
 
 def draw_wear(studies: Sequence[Path], friction: Sequence[float]) -> Figure:
@@ -30,13 +31,13 @@ def draw_wear(studies: Sequence[Path], friction: Sequence[float]) -> Figure:
         loaded(path, friction=[mu], ball_diameter_loss=())
         for path, mu in zip(paths, friction, strict=True)
     ]
-    return figures.wear_figure(columns, friction)
+    return quasistatic.wear_figure(columns, friction)
 
 
 def draw_life(lives: Path, friction: Sequence[float], uncertainty: Sequence[Path] = ()) -> Figure:
     """Wear and preload over the life."""
     found = loaded(lives, interpolated_step=(), friction=friction)
-    return figures.life_figure(found, friction, [load_quantiles(path) for path in uncertainty])
+    return quasistatic.life_figure(found, friction, [load_quantiles(path) for path in uncertainty])
 
 
 def draw_overlay(studies: Sequence[Path], friction: float) -> Figure:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from bearingwear.plotting.drawing import Figure
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.studies.design import figures, map_figure, uncertainty_figure
+from bearingwear.studies.design.figures import choice, map_figure, uncertainty_figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ def design_files(
 def draw_design(design: Path, recommendation: Path, uncertainty: Path | None = None) -> Figure:
     """Which preload to take."""
     files = design_files(design, recommendation, uncertainty)
-    return figures.design_figure(files.design, files.recommendation, files.uncertainty)
+    return choice.design_figure(files.design, files.recommendation, files.uncertainty)
 
 
 def draw_map(design: Path) -> Figure:

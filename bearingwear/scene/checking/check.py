@@ -19,8 +19,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from bearingwear.scene.errors import SceneError, short, shown, yaml_number
-from bearingwear.scene.records import NAME, Key, Part, R, part_at, whole
+from bearingwear.scene.checking.errors import SceneError, short, shown, yaml_number
+from bearingwear.scene.checking.records import NAME, Key, Part, R, part_at, whole
 
 DEEPEST = 20
 """Limit of blocks within blocks; a scene has three."""
@@ -57,7 +57,7 @@ def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
     SceneError
         For the first thing that is wrong.
     """
-    from bearingwear.scene.strict_yaml import data_of, text_of
+    from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
     source = os.fspath(path)
     data = data_of(text_of(path), source, anchors=True)

@@ -122,5 +122,5 @@ def _steps_across(plan: Plan) -> list[Step]:
 
 
 def _figure(name: str, kind: str, **rest: Any) -> Step:
-    run = f"draw.draw_{kind}"
+    run = f"figures.draw.draw_{kind}"
     return figure_step(name, run, **{"name": f"figure_{kind}", "caption": kind, **rest})

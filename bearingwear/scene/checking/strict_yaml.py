@@ -14,8 +14,8 @@ from typing import Any
 
 import yaml
 
-from bearingwear.scene.checking import DEEPEST
-from bearingwear.scene.errors import SceneError
+from bearingwear.scene.checking.check import DEEPEST
+from bearingwear.scene.checking.errors import SceneError
 
 LARGEST_FILE = 1_000_000
 """Size limit of a scene file [bytes]; a scene takes two thousand."""

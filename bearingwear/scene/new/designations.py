@@ -11,8 +11,8 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from bearingwear.scene.catalogue import CatalogueBearing, makers_with
-from bearingwear.scene.errors import SceneError, shown
+from bearingwear.scene.checking.errors import SceneError, shown
+from bearingwear.scene.new.catalogue import CatalogueBearing, makers_with
 
 LONGEST_DESIGNATION = 40  # characters of a designation
 

@@ -6,8 +6,8 @@ A field says its `Key`:
     class Sampling:
         samples: int = setting("Base samples, a power of two", minimum=1, default=256)
 
-`bearingwear.scene.checking` checks plain data by it. The JSON schema (`scene.schema`) and the table
-of keys (`scene.keys`) are made from the same fields.
+`check` checks plain data by it. The JSON schema (`schema`) and the table of keys (`keys`) are made
+from the same fields.
 
 A field may be int, float, bool, str (with `choices` or a `pattern`), `str | float` (a choice or a
 number), another record, a tuple of one of these, a `Mapping` of names to one of these, `X | None`,
@@ -27,7 +27,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, make_dataclass, replace
 from typing import Any, TypeVar, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
-from bearingwear.scene.errors import yaml_number
+from bearingwear.scene.checking.errors import yaml_number
 
 SCENE_SUFFIXES = (".yaml", ".yml")
 """How the name of a scene's file ends."""

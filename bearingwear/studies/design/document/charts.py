@@ -20,10 +20,10 @@ from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import limit_margins, limits_of
-from bearingwear.studies.design.document import brief_rows
-from bearingwear.studies.design.draw import design_files
-from bearingwear.studies.design.figures import at_scene
-from bearingwear.studies.design.words import limit_text
+from bearingwear.studies.design.document.sheets import brief_rows
+from bearingwear.studies.design.document.words import limit_text
+from bearingwear.studies.design.figures.choice import at_scene
+from bearingwear.studies.design.figures.draw import design_files
 
 X_LABEL = "initial preload (N)"
 _DECADES = 30.0

@@ -28,7 +28,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.figures import LOSS_DASHES
+from bearingwear.studies.design.figures.choice import LOSS_DASHES
 
 QUANTITY_WORDS = {
     "ball_diameter_mm": "ball diameter",

@@ -15,7 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.arrangement import PAIRS
-from bearingwear.scene.assumed import (
+from bearingwear.scene.checking.check import fits
+from bearingwear.scene.checking.errors import SceneError, yaml_number
+from bearingwear.scene.checking.records import NAME, NAME_RULE, SCENE_SUFFIXES
+from bearingwear.scene.coefficients import Rubbing, rubbing
+from bearingwear.scene.new.assumed import (
     Designation,
     Origin,
     grooves_of,
@@ -25,11 +29,7 @@ from bearingwear.scene.assumed import (
     rounded_to,
     size_of,
 )
-from bearingwear.scene.catalogue import CatalogueBearing, same_size
-from bearingwear.scene.checking import fits
-from bearingwear.scene.coefficients import Rubbing, rubbing
-from bearingwear.scene.errors import SceneError, yaml_number
-from bearingwear.scene.records import NAME, NAME_RULE, SCENE_SUFFIXES
+from bearingwear.scene.new.catalogue import CatalogueBearing, same_size
 from bearingwear.scene.scene import key_of_scene, most_balls
 
 if TYPE_CHECKING:
@@ -316,8 +316,8 @@ def _line(key: str, origin: Origin) -> str:
 
 
 def _check(text: str) -> None:
+    from bearingwear.scene.checking.strict_yaml import data_of
     from bearingwear.scene.read import scene_from_dict
-    from bearingwear.scene.strict_yaml import data_of
 
     try:
         scene_from_dict(data_of(text, "scene"), "scene")

@@ -37,15 +37,7 @@ from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
 from bearingwear.studies.design.choice import ACTIVE, limits_of
-from bearingwear.studies.design.draw import design_files
-from bearingwear.studies.design.figures import at_scene
-from bearingwear.studies.design.machine import machine_blocks
-from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
-from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
-from bearingwear.studies.design.recommend import WORST_CASES, best_method, mapped
-from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
-from bearingwear.studies.design.sampled import sampled_blocks
-from bearingwear.studies.design.sentences import (
+from bearingwear.studies.design.document.sentences import (
     by_life,
     headline,
     how_sure,
@@ -58,8 +50,7 @@ from bearingwear.studies.design.sentences import (
     what_others_change,
     what_would_change_it,
 )
-from bearingwear.studies.design.verdict import VERDICTS
-from bearingwear.studies.design.words import (
+from bearingwear.studies.design.document.words import (
     GROOVE_WORDS,
     HERTZIAN_LIFE_WORDS,
     NONE_BECAUSE,
@@ -67,6 +58,15 @@ from bearingwear.studies.design.words import (
     held_words,
     limit_text,
 )
+from bearingwear.studies.design.figures.choice import at_scene
+from bearingwear.studies.design.figures.draw import design_files
+from bearingwear.studies.design.machine import machine_blocks
+from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
+from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around
+from bearingwear.studies.design.recommend import WORST_CASES, best_method, mapped
+from bearingwear.studies.design.room import CRITERIA_FARTHEST, FARTHEST
+from bearingwear.studies.design.sampled import sampled_blocks
+from bearingwear.studies.design.verdict import VERDICTS
 from bearingwear.studies.pool import Tell
 
 SHORT_TABLE = [one for one in LIMITED.values() if one.brief]
