@@ -40,7 +40,7 @@ def launch_document(scene: Scene, found: Launched) -> Document:
         ]
     said = launch_verdict(found)
     facts = {"kind": "launch", "scene": scene.name, "verdict": said}
-    heading = (operation_lines(json.loads(json.dumps(scene.to_dict())))[0], *_asked(scene, found))
+    heading = (operation_lines(json.loads(scene.json))[0], *_asked(scene, found))
     return Document((*heading, *said), facts, tuple(blocks))
 
 

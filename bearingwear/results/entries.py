@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -73,14 +74,15 @@ def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     is_life = "end_criterion" in values
     table = LIFE if is_life else CASE
     require_known(values, {*table, STRIP_POSITION.name, *TIME})
-    scene = json.loads(result.attrs.get("scene", "{}"))
+    scene = _scene(result.attrs.get("scene", "{}"))
     if is_pair(scene):
         table = of_pair(table)
-    sizes = _sizes(table, values, scene)
+    given = {name: stored_data(table[name], values[name]) for name in table if name in values}
+    sizes = _sizes(table, given, scene)
     solved = {
-        name: _entry(variable, values.get(name), sizes)
+        name: _entry(variable, given.get(name), sizes)
         for name, variable in table.items()
-        if name in values or variable.always
+        if name in given or variable.always
     }
     if result.attrs.get("fidelity") == "dynamic" and not is_life:
         for name, entry in solved.items():
@@ -97,12 +99,20 @@ def entries_of(result: Result) -> tuple[dict[str, Entry], dict[str, Any]]:
     return coordinates | solved, {key: _attribute(value) for key, value in attrs.items()}
 
 
+@functools.lru_cache(maxsize=4)
+def _scene(text: str) -> Mapping[str, Any]:
+    """The scene of a result; shared, so do not write to it."""
+    return json.loads(text)
+
+
 def require_known(values: Iterable[str], known: Container[str]) -> None:
     if unknown := sorted(name for name in values if name not in known):
         raise KeyError(f"not in the table of variables: {', '.join(unknown)}")
 
 
-def _sizes(table: Mapping[str, Variable], values: Mapping[str, Any], scene: Any) -> dict[str, int]:
+def _sizes(
+    table: Mapping[str, Variable], given: Mapping[str, np.ndarray], scene: Any
+) -> dict[str, int]:
     """Length of every dimension, from the values where they have it."""
     strips = scene.get("model", {}).get("strips", STANDARD.strips)
     sizes = {
@@ -113,12 +123,11 @@ def _sizes(table: Mapping[str, Variable], values: Mapping[str, Any], scene: Any)
         "strip": strips,
         OF_BEARING: len(BEARINGS),
     }
-    for name, variable in table.items():
-        if name in values:
-            shape = np.shape(values[name])
-            if len(shape) != len(variable.dims):
-                raise ValueError(f"{name} has {len(shape)} dimensions, not {len(variable.dims)}")
-            sizes |= dict(zip(variable.dims, shape, strict=True))
+    for name, data in given.items():
+        dims, shape = table[name].dims, data.shape
+        if len(shape) != len(dims):
+            raise ValueError(f"{name} has {len(shape)} dimensions, not {len(dims)}")
+        sizes.update(zip(dims, shape, strict=True))
     return sizes
 
 
@@ -132,24 +141,22 @@ def _coordinates(
             value = values.get(name)
             if value is None and variable.dtype[0] != "i":
                 raise ValueError(f"{name} is missing")
-            found[name] = _entry(
-                variable, np.arange(sizes[name]) if value is None else value, sizes
-            )
+            value = np.arange(sizes[name]) if value is None else value
+            found[name] = _entry(variable, stored_data(variable, value), sizes)
     if "strip" in used:
         strips = sizes["strip"]
         middles = (2.0 * np.arange(strips) + 1.0) / strips - 1.0
         position = values.get(STRIP_POSITION.name, middles)
+        position = stored_data(STRIP_POSITION, position)
         found[STRIP_POSITION.name] = _entry(STRIP_POSITION, position, sizes)
     return {name: entry._replace(fill=None) for name, entry in found.items()}
 
 
-def _entry(variable: Variable, value: Any, sizes: Mapping[str, int]) -> Entry:
-    shape = tuple(sizes[dim] for dim in variable.dims)
-    if value is None:
+def _entry(variable: Variable, data: np.ndarray | None, sizes: Mapping[str, int]) -> Entry:
+    shape = tuple(map(sizes.__getitem__, variable.dims))
+    if data is None:
         missing = len(variable.flags) - 1 if variable.flags else np.nan  # a last flag says "none"
         data = np.full(shape, missing, dtype=variable.dtype)
-    else:
-        data = stored_data(variable, value)
     if data.shape != shape:
         raise ValueError(f"{variable.name} has shape {data.shape}, not {shape}")
     attrs = variable.attributes

@@ -5,6 +5,7 @@ Files keep whole numbers with `flag_meanings`, as CF asks; a person selects by n
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,9 +30,15 @@ def named(variable: xr.Variable) -> xr.Variable:
     """A variable with names for its codes, if it has codes."""
     if "flag_meanings" not in variable.attrs or variable.dtype.kind not in "iu":
         return variable
-    meanings = [*variable.attrs["flag_meanings"].split(), NO_NAME]  # the last one for a code of -1
+    names = _names(variable.attrs["flag_meanings"])
     attrs = {key: value for key, value in variable.attrs.items() if key != "flag_values"}
-    return type(variable)(variable.dims, np.array(meanings)[variable.values], attrs)
+    return type(variable)(variable.dims, names[variable.values], attrs)
+
+
+@functools.cache
+def _names(meanings: str) -> np.ndarray:
+    """Of each code; the last one of a code of -1."""
+    return np.array([*meanings.split(), NO_NAME])
 
 
 def coded(dataset: xr.Dataset) -> xr.Dataset:

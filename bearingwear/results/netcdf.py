@@ -11,8 +11,6 @@ import os
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from bearingwear.atomic import reason, whole_file
 from bearingwear.results.entries import (
     SOURCE,
@@ -32,6 +30,8 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 LONG_COORDINATES, MOST_KNOWN = 1000, 16
 """Most values of coordinates whose indexes are kept, and how many sets of them are."""
+
+_SLOTS = {"_dims", "_data", "_attrs", "_encoding"}  # of a variable of xarray
 
 COMPRESSED_ABOVE = 100_000
 """Variables with more values than this are compressed, and histories over time always."""
@@ -96,21 +96,36 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
 
     With `by_name` it has names instead of codes, as `labelled` makes them.
     """
+    entries, attrs = entries_of(result)
+    attrs["wall_time_s"] = float(result.wall_time_s)
+    names = [*filter(entries.__contains__, (*COORDINATES, STRIP_POSITION.name))]
+    own = {name: entries.pop(name) for name in names}
+    made = _joined(_variables(entries, by_name), _indexed(own, by_name), attrs)
+    if STRIP_POSITION.name in own:  # no index, so it may be written to: each has its own
+        made.variables[STRIP_POSITION.name].data = own[STRIP_POSITION.name].data
+    return made
+
+
+def _unchecked(dims: Any, data: Any, attrs: Any, encoding: Any) -> xr.Variable:
     import xarray as xr
 
-    entries, attrs = entries_of(result)
-    variables = {}
-    for name, entry in entries.items():
-        own = {key: value for key, value in entry.attrs.items() if key != "coordinates"}
-        encoding = {} if entry.fill is None else {"_FillValue": entry.fill}
-        variable = xr.Variable(entry.dims, entry.data, own, encoding, fastpath=True)
-        variables[name] = named(variable) if by_name else variable
-    names = [*filter(variables.__contains__, (*COORDINATES, STRIP_POSITION.name))]
-    coordinates = {name: variables.pop(name) for name in names}
-    attrs["wall_time_s"] = float(result.wall_time_s)
-    made = _joined(variables, _indexed(coordinates), attrs)
-    if STRIP_POSITION.name in coordinates:  # no index, so it may be written to: each has its own
-        made.variables[STRIP_POSITION.name].data = coordinates[STRIP_POSITION.name].data
+    made = object.__new__(xr.Variable)
+    made._dims, made._data, made._attrs, made._encoding = dims, data, attrs, encoding
+    return made
+
+
+def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Variable]:
+    """Variables of entries, which are known to be right: xarray would check each again."""
+    import xarray as xr
+
+    make = _unchecked if set(xr.Variable.__slots__) == _SLOTS else xr.Variable
+    made = {}
+    for name, (dims, data, attrs, fill) in entries.items():
+        attrs.pop("coordinates", None)
+        encoding = {} if fill is None else {"_FillValue": fill}
+        made[name] = make(dims, data, attrs, encoding)
+        if by_name and "flag_meanings" in attrs:
+            made[name] = named(made[name])
     return made
 
 
@@ -126,13 +141,12 @@ def _joined(
     construct = getattr(xr.Dataset, "_construct_direct", None)
     if construct is None:
         return xr.Dataset(variables, coordinates, attrs)
-    own: dict[Any, xr.Variable] = {
-        name: one.copy(deep=False) for name, one in coordinates.variables.items()
-    }
+    own = {name: one.copy(deep=False) for name, one in coordinates.variables.items()}
     every: dict[Any, xr.Variable] = {**variables, **own}
-    sizes: dict[Any, int] = {
-        n: k for v in every.values() for n, k in zip(v.dims, v.shape, strict=True)
-    }
+    sizes: dict[Any, int] = {}
+    for one in every.values():
+        if one.dims:
+            sizes.update(zip(one.dims, one.shape, strict=True))
     indexes = dict(coordinates.xindexes)
     return construct(every, coord_names=set(own), dims=sizes, attrs=attrs, indexes=indexes)
 
@@ -141,24 +155,20 @@ _KNOWN_COORDINATES: dict[Any, xr.Coordinates] = {}
 """Of steady cases and the like, which all have the same; to index them takes half a millisecond."""
 
 
-def _indexed(variables: Mapping[str, xr.Variable]) -> xr.Coordinates:
+def _indexed(entries: Mapping[str, Entry], by_name: bool) -> xr.Coordinates:
     """Coordinates with their indexes."""
     import xarray as xr
 
-    if sum(variable.size for variable in variables.values()) > LONG_COORDINATES:
-        return xr.Coordinates(variables)
-    key = tuple((name, *_contents(variable)) for name, variable in variables.items())
+    if sum(entry.data.size for entry in entries.values()) > LONG_COORDINATES:
+        return xr.Coordinates(_variables(entries, by_name))
+    # the other attributes are those of the table
+    contents = ((e.data.tobytes(), e.attrs.get("represents")) for e in entries.values())
+    key = by_name, tuple(zip(entries, contents, strict=True))
     if key not in _KNOWN_COORDINATES:
         if len(_KNOWN_COORDINATES) >= MOST_KNOWN:
             _KNOWN_COORDINATES.clear()
-        _KNOWN_COORDINATES[key] = xr.Coordinates(variables)
+        _KNOWN_COORDINATES[key] = xr.Coordinates(_variables(entries, by_name))
     return _KNOWN_COORDINATES[key]
-
-
-def _contents(variable: xr.Variable) -> tuple[Any, ...]:
-    """Key of a variable, for look-up."""
-    attrs = ((name, np.asarray(value).tobytes()) for name, value in variable.attrs.items())
-    return variable.dims, variable.dtype.str, variable.values.tobytes(), *attrs
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -6,6 +6,7 @@ nothing is converted here (`bearingwear.solvers.bearing.parameters` does that).
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -233,13 +234,13 @@ class EndOfLife(_CRITERIA):
     a dynamic life alone sees wearing.
     """
 
-    @property
+    @functools.cached_property
     def criteria(self) -> dict[str, float]:
         """The criteria that apply."""
         values = {name: getattr(self, name) for name in ENDS}
         return {name: value for name, value in values.items() if value is not None}
 
-    @property
+    @functools.cached_property
     def without_cage(self) -> EndOfLife:
         """The criteria that ask nothing of a cage."""
         return replace(self, **dict.fromkeys(OF_CAGE))

@@ -8,6 +8,7 @@ here, whoever builds the scene.
 from __future__ import annotations
 
 import functools
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
@@ -275,6 +276,11 @@ class Scene:
             plain["wear"]["ball_diameter_loss_um"] = loss[0]
         return plain
 
+    @functools.cached_property
+    def json(self) -> str:
+        """`to_dict` as JSON: the attribute `scene` of a result."""
+        return json.dumps(self.to_dict())
+
 
 def _rebuilt(values: dict[str, Any]) -> Scene:
     return Scene(**values)
@@ -286,7 +292,12 @@ def _field_names(kind: type) -> tuple[str, ...]:
     return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
 
 
+_UNCHANGED = frozenset({float, int, bool, str})
+
+
 def _plain(value: Any) -> Any:
+    if value.__class__ in _UNCHANGED:
+        return value
     if names := _field_names(value.__class__):
         parts = ((name, getattr(value, name)) for name in names)
         return {name: _plain(part) for name, part in parts if part is not None}

@@ -85,7 +85,7 @@ def check_restart(scene: Scene, chosen: Choice) -> None:
 
 def provenance(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> dict[str, str]:
     return {
-        "scene": json.dumps(scene.to_dict()),
+        "scene": scene.json,
         "fidelity": chosen.fidelity,
         "modelled": json.dumps(list(chosen.reasons)),
         "warnings": json.dumps(warnings_of(scene, chosen, values)),

@@ -68,7 +68,7 @@ def filled(
         data = data.reshape((*along.values(), *data.shape[1:]))
         variables[name] = xr.Variable((*along, *variable.dims), data, variable.attributes)
     if isinstance(attributes.get("scene"), Scene):
-        attributes["scene"] = json.dumps(attributes["scene"].to_dict())
+        attributes["scene"] = attributes["scene"].json
     return xr.Dataset(variables, coords, common_attributes() | attributes)
 
 

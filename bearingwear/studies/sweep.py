@@ -207,7 +207,7 @@ def _side_by_side(
     made.attrs = common_attributes() | {
         "title": f"{what} of {base.name} at {math.prod(lengths.values())} points",
         "kind": "sweep",
-        "scene": json.dumps(base.to_dict()),
+        "scene": base.json,
         "changed_keys": json.dumps({name: key for key, name in names.items()}),
         "fidelity": ", ".join(fidelities),
         "warnings": gathered_warnings(part.attrs for part in parts),

@@ -3,6 +3,7 @@
 Depths are radial, of the surface: half of what a ball loses of its diameter (theory.md section 23).
 """
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -90,8 +91,13 @@ class Films:
 
     @classmethod
     def of(cls, scene: Scene) -> "Films":
-        b, given = scene.bearing, scene.friction.film
+        b = scene.bearing
         ball, race = (scene.materials[name] for name in (b.ball_material, b.race_material))
+        return cls._between(ball, race, scene.friction.film)
+
+    @classmethod
+    @functools.lru_cache(maxsize=64)  # asked for several times in each solve
+    def _between(cls, ball: Material, race: Material, given: FilmFriction | None) -> "Films":
         # a film that never wears through is on the races alone where no material has one
         endless = given is not None and given.thickness_um is None
         on_races = None if endless and ball.film is not None else given

@@ -1,5 +1,6 @@
 """Quasi-static stiffness: slope of force over place where balls follow (theory.md section 2)."""
 
+import functools
 from collections.abc import Iterable
 
 import numpy as np
@@ -13,11 +14,11 @@ from bearingwear.kernels.steady.thrust import ThrustCase
 STANDING = 1e-6  # of the ball's speeds: an orbit rate below it does not turn
 
 
-def groove_maps(g: Geometry, psi: np.ndarray) -> np.ndarray:
+def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
     """Axial and radial shift of each inner groove by the displacements of the race, (n, 2, DOF)."""
     maps, s, c = np.zeros((len(psi), 2, DOF)), np.sin(psi), np.cos(psi)
     maps[:, 0, 0] = 1.0
-    maps[:, 0, 3], maps[:, 0, 4] = g.R_i * c, g.R_i * s
+    maps[:, 0, 3], maps[:, 0, 4] = R_i * c, R_i * s
     maps[:, 1, 1], maps[:, 1, 2] = -s, c
     return maps
 
@@ -25,6 +26,14 @@ def groove_maps(g: Geometry, psi: np.ndarray) -> np.ndarray:
 def azimuths(n: int) -> np.ndarray:
     """Of n balls evenly spaced, the first at +Z [rad]."""
     return 2.0 * np.pi * np.arange(n) / n
+
+
+@functools.lru_cache(maxsize=16)
+def _maps_across(R_i: float, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Maps of displacements across the axis, those a quarter turn on, and exp(i psi); read only."""
+    psi = azimuths(n)
+    maps, turned = groove_maps(R_i, psi), groove_maps(R_i, psi + 0.5 * np.pi)
+    return maps[..., 1:], turned[..., 1:], np.exp(1j * psi)
 
 
 def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
@@ -55,9 +64,7 @@ def quasistatic_matrix(g: Geometry, D: float, case: ThrustCase) -> np.ndarray:
             Q * np.cos(alpha) - case.T_i * np.sin(alpha),
         ]
     )
-    psi = azimuths(N)
-    maps, turned = groove_maps(g, psi)[..., 1:], groove_maps(g, psi + 0.5 * np.pi)[..., 1:]
-    turn = np.exp(1j * psi)
+    maps, turned, turn = _maps_across(g.R_i, N)
     K[1:, 1:] = (
         np.einsum("jdp,dq,j->pq", maps, force @ amplitude, turn)
         + np.einsum("jdp,d,q,j->pq", turned, steady, lead @ amplitude, turn)
@@ -87,7 +94,7 @@ def race_control_matrix(
             for d, load, at, state in zip(D, loads, psi, states, strict=True)
         ]
     ).reshape(-1, 2, 2)
-    maps = groove_maps(g, azimuths(g.n_balls))
+    maps = groove_maps(g.R_i, azimuths(g.n_balls))
     tangents = np.broadcast_to(each, (g.n_balls, 2, 2))
     return np.einsum("jdp,jde,jeq->pq", maps, tangents, maps)
 

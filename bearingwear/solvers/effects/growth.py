@@ -119,8 +119,9 @@ def temperature(chosen: Choice) -> Iterator[str]:
 
 
 def seats(chosen: Choice) -> Iterator[str]:
-    scene, growth = chosen.scene, growth_of(chosen.scene)
+    scene = chosen.scene
     if scene.fits is not None:
+        growth = growth_of(scene)
         alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
         yield f"fits: solved; {_effect(scene, preload_change(scene, alone))}"
 

@@ -4,7 +4,6 @@ Each limit has a source or is called assumed, or a rule of thumb. The sentences 
 """
 
 import math
-from dataclasses import asdict
 
 import numpy as np
 
@@ -126,7 +125,7 @@ def too_fast(e: Evidence) -> Finding:
 def faster_than_made_for(e: Evidence) -> Finding | None:
     """Of one under a light spring, or of a rigid pair by its preload; a starved bearing has no
     oil that cools it, so the limit with grease counts."""
-    entry = entry_of_bearing(asdict(e.scene.bearing))
+    entry = entry_of_bearing(vars(e.scene.bearing))
     if entry is None:
         return None
     o = e.scene.operation

@@ -26,11 +26,12 @@ def warnings_of(
     if len(scene.sides) > 1:
         return _of_both(scene, chosen, values or {})
     every = list(evidence_of(scene, chosen, values or {}))
-    return [
-        _said(effect, *max(found, key=lambda one: one[0] or 0.0))
-        for effect in WARNINGS
-        if (found := list(_beyond(effect, every)))
-    ]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return [
+            _said(effect, *max(found, key=lambda one: one[0] or 0.0))
+            for effect in WARNINGS
+            if (found := list(_beyond(effect, every)))
+        ]
 
 
 def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -52,8 +53,7 @@ def _of_both(scene: Scene, chosen: Choice, values: Mapping[str, Any]) -> list[di
 def _beyond(effect: Effect, every: Iterable[Evidence]) -> Iterator[tuple[float | None, Finding]]:
     """What is to be warned of, and the value over its limit, None of a fact."""
     for e in every:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found = effect.size(e)
+        found = effect.size(e)
         if found is None:
             continue
         excess = found.get("excess")

@@ -193,7 +193,7 @@ def ensemble_of(
     attributes = {
         "title": f"Ensemble of cages of {scene.name}",
         "kind": ENSEMBLE_KIND,
-        "scene": json.dumps(scene.to_dict()),
+        "scene": scene.json,
         "ensemble": json.dumps(asdict(plan)),
         "spread": json.dumps({name: asdict(one) for name, one in spread.items()}),
         "assumed": said,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -68,6 +67,6 @@ def gathered_ensembles(scene: Path, paths: Sequence[Path], plan: Mapping[str, An
     together.attrs = dict(parts[0].attrs) | {
         "title": f"Map of cages of {changed.name}",
         "kind": MAP_KIND,
-        "scene": json.dumps(changed.to_dict()),
+        "scene": changed.json,
     }
     return together
