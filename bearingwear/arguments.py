@@ -51,16 +51,16 @@ def command_parser() -> argparse.ArgumentParser:
         return sub
 
     _add_new(command("new", "write a commented scene from a few catalogue numbers"))
-    check = command("check", "check a scene; say which model would be solved, and why")
+    check = command("check", "check a scene; report which model would be used, and why")
     solve = command("solve", "solve a scene; print the sheet, write a case file")
-    launch = command("launch", "find what launch does to the bearings of a rotor: gaps and dents")
+    launch = command("launch", "compute gaps and dents of a rotor's bearings at launch")
     life = command("life", "follow wear to the end of life; print the sheet, write a life file")
     for sub in (check, solve, life):
         _add_scene(sub)
     solve.add_argument(
         "--restart",
         metavar="CASE.nc",
-        help="go on from the end of a dynamic case; its scene may differ in wear and model only",
+        help="continue from the end of a dynamic case; its scene may differ in wear and model only",
     )
     for sub in (check, solve, life, launch):
         sub.add_argument("--case", metavar="NAME", help="one of the scene's cases")
@@ -68,20 +68,22 @@ def command_parser() -> argparse.ArgumentParser:
         _add_result(sub)
         _add_formats(sub).add_argument("--quiet", action="store_true", help="print nothing")
     spread = command(
-        "uncertainty", "compute how far lives spread over what the scene calls uncertain"
+        "uncertainty", "compute the spread of lives due to the uncertain values of the scene"
     )
     _add_uncertainty(spread)
     _add_formats(spread).add_argument("--quiet", action="store_true", help="print nothing")
     _add_calibrate(
-        command("calibrate", "fit friction and wear coefficients to tests; write a scene of them")
+        command(
+            "calibrate", "fit friction and wear coefficients to tests; write the calibrated scene"
+        )
     )
-    _add_cage(command("cage", "count a cage's motions and what they wear, by an ensemble of runs"))
-    recommend = command("recommend", "recommend a preload by each method, within limits")
+    _add_cage(command("cage", "compute motions and wear of a cage from an ensemble of runs"))
+    recommend = command("recommend", "recommend a preload for each method, within limits")
     _add_scene_with_changes(recommend)
     _add_limits(recommend)
     _add_formats(recommend)
     _add_launch(launch)
-    _add_margin(command("margin", "find the torque margin of a drive: cold to hot, new to worn"))
+    _add_margin(command("margin", "compute the torque margin of a drive: cold to hot, new to worn"))
     _add_export(command("export", "write the stiffness of bearings over speed: CSV, ROSS's TOML"))
     _add_show(command("show", "print the main numbers of a result file or a scene"))
     _add_compare(
@@ -98,7 +100,7 @@ def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
     calibrate.add_argument(
         "tests",
         metavar="TESTS.csv",
-        help="a line of column names, then a test each: keys of the scene, and one of "
+        help="a line of column names, then a line per test: keys of the scene, and one of "
         f"{', '.join(SEEN)}",
     )
     calibrate.add_argument(
@@ -107,40 +109,41 @@ def _add_calibrate(calibrate: argparse.ArgumentParser) -> None:
         required=True,
         metavar="CALIBRATED.yaml",
         type=Path,
-        help="the scene to write; a file .nc beside it holds before and after",
+        help="the scene to write; an .nc file of the same name contains the values before and "
+        "after",
     )
     _add_formats(calibrate)
 
 
 def _add_cage(cage: argparse.ArgumentParser) -> None:
     _add_scene_with_changes(cage)
-    cage.add_argument("--runs", type=int, metavar="N", help="most runs; default 200")
+    cage.add_argument("--runs", type=int, metavar="N", help="maximum number of runs; default 200")
     cage.add_argument(
         "--within",
         type=_share,
         metavar="SHARE",
-        help="half of the 90 %% interval of the mean work, over it, at which no more are run; "
-        "default 0.1",
+        help="relative half-width of the 90 %% interval of the mean work at which the ensemble "
+        "ends; default 0.1",
     )
-    cage.add_argument("--seed", type=int, metavar="N", help="of what is drawn; default 1")
+    cage.add_argument("--seed", type=int, metavar="N", help="seed of the samples; default 1")
     cage.add_argument(
         "--least-turns",
         type=int,
         metavar="N",
-        help="shaft turns of a run at the least; default 30; a cage that hangs may do so for "
-        "hundreds and then change",
+        help="minimum shaft turns of a run; default 30; a cage that hangs may change its motion "
+        "after hundreds",
     )
     cage.add_argument(
         "--turns",
         dest="most_turns",
         type=int,
         metavar="N",
-        help="shaft turns at which a run ends that has not settled; default 150",
+        help="maximum shaft turns of a run that has not settled; default 150",
     )
     cage.add_argument(
         "--life",
         action="store_true",
-        help="follow the cage's wear to its end, by ensembles that are written beside the file",
+        help="compute the wear life of the cage, from ensembles stored beside the file",
     )
     cage.add_argument(
         "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
@@ -169,13 +172,13 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     new.add_argument(
         "--maker",
         choices=tuple(MAKERS),
-        help="take balls, grooves, preload classes and limits of speed of this maker's bearing",
+        help="use balls, grooves, preload classes and speed limits of this maker's bearing",
     )
     new.add_argument(
         "--list",
         nargs="+",
         metavar=("MAKER", "SERIES"),
-        help="print a maker's bearings that are known, those that begin with SERIES, and stop",
+        help="list the known bearings of a maker, or those that begin with SERIES, and exit",
     )
     new.add_argument(
         "--bore", type=float, metavar="MM", help="bore diameter, without a designation"
@@ -185,43 +188,41 @@ def _add_new(new: argparse.ArgumentParser) -> None:
     )
     for option, key, metavar, text in OPTIONS:
         kind = int if key == "bearing.ball_count" else float
-        text = f"{text}; assumed if left out"
+        text = f"{text}; assumed if omitted"
         new.add_argument(option, dest=key, type=kind, metavar=metavar, help=text)
     new.add_argument(
         "--preload-class",
         choices=CLASSES,
-        help="in place of --preload; light is assumed. With --maker one of its own: EL, L, M, H of "
-        "NSK, L, M, F of SNFA; L is assumed",
+        help="instead of --preload; default light. With --maker, a class of the maker: EL, L, M, "
+        "H for NSK, L, M, F for SNFA; default L",
     )
     clearance = new.add_mutually_exclusive_group()
     clearance.add_argument(
         "--clearance",
         choices=CLEARANCES,
-        help="group of radial clearance of a deep groove bearing, from which its free contact "
-        "angle comes; CN is assumed",
+        help="radial clearance group of a deep groove bearing, which determines its free contact "
+        "angle; default CN",
     )
     clearance.add_argument(
         "--radial-clearance-um",
         dest="clearance",
         type=float,
         metavar="UM",
-        help="the clearance itself, in place of its group",
+        help="the radial clearance itself, instead of its group",
     )
     _add_rubbing(new)
     new.add_argument("--ball-material", choices=BALL_MATERIALS, help="material of the balls")
-    new.add_argument(
-        "--preload-method", choices=PRELOAD_METHODS, help="a spring or a fixed distance"
-    )
+    new.add_argument("--preload-method", choices=PRELOAD_METHODS, help="spring or fixed position")
 
 
 def _add_rubbing(new: argparse.ArgumentParser) -> None:
     new.add_argument(
         "--pair",
         choices=tuple(dict.fromkeys(pair for pair, _ in RUBBING)),
-        help="materials of balls and races whose wear and friction come from the table of sources "
-        "(docs/coefficients.md); assumed if left out",
+        help="materials of balls and races, with wear and friction from the table of sources "
+        "(docs/coefficients.md); assumed if omitted",
     )
-    new.add_argument("--film", choices=FILMS, help="a film between them, of the same table")
+    new.add_argument("--film", choices=FILMS, help="a film between them, from the same table")
 
 
 def _add_scene(sub: argparse.ArgumentParser) -> None:
@@ -263,7 +264,7 @@ def _add_result(sub: argparse.ArgumentParser) -> None:
         "--output",
         metavar="FILE.nc",
         type=_file_name,
-        help="the file to write; a new folder is made",
+        help="the file to write; a missing folder is created",
     )
     sub.add_argument(
         "--record-timing",
@@ -288,7 +289,10 @@ def _add_formats(sub: argparse.ArgumentParser) -> Any:
 def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("scene", metavar="SCENE.yaml", help="the scene file")
     sub.add_argument(
-        "--friction", type=float, metavar="MU", help="of ball and race; default: the scene's"
+        "--friction",
+        type=float,
+        metavar="MU",
+        help="friction of ball and race; default: the scene's",
     )
     sub.add_argument(
         "--method",
@@ -303,7 +307,9 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         help="base samples, a power of two; 2 N lives are solved",
     )
-    sub.add_argument("--seed", type=int, default=1, metavar="N", help="of the sample; default 1")
+    sub.add_argument(
+        "--seed", type=int, default=1, metavar="N", help="seed of the sample; default 1"
+    )
     sub.add_argument(
         "-o", "--output", required=True, metavar="FILE.nc", type=Path, help="the file to write"
     )
@@ -317,22 +323,23 @@ def _add_study(study: argparse.ArgumentParser) -> None:
         type=_study_name,
         metavar="SCENE.yaml | NAME | FILE",
         help="a scene, for a study of its own: states of wear, lives and their spread, the preload "
-        f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; or a result of "
-        "it, results/..., which is then made again; default: the main study",
+        f"to take, a page; or a study of the current folder: {', '.join(NAMES)}; or one of its "
+        f"results, results/..., which is then computed again; default: the main study",
     )
     study.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="FOLDER",
-        help="where the study of a scene is made; default: named as the scene's file",
+        help="folder of the study of a scene; default: named after the scene's file",
     )
     study.add_argument(
         "-j", "--jobs", type=int, metavar="N", help="jobs at a time; default: one for each core"
     )
     _add_limits(study)
     study.epilog = (
-        "Further arguments go to Snakemake and stand after a name, as in `bearingwear study all "
+        "Further arguments are passed to Snakemake; they follow a name, as in `bearingwear study "
+        "all "
         "--configfile other.yaml`."
     )
 
@@ -371,8 +378,8 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
         type=_speeds,
         required=True,
         metavar="LOW:HIGH:COUNT",
-        help="of the shaft, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS takes five or "
-        "more",
+        help="shaft speeds, r/min, evenly spaced; or a list, 1000,2000,5000; ROSS requires five "
+        "or more",
     )
     sub.add_argument(
         "-o",
@@ -383,24 +390,26 @@ def _add_export(sub: argparse.ArgumentParser) -> None:
         help=".csv: 5 x 5 of each bearing; .toml: one bearing as ross.BearingElement.load reads it",
     )
     sub.add_argument(
-        "--bearing", type=int, choices=(1, 2), default=1, help="which of a pair; default 1"
+        "--bearing", type=int, choices=(1, 2), default=1, help="bearing of a pair; default 1"
     )
     sub.add_argument(
         "--tilt",
         choices=("held", "released"),
         default="held",
-        help="of the shaft in the bearing, of which ROSS's bearings know nothing; default held",
+        help="tilt of the shaft in the bearing, which ROSS does not model; default held",
     )
     sub.add_argument(
-        "--damping", type=_positive, metavar="N_S_M", help="in x, y, z; 0 is assumed if left out"
+        "--damping", type=_positive, metavar="N_S_M", help="damping in x, y, z; default 0, assumed"
     )
-    sub.add_argument("--node", type=int, default=0, metavar="N", help="of the rotor; default 0")
+    sub.add_argument(
+        "--node", type=int, default=0, metavar="N", help="node of the rotor; default 0"
+    )
     sub.add_argument(
         "--ross",
         type=int,
         choices=(2, 3),
         default=2,
-        help="its major version, which names the speeds; default 2",
+        help="major version of ROSS, which determines the name of the speeds; default 2",
     )
 
 
@@ -444,7 +453,7 @@ def _add_plot(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--bearing",
         choices=("first", "second"),
-        help="which bearing of a pair; needed where they differ",
+        help="bearing of a pair; required if they differ",
     )
 
 
@@ -456,7 +465,7 @@ def _add_compare(sub: argparse.ArgumentParser) -> None:
         type=_share,
         default=0.0,
         metavar="SHARE",
-        help="numbers count as equal within this share of the largest value of their variable",
+        help="relative tolerance, over the largest value of the variable",
     )
 
 

@@ -123,7 +123,7 @@ def test_life(tmp_path, capsys):
     assert main([*argv, "--quiet", "--set", "operation.preload_method=fixed_position"]) == 0
     out, err = capsys.readouterr()
     assert out == "" and err.startswith("warning: a loss of 0.49") and err.count("\n") == 2
-    assert "\nwarning: temperature is left out" in err
+    assert "\nwarning: temperature is neglected" in err
     life = load(tmp_path / "life.nc")
     assert int(life["status"]) == code.OK
     assert life["life"].dims == ("counts",) and (life["life"] > 0.0).all()
@@ -390,7 +390,7 @@ def test_output_replaces_results_alone(command, tmp_path, capsys):
     other = tmp_path / "other.yaml"
     other.write_text("name: another scene\n")
     assert main([command, str(SCENE), "-o", str(other)]) == 2
-    assert "got a file that is no result" in capsys.readouterr().err
+    assert "got a file that is not a result" in capsys.readouterr().err
     assert other.read_text() == "name: another scene\n"
 
 

@@ -47,8 +47,8 @@ def launch_document(scene: Scene, found: Launched) -> Document:
 def launch_verdict(found: Launched) -> list[str]:
     """Whether it gaps and whether it dents, in sentences."""
     said = [
-        f"{load.name}: nothing holds the rotor; it needs more spring force, or a stop "
-        "(arrangement.stop_um)"
+        f"{load.name}: the rotor is not supported; use more spring force, or a stop "
+        f"(arrangement.stop_um)"
         for load in found.loads
         if load.rotor is None
     ]
@@ -63,7 +63,7 @@ def launch_verdict(found: Launched) -> list[str]:
         gap, k, name = max(opened)
         said.append(f"gaps: bearing {k} opens by {digits(_UM * gap)} um, {name}")
     elif found.loads and not said:
-        said.append("does not gap: every bearing keeps load")
+        said.append("no gap: every bearing remains loaded")
     if found.loads:
         share = 100.0 * found.pressure_share
         verb = "dents" if share > 100.0 else "does not dent"

@@ -44,7 +44,7 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     if math.isnan(worst.torque):
         said = f"torque margin not known: no steady state, {words}"
     elif worst.stalls:
-        said = f"stalls: the drive has less torque than resists, {words}"
+        said = f"stalls: the resisting torque exceeds the drive torque, {words}"
     else:
         kept = "kept" if worst.margin >= 0.0 else "NOT kept"
         said = f"torque margin {digits(100.0 * worst.margin)} %, {kept}; worst corner: {words}"
@@ -55,9 +55,9 @@ def margin_sentences(scene: Scene, corners: Sequence[Corner]) -> list[str]:
     rule = f"rule: {STANDARDS[drive.standard]}; data from {drive.data}; factors {factors}"
     found = [said, f"{rule}{', ' if others else ''}{others}"]
     if not any(one.wear != "new" for one in corners):
-        found.append("new bearings alone: no end of life was given, or none was found")
+        found.append("new bearings only: no end of life was given, or none was found")
     if not any(one.case != NOMINAL for one in corners):
-        found.append("the scene has no cases: cold and hot are not looked at")
+        found.append("the scene has no cases: cold and hot are not checked")
     return found
 
 

@@ -66,8 +66,9 @@ def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
     if scene.model.contact == "worn":
         if found:
             raise NotAvailable(
-                f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady "
-                "life that counts ball_and_races, slip over the ellipse, filmed balls worn evenly"
+                f"{scene.name}: model.contact: got worn with {found[0]}, expected a steady life "
+                f"with wear.counts ball_and_races, slip over the ellipse, and even wear of "
+                f"filmed balls"
             )
         return True, "grooves: followed as they wear; asked for"
     if scene.model.contact != "auto" or found:
@@ -78,7 +79,7 @@ def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
     share = max(wear_over_gap(one) for one in scene.sides)
     size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
     if math.isinf(share):
-        size = "the loss at the end of life is not known before"
+        size = "the loss at the end of life is not known in advance"
     if share > REQUIRED:
         return True, f"grooves: followed as they wear; {size}"
     return False, f"grooves: not followed, the contact stays Hertzian; {size}"

@@ -29,15 +29,17 @@ SYSTEM = table(
         "quasi-static axial stiffness of both bearings together",
         label="quasi-static stiffness of the pair"),
     Variable("lift_off_force", (), "N",
-        "least axial force on the rotor that takes a bearing at rest out of contact",
-        comment="either way; with the worn balls, and as warm as it runs", label="lift-off force"),
-    Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from where it was mounted",
+        "least axial force on the rotor that unloads a bearing at rest",
+        comment="in either direction; with worn balls, at running temperature",
+        label="lift-off force"),
+    Variable("rotor_axial_shift", (), "m", "axial shift of the rotor from its mounted position",
         comment="towards +X", label="shift of the rotor"),
     Variable("natural_frequency", ("mode",), "Hz", "natural frequency of the rigid rotor",
-        comment="not turning, centre of mass half way between the bearings; where no transverse "
-        "inertia is given, that of a slender rod is assumed", label="natural frequency"),
+        comment="not rotating, centre of mass midway between the bearings; the "
+            "default transverse inertia is that of a slender rod, assumed",
+        label="natural frequency"),
     Variable("rotor_balance_residual", (), "1",
-        "force and place of the rotor that both bearings leave open, over the larger preload"),
+        "residual of the rotor's force and position balance, over the larger preload"),
 )
 """Of the arrangement, once for both bearings."""
 # fmt: on

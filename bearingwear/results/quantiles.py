@@ -47,7 +47,7 @@ QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
 NO_QUANTILES = "no spread computed"
-SEE = "the command bearingwear uncertainty computes it"
+SEE = "the command `bearingwear uncertainty` computes it"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""
@@ -204,7 +204,7 @@ def causes_told(scene: Mapping[str, Any]) -> str:
         (text, ", ".join(_cause(k) for k, one in given.items() if is_same_for_batch(k, one) == of))
         for text, of in parts
     ]
-    middle = "L10 and L50 are those of the middle batch. " if all(name for _, name in found) else ""
+    middle = "L10 and L50 are those of the median batch. " if all(name for _, name in found) else ""
     return middle + " ".join(f"{text}: {names}." for text, names in found if names)
 
 

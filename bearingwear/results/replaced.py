@@ -13,7 +13,9 @@ def check_output(path: Path, scene: str) -> None:
         check_folder(path)
         if path.exists():
             if not path.is_file():
-                raise OutputError(f"{path}: got something that is no file, expected a file name")
+                raise OutputError(
+                    f"{path}: got an existing object that is not a file, expected a file name"
+                )
             if path.samefile(scene):
                 raise OutputError(f"{path}: got the scene itself, expected another file name")
             _check_replaced(path)
@@ -36,4 +38,4 @@ def _check_replaced(path: Path) -> None:
     with path.open("rb") as file:
         start = file.read(len(SIGNATURE))
     if start and start != SIGNATURE:
-        raise OutputError(f"{path}: got a file that is no result, expected another file name")
+        raise OutputError(f"{path}: got a file that is not a result, expected another file name")

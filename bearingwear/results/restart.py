@@ -61,7 +61,7 @@ def restart_from(path: str | os.PathLike[str], scene: Scene | None = None) -> di
         time = float(_numbers(file["final_time"]))
         before = json.loads(file.scene)
     if not np.isfinite(state).all() or not np.isfinite(time):
-        raise CaseFileError(f"{name}: got a case without its last state, expected one with it")
+        raise CaseFileError(f"{name}: got a case without its final state, expected a case with one")
     if scene is not None:
         _same_scene(name, before, scene.to_dict())
     return {"state": state, "time": time, "scene": before}

@@ -175,7 +175,7 @@ class Model:
     )
     accuracy: str | float = setting(
         'Sets all keys of accuracy together (those with the default "by model.accuracy"), '
-        "as a preset or as the error of total QV aimed at. With cage_results or a limit of a "
+        "as a preset or as a target error of total QV. With cage_results or a limit of a "
         f"clearance, model.dynamic_tolerance is at most {CAGE_TOLERANCE:g}",
         within="[0.0001, 0.1]",
         choices=tuple(NAMED_PRESETS),
@@ -226,21 +226,21 @@ class Model:
         default=None,
     )
     history_points_per_turn: int = setting(
-        "Points of the histories per shaft turn, none at 0 (at most a million in all), "
-        "dynamic only",
+        "Points of the histories per shaft turn, 0 for no histories (at most a million in "
+        "total), dynamic only",
         "1",
         "[0, 10000]",
         default=20,
     )
     integrator: str = setting(
-        "Method of time integration, a linearly implicit one or the source's explicit one",
+        "Method of time integration, linearly implicit, or explicit as in the source",
         choices=("rosenbrock", "runge_kutta"),
         default="rosenbrock",
     )
     dynamic_solution: str = setting(
-        "How the dynamic model finds a motion: march runs until it settles, periodic solves "
-        "for it (like balls, no cage, one load that stands still or turns), auto takes "
-        "periodic where it applies and no history is asked for",
+        "Solution of the dynamic model: march steps in time until the motion settles, periodic "
+        "solves for it (identical balls, no cage, one stationary or rotating load), auto uses "
+        "periodic if it applies and no history is requested",
         choices=("auto", "periodic", "march"),
         default="auto",
     )
@@ -260,7 +260,7 @@ class Model:
         default=STANDARD.settled_drift,
     )
     land_stiffness_factor: float = setting(
-        "Factor on the assumed stiffness of the guiding land, to show what depends on it",
+        "Factor on the assumed stiffness of the guiding land, to show its influence",
         "1",
         "(0, 1000]",
         default=1.0,
@@ -272,8 +272,8 @@ class Model:
         default=12,
     )
     life_run_in_turns: float = setting(
-        "Shaft turns before the first rates of a dynamic life, for the cage to forget its "
-        "start, none without a cage",
+        "Shaft turns before the first rates of a dynamic life, until the influence of the cage's "
+        "start has decayed, none without a cage",
         "1",
         "[0, 1e6]",
         default=200.0,

@@ -171,13 +171,13 @@ RUBBING = {
         rows=("archard", "dry_steel"),
         wear=LogSpread.of(*_ends("archard"), least=3.0),
         friction=LogSpread.of(0.8, 0.8, least=1.2),
-        why="dry steel; the spread is assumed, since one steel and one load are behind it",
+        why="dry steel; the spread is assumed, because the source covers one steel and one load",
     ),
     ("steel/steel", "mos2"): RubbingPair(
         rows=("two_discs", "miyoshi", "bearing_in_vacuum", "spalvins"),
         wear=LogSpread.of(*_ends("two_discs", "bearing_in_vacuum")),
         friction=LogSpread.of(0.03, 0.04),
-        why="from the bearing that did not fail in vacuum to two discs while they run in",
+        why="from the bearing that did not fail in vacuum to two discs during running-in",
     ),
 }
 """What `new` takes, by balls/races and film."""
@@ -283,7 +283,7 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
         film = "film mos2 (no other has a source)" if coated else "dry"
         said = f"spread of {pair}, {film}, from {', '.join(row.rows)}"
     else:
-        said = "spread assumed, since no source has one of what rubs here"
+        said = "spread assumed, because no source covers these materials"
     said += f": K_s/H by a factor of {text['wear_coefficient']}"
     said += f", friction by {text[key]}" if key in text else ""
     spread = {name: {"distribution": "lognormal", "factor": float(f)} for name, f in text.items()}

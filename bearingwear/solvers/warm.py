@@ -115,7 +115,7 @@ def preload_spread(solver: Warm) -> str:
         if found.status != code.OK:
             preload = code.STATUS_NAMES[found.status]
         sentences.append(f"{preload} with {other.ball_race:.2g} W/K")
-    known = "from balls to a race, which is known no better"
+    known = "from balls to a race, the uncertainty of that value"
     return f"running preload {' and '.join(sentences)} {known}"
 
 

@@ -17,7 +17,7 @@ from bearingwear.results.variable import Variable
 from bearingwear.scene.scene import COUNTS, Scene
 
 LOSS_BASIS = Variable(
-    "loss_basis", ("loss_basis",), "", "what wear counts as loss", "i1", flags=COUNTS
+    "loss_basis", ("loss_basis",), "", "wear included in the loss", "i1", flags=COUNTS
 )
 
 

@@ -132,7 +132,9 @@ def _points(
         scene = base.with_(dict(zip(axes, point, strict=True)))
         bearings[len(scene.sides)] = scene.arrangement.kind if scene.arrangement else "single"
         if len(bearings) > 1:
-            problem = f"got {' and '.join(bearings.values())}, expected pairs, or single, alone"
+            problem = (
+                f"got {' and '.join(bearings.values())}, expected either pairs or single bearings"
+            )
             raise SceneError("arrangement.kind", problem, source=base.name)
         if what == "life":
             found.append((for_life(scene), choice_for_life(scene, fidelity).fidelity))

@@ -178,7 +178,7 @@ def test_the_reason_of_no_preload_is_that_there_is_none(tmp_path, capsys):
     assert main(["solve", str(path), "-o", str(case)]) == 3
     assert "operation.preload_N is 0" in capsys.readouterr().err
     assert main(["show", str(case)]) == 0
-    assert "preload_gone: the scene sets none" in told(capsys)
+    assert "preload_gone: no preload is set" in told(capsys)
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,7 @@ def test_a_solve_and_a_plain_program_have_the_same_rigidity(catalogues, designat
     known = {"designation": designation, "maker": "NSK", "preload_class": preload_class}
     scene = bearingwear.new(**known, speed=0.0).with_({"arrangement.kind": "rigid_pair"})
     axial, radial = RestingPair.of(scene).rigidity
-    with pytest.warns(UserWarning, match="temperature is left out"):
+    with pytest.warns(UserWarning, match="temperature is neglected"):
         case = bearingwear.solve(scene)
     assert case.status == "ok"
     assert float(case.system_axial_stiffness) == pytest.approx(axial, rel=1e-6)

@@ -309,7 +309,7 @@ def test_restart_of_a_file_that_is_no_dynamic_case(solver, tmp_path, capsys):
         (lambda file: file.setncattr("source_hash", "0" * 16), "another version of the solver"),
         (lambda file: file.renameVariable("final_state", "state_once"), "damaged"),
         (lambda file: file.setncattr("scene", "{"), "damaged"),
-        (lambda file: file["final_state"].__setitem__(3, np.nan), "without its last state"),
+        (lambda file: file["final_state"].__setitem__(3, np.nan), "without its final state"),
     ],
 )
 def test_restart_of_a_file_that_was_changed(change, problem, case):
@@ -458,9 +458,9 @@ def test_a_life_is_followed_by_the_model_that_check_names(settings, tmp_path, ca
 
 def test_limits_of_the_cage_need_its_wear():
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
-    assert "guide_clearance_mm not watched" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
+    assert "guide_clearance_mm not evaluated" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
     in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
-    assert not any("not watched" in reason for reason in in_time.reasons)
+    assert not any("not evaluated" in reason for reason in in_time.reasons)
     alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])
     assert choice_for_life(alone, "dynamic").fidelity == "dynamic"
     with pytest.raises(
@@ -472,7 +472,7 @@ def test_limits_of_the_cage_need_its_wear():
 def test_limits_of_slip_need_a_balance_of_friction():
     scene = load_scene(S1, ["operation.radial_load_N=[0, 1]"])
     told = choice_for_life(scene, "race_control").reasons[-1]
-    assert told == "criteria: gyroscopic_slip_share, skid_ratio not watched"
+    assert told == "criteria: gyroscopic_slip_share, skid_ratio not evaluated"
     alone = load_scene(S1, ["wear.end_of_life={skid_ratio: 0.1}"])
     with pytest.raises(NotAvailable, match="skid_ratio alone.*, expected.*fidelity auto"):
         choice_for_life(alone, "race_control")

@@ -204,7 +204,7 @@ def test_the_sheet_says_it(pair, tmp_path, capsys):
     assert opening["value"] == pytest.approx(228.9157064 / 3.0 / GRAVITY, rel=1e-7)
     spring = [f"{key}={value}" for key, value in SPRING.items()]
     assert main([*words, "--set", *spring]) == 0
-    assert "along -X: nothing holds the rotor" in capsys.readouterr().out
+    assert "along -X: the rotor is not supported" in capsys.readouterr().out
 
 
 def test_what_is_missing_takes_a_line(pair, tmp_path, capsys):

@@ -108,8 +108,8 @@ def _check(scene: Scene, wanted: str) -> None:
             else ("model.cage_results: got true", "false")
         )
         raise NotAvailable(
-            f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; the "
-            "dynamic model takes one bearing: set arrangement.kind single (half of a like pair)"
+            f"{scene.name}: {asked} with a {scene.pair.kind}, expected {instead}; the dynamic "
+            f"model supports one bearing: set arrangement.kind single (half of an identical pair)"
         )
     if wanted == "steady" and found:
         raise refusal(f"a scene with {found} has no steady state", "dynamic, race_control")

@@ -201,7 +201,7 @@ def solution(chosen: Choice) -> Iterator[str]:
     if is_found_periodic(scene):
         yield "motion: found as a periodic one, the balls evenly spaced as a cage would keep them"
     elif scene.model.dynamic_solution == "march":
-        yield "motion: marched until it settles (model.dynamic_solution)"
+        yield "motion: time stepping until it settles (model.dynamic_solution)"
     else:
-        why = why_not_periodic(scene) or "histories are asked for (model.history_points_per_turn)"
-        yield f"motion: marched until it settles, since no periodic one is sought: {why}"
+        why = why_not_periodic(scene) or "histories are requested (model.history_points_per_turn)"
+        yield f"motion: time stepping until it settles, without a search for a periodic one: {why}"

@@ -83,7 +83,7 @@ def _unwatched(e: Evidence) -> Finding | None:
 
 def _not_watched(chosen: Choice) -> Iterator[str]:
     if chosen.of_life and (unseen := unwatched(chosen.scene, chosen)):
-        yield f"criteria: {', '.join(unseen)} not watched"
+        yield f"criteria: {', '.join(unseen)} not evaluated"
 
 
 def _assumed(e: Evidence) -> Finding | None:
@@ -136,14 +136,14 @@ EFFECTS = (
     Effect(
         "criterion_not_watched",
         _unwatched,
-        "the model {fidelity} does not watch the end of life by {names}",
-        "fidelity dynamic watches all",
+        "the model {fidelity} cannot evaluate the end of life by {names}",
+        "use fidelity dynamic, which evaluates all",
     ),
     Effect(
         "tilt_beyond_practice",
         practice.tilt_beyond,
-        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above {limit:g}, "
-        "the most that catalogues allow (rule of thumb)",
+        "the rings are tilted by {value:.3g} mrad ({minutes:.2g} minutes of arc), above "
+        "{limit:g}, the largest that catalogues permit (rule of thumb)",
         "align the seats, or check the unit, mrad",
         impractical=True,
     ),
@@ -151,7 +151,7 @@ EFFECTS = (
         "pressure_above_yield",
         practice.dents,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, {source}",
-        "balls and races dent: take {take}",
+        "balls and races dent: use {take}",
         impractical=True,
     ),
     Effect(
@@ -159,21 +159,21 @@ EFFECTS = (
         practice.pressed_hard,
         "the peak pressure of {value:.3g} GPa is above {limit:.3g} GPa, usual for a long life "
         "(assumed)",
-        "fatigue is not modelled: take {take}",
+        "fatigue is not modelled: use {take}",
     ),
     Effect(
         "ellipse_over_shoulder",
         practice.over_shoulder,
-        "the {race} contact ellipse reaches {value:.3g} degrees up its groove, past {limit:.3g}, "
-        "{source}",
-        "pressure at the edge is not modelled: take less thrust, or higher shoulders",
+        "the {race} contact ellipse reaches {value:.3g} degrees up its groove, beyond "
+        "{limit:.3g}, {source}",
+        "edge pressure is not modelled: reduce the thrust, or use higher shoulders",
         impractical=True,
     ),
     Effect(
         "speed_beyond_practice",
         practice.too_fast,
-        "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the most "
-        "that steel bearings reached on rigs",
+        "speed times pitch diameter is {value:.3g} million mm r/min, above {limit:g}, the "
+        "highest reached by steel bearings on test rigs",
         "check the speed and its unit, r/min",
         impractical=True,
     ),
@@ -182,50 +182,50 @@ EFFECTS = (
         practice.faster_than_made_for,
         "{value:.6g} r/min is above the limit for {kind} of {bearing}: {limit:.0f} with grease, "
         "{oil:.0f} with oil ({source})",
-        "take less speed or preload, or ask the maker",
+        "reduce speed or preload, or ask the maker",
     ),
     Effect(
         "hoop_stress",
         practice.hoop_stress,
         "rotation alone stresses the inner ring to {value:.0f} MPa, above {limit:g} MPa (assumed "
         "for hardened steel)",
-        "take less speed, or a ring of tough steel",
+        "reduce the speed, or use a ring of tough steel",
         impractical=True,
     ),
     Effect(
         "inner_load_lost",
         practice.inner_load,
         "{said} (rule of thumb)",
-        "it may skid: take more preload, less speed or radial load, or ceramic balls",
+        "it may skid: use more preload, less speed or radial load, or ceramic balls",
         impractical=True,
     ),
     Effect(
         "preload_too_small",
         practice.tiny_preload,
-        "a preload of {value:.3g} N is next to nothing for {n} balls of {D:g} mm: below "
-        "{limit:.2g} N (assumed)",
+        "a preload of {value:.3g} N is negligible for {n} balls of {D:g} mm: below {limit:.2g} N "
+        "(assumed)",
         "check its unit, newtons",
         impractical=True,
     ),
     Effect(
         "radial_load_large",
         practice.radial_load,
-        "a radial load of {load:.4g} N is large against a preload of {preload:.4g} N: at rest the "
-        "first ball loses its load at {lost:.3g} N",
-        "take more preload, or a larger contact angle",
+        "a radial load of {load:.4g} N is large compared with a preload of {preload:.4g} N: at "
+        "rest, {lost:.3g} N unloads the first ball",
+        "use more preload, or a larger contact angle",
     ),
     Effect(
         "preload_grown",
         practice.grown_preload,
-        "the running preload of {value:.4g} N is {ratio:.2g} times the {preload:.4g} N that are "
-        "set (rule of thumb: at most three times)",
-        "take a spring, less preload, or cooler inner rings",
+        "the running preload of {value:.4g} N is {ratio:.2g} times the initial {preload:.4g} N "
+        "(rule of thumb: at most three times)",
+        "use a spring, less preload, or cooler inner rings",
     ),
     Effect(
         "temperature_beyond_practice",
         practice.temperature_beyond,
         "the {part} of {name} is at {value:.4g} degC, {side} {limit:g} (rule of thumb)",
-        "take a material for it; hardness, wear and friction are those of room temperature",
+        "use a suitable material; hardness, wear and friction are those at room temperature",
         impractical=True,
     ),
     Effect(
@@ -247,7 +247,7 @@ EFFECTS = (
         "film_worn",
         films.film_worn,
         "the film is worn through ({races} race, {share:.0f} % of the track), and the life "
-        "goes on with the film's friction",
+        "continues with the film's friction",
         "set friction.film.bare_ball_race, or end the life by film_worn_share",
         modelled=films.film_sentences,
     ),
@@ -255,7 +255,7 @@ EFFECTS = (
     Effect(
         "growth_left_out",
         growth.growth_left_out,
-        "growth of the inner ring at speed is left out: with a bore of {bore:.3g} mm (assumed) it "
+        "growth of the inner ring at speed is neglected: with a bore of {bore:.3g} mm (assumed) it "
         "would change the preload of the fixed position by about {value:+.0f} %",
         "set bearing.bore_mm",
         modelled=growth.growth_at_speed,
@@ -263,7 +263,8 @@ EFFECTS = (
     Effect(
         "temperature_left_out",
         growth.temperature_left_out,
-        "temperature is left out: an inner ring {kelvin:g} K warmer than the rest would change the "
+        "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
+        "the "
         "preload of the fixed position by about {value:+.0f} %",
         "set temperature or thermal",
         modelled=growth.temperature,
@@ -271,8 +272,8 @@ EFFECTS = (
     Effect(
         "fit_lost",
         growth.fit_lost,
-        "the ring is loose on its seat ({seats}): heat and speed have used up the interference",
-        "take more interference, or less speed",
+        "the ring is loose on its seat ({seats}): heat and speed have eliminated the interference",
+        "use more interference, or less speed",
         impractical=True,
         modelled=growth.seats,
     ),
@@ -287,15 +288,15 @@ EFFECTS = (
     Effect(
         "motion_unstable",
         lambda e: instability(e.scene, e.state.values),
-        "the periodic motion does not last: {said}",
+        "the periodic motion is unstable: {said}",
         "{advice}",
         modelled=motion.solution,
     ),
     Effect(
         "slip_rounded",
         _rounded,
-        "friction is rounded below a slip of {v_r:g} m/s, and the balls slip at {slip:.2g} m/s on "
-        "average: friction torque and power come out too small{by}",
+        "friction is regularised below a slip of {v_r:g} m/s, and the mean slip is {slip:.2g} "
+        "m/s: friction torque and power are too small{by}",
         "set friction.slip_regularisation_m_s to {better:.0e} or less",
         modelled=motion.slip,
     ),

@@ -224,8 +224,8 @@ def _dataset(
     rows: Sequence[RunRow], names: Sequence[str], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     plan = Ensemble(**json.loads(attributes["ensemble"]))
-    value = Variable("value", ("value",), "", "value that was drawn", "i1", flags=tuple(names))
-    drawn_values = Variable("drawn", ("value",), "", "drawn, in the unit of its key")
+    value = Variable("value", ("value",), "", "name of the sampled value", "i1", flags=tuple(names))
+    drawn_values = Variable("drawn", ("value",), "", "sampled value, in the unit of its key")
     runs = CAGE_RUN | ({"drawn": drawn_values} if names else {})
     kept = [{name: one[name] for name in runs if name in one} for one in rows]
     axes: dict[Any, Any] = {OF_RUN: range(len(rows)), ACROSS: None}

@@ -31,21 +31,21 @@ class Ensemble:
 
     runs: int = setting("Most runs", minimum=FEWEST, default=200)
     within: float = setting(
-        "Half of the 90 % interval of the work in a turn, over its mean, at which no more are run",
+        "Relative half-width of the 90 % interval of the work per turn at which the ensemble ends",
         "1",
         "(0, 1)",
         default=0.1,
     )
-    seed: int = setting("Seed of the draws", minimum=0, default=1)
+    seed: int = setting("Seed of the samples", minimum=0, default=1)
     least_turns: int = setting(
-        f"Shaft turns of a run at the least, a multiple of {STRETCH}", "1", minimum=30, default=30
+        f"Minimum shaft turns of a run, a multiple of {STRETCH}", "1", minimum=30, default=30
     )
     most_turns: int = setting(
-        "Shaft turns at which a run ends that has not settled", "1", minimum=30, default=150
+        "Maximum shaft turns of a run that has not settled", "1", minimum=30, default=150
     )
 
     worn_um: tuple[float, float] = setting(
-        "Depth worn off the walls of the pockets and off the guiding surface",
+        "Wear depth of the pocket walls and of the guiding surface",
         "um",
         minimum=0,
         default=(0.0, 0.0),
@@ -96,7 +96,7 @@ class CagePoint(NamedTuple):
 class CagePlan:
     """Everything in config/cage.yaml."""
 
-    scene: str = setting("Scene that has all that is not varied", pattern=NAME)
+    scene: str = setting("Scene with all values that are not varied", pattern=NAME)
     changes: Mapping[str, Any] = setting(
         "Keys of the scene to set", name="set", default_factory=dict
     )

@@ -43,7 +43,7 @@ CAGE_RUN = table(
     Variable("ball_ratio", (), "1", "orbit rate of the balls over the rate of the shaft"),
     Variable("offset", (), "m", "mean distance of the cage's centre from the axis"),
     Variable("offset_scatter", (), "m", "standard deviation of that distance"),
-    Variable("centre", ACROSS.dims, "m", "mean place of the cage's centre"),
+    Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
     Variable("turns", (), "1", "shaft turns simulated"),
     Variable("energy_account_error", (), "1", "energy missing, over the heat"),
 )  # fmt: skip

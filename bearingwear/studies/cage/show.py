@@ -65,8 +65,8 @@ def ensemble_sheet(file: Any) -> Document:
         lines.append(f"{len(unsolved)} runs were not solved ({text}); {unnamed} have no motion")
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
-            "a cage that hangs may change after hundreds of turns: "
-            f"--least-turns {LONG_RUN} --turns {LONG_RUN} waits for it"
+            "a cage that hangs may change its motion after hundreds of turns: use --least-turns "
+            "{LONG_RUN} --turns {LONG_RUN}"
         )
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")
@@ -134,10 +134,10 @@ def _life(file: Any) -> Iterator[Block]:
         gone = float(values(file, "film_gone")[k])
         if not math.isnan(gone):
             text = f"{gone:.3g} turns" if math.isfinite(gone) else "not before the end"
-            lines.append(f"film of the {part} gone: {text}")
+            lines.append(f"film of the {part} worn through: {text}")
     low, high = values(file, "motion_changes").tolist()
     lines.append(
-        "another motion prevails: not before the end"
+        "another motion becomes dominant: not before the end"
         if math.isnan(low)
         else f"another motion prevails: after {low:.3g} to {high:.3g} turns"
     )

@@ -46,7 +46,7 @@ ACTIVE = (
 ) = range(len(LIMITED), len(ACTIVE))
 
 ACTIVE_LIMIT = Variable(
-    "active_limit", (), "", "what keeps the preload from a longer life", dtype="i1", flags=ACTIVE
+    "active_limit", (), "", "limit that prevents a longer life", dtype="i1", flags=ACTIVE
 )
 
 
@@ -183,7 +183,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
         return "every life ends when new" if solved.any() else "no life could be solved"
     usable = np.flatnonzero(alive & (line["impractical"].values == 0))
     if not usable.size:
-        return "nobody would build or run it at any preload"
+        return "the design is impractical at any preload"
     if not limits.given:
         return NO_LIMIT
     margin = np.array([one.values for one in limit_margins(line, limits)])
@@ -193,7 +193,7 @@ def why_none(line: xr.Dataset, limits: DesignLimits, basis: int) -> str:
     }
     before, but = "", "at best "
     if not failed:
-        before, but = "each limit can be kept, not all together: ", "but "
+        before, but = "each limit can be satisfied, but not all together: ", "but "
         best = usable[margin[:, usable].min(axis=0).argmax()]
         failed = {name: best for k, name in enumerate(limits.given) if margin[k, best] < 0.0}
     return before + "; ".join(

@@ -31,7 +31,7 @@ from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
 
 PART_KIND = "sampled lives"
-BASE = Variable("base", ("base",), "1", "number of the base sample", dtype="i8")
+BASE = Variable("base", ("base",), "1", "index of the base sample", dtype="i8")
 
 SAMPLED = table(
     replace(STATUS, comment=None),

@@ -68,7 +68,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
         in said["What would change it"]
     )
     assert "order of magnitude" in said["How sure"]
-    assert "Temperature is left out" in said["Warnings, at their worst"]
+    assert "Temperature is neglected" in said["Warnings, at their worst"]
     found_in = tables(answer)
     charted, room = found_in["charted"], found_in[""].table[1]
     first = {line[0]: line[1] for line in found_in["lead"].table[1]}
@@ -137,7 +137,7 @@ def test_hours_of_a_calibrated_scene_are_stated(files):
     assert all(
         f"90 % of bearings last {ends[0]} to {ends[1]} h by wear alone" in one for one in said
     )
-    assert ["do not quote them as hours" in one for one in said] == [True, False]
+    assert ["for comparison only, not as hours" in one for one in said] == [True, False]
     assert "Wear and friction come from 2 tests (mine.csv)" in said[1]
 
 

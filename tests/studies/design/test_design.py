@@ -210,7 +210,7 @@ def test_single_files_are_drawn(folder, tmp_path, capsys):
         ),
         (
             DesignLimits(axial_stiffness_N_um=3.5, friction_power_W=0.33),
-            "each limit can be kept, not all together: axial stiffness of one bearing at "
+            "each limit can be satisfied, but not all together: axial stiffness of one bearing at "
             "least 3.5 N/µm, "
             "but 3 at 3 N",
         ),

@@ -18,7 +18,7 @@ def test_sheet_and_figure(track, tmp_path, capsys):
     sets = [f"--set={key}={value}" for key, value in changes.items()]
     assert main(["life", str(scene_file("gyro_s1")), "-o", str(file), *sets]) == 0
     shown = capsys.readouterr()
-    assert "deepest groove" in shown.out and "given way in all" in shown.out
+    assert "deepest groove" in shown.out and "total approach" in shown.out
     assert "the contact is no longer Hertzian" not in shown.err
     assert main(["plot", str(file), "-o", str(tmp_path / "life.svg")]) == 0
     drawn = (tmp_path / "life.svg").read_text()

@@ -37,7 +37,7 @@ class Statements:
 class IdentifyPlan:
     """Everything in config/identify.yaml."""
 
-    scene: str = setting("Scene that has all that is not varied")
+    scene: str = setting("Scene with all values that are not varied")
     marks: tuple[str, ...] = setting("Scenes that are drawn as well")
     pitch_diameter_mm: RisingAxis = setting("Pitch diameters", "mm")
     ball_count: tuple[int, ...] = setting("Numbers of balls", minimum=1, least=1)

@@ -50,13 +50,13 @@ _HELD = {
 """Why no other preload has a longer life, where no limit decides."""
 
 NO_CLOCK = (
-    "Compare lives with each other; do not quote them as hours: the wear coefficient is known to "
-    "an order of magnitude at best."
+    "Use lives for comparison only, not as hours: the wear coefficient is known to an order of "
+    "magnitude at best."
 )
 
 CALIBRATED = (
-    "Wear and friction come from {rows} tests ({tests}): the interval of the hours is what they "
-    "leave unknown, with the scatter between bearings."
+    "Wear and friction come from {rows} tests ({tests}): the interval of the hours covers the "
+    "remaining uncertainty and the scatter between bearings."
 )
 
 COUNTED_WORDS = ("the balls alone", "balls and races")
