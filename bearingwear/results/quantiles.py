@@ -47,7 +47,7 @@ QUOTED_SHARE = f"{100 * (INTERVAL[1] - INTERVAL[0]):g} %"
 """Of bearings or of batches in such an interval, in words."""
 
 NO_QUANTILES = "no spread computed"
-SEE = "the command `bearingwear uncertainty` computes it"
+SEE = "the command bearingwear uncertainty computes it"
 
 BEARINGS_BETWEEN = f"{QUOTED_SHARE} of bearings"
 """Label of the interval that matters most."""

@@ -13,9 +13,7 @@ def check_output(path: Path, scene: str) -> None:
         check_folder(path)
         if path.exists():
             if not path.is_file():
-                raise OutputError(
-                    f"{path}: got an existing object that is not a file, expected a file name"
-                )
+                raise OutputError(f"{path}: got a folder or a device, expected a file name")
             if path.samefile(scene):
                 raise OutputError(f"{path}: got the scene itself, expected another file name")
             _check_replaced(path)

@@ -90,7 +90,9 @@ def test_a_cold_corner_that_stalls_is_found(scene, corners):
     assert [one.stalls for one in found].count(True) == 1
     worst = worst_corner(found)
     assert worst.stalls and worst.case == "cold"
-    assert margin_document(weak, found).heading[1].startswith("stalls: the resisting torque exceeds")
+    assert (
+        margin_document(weak, found).heading[1].startswith("stalls: the resisting torque exceeds")
+    )
 
 
 def test_interval_of_the_friction(scene):

@@ -458,7 +458,9 @@ def test_a_life_is_followed_by_the_model_that_check_names(settings, tmp_path, ca
 
 def test_limits_of_the_cage_need_its_wear():
     limit = "wear.end_of_life.guide_clearance_mm=0.3"
-    assert "guide_clearance_mm not evaluated" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
+    assert (
+        "guide_clearance_mm not evaluated" in choice_for_life(load_scene(S1, [limit])).reasons[-1]
+    )
     in_time = choice_for_life(load_scene(S1, [limit]), "dynamic")
     assert not any("not evaluated" in reason for reason in in_time.reasons)
     alone = load_scene(S1, ["wear.end_of_life={guide_clearance_mm: 0.3}"])

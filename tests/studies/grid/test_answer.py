@@ -209,7 +209,7 @@ def test_lives_stand_with_their_spread(small_project, sure, capsys):
     assert rows["constant force", "0.08"] == "2 to 10"
     assert rows["fixed position", "0.08"] == "22 to 30"
     assert rows["constant force", "0.02"] == "–"
-    assert "the command `bearingwear uncertainty` computes it" in table.read_text()
+    assert "the command bearingwear uncertainty computes it" in table.read_text()
 
     drawn = quasistatic.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
     drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
