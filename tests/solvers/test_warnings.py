@@ -260,7 +260,7 @@ def test_a_cage_of_phenolic_bears_no_heat(scene):
 def test_pressure_of_tilted_rings_is_no_matter_of_speed(spindle):
     tilted = solve(variant(spindle, ABSURD["tilted by a degree"][0]))
     told = {one["id"]: one for one in warnings_in(tilted.attrs)}
-    assert told["pressure_above_practice"]["advice"].endswith("take less tilt")
+    assert told["pressure_above_practice"]["advice"].endswith("use less tilt")
     assert next(iter(told)) == "tilt_beyond_practice"
 
 
