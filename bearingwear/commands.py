@@ -87,7 +87,7 @@ def _file_and_designation(names: list[str]) -> tuple[str, str | None]:
     if not names:
         from bearingwear.scene.checking.errors import SceneError
 
-        problem = "got nothing, expected MYBEARING.yaml, a designation as 7008C, or both"
+        problem = "got nothing, expected MYBEARING.yaml, a designation such as 7008C, or both"
         raise SceneError("", problem, source="new")
     file, *words = names
     if "." in file or "/" in file:

@@ -112,7 +112,7 @@ class Measure:
 
     @property
     def shown_as(self) -> str:
-        """How values in SI units are shown where the unit does not say."""
+        """Display of values in SI units if the unit does not determine it."""
         return "%" if self.unit == "%" else ""
 
     @property
@@ -176,7 +176,7 @@ class Measure:
         return functools.reduce(np.fmin if self.falls else np.fmax, known)
 
     def words_of(self, name: str) -> str:
-        """In words, which of its variables or extremes that is."""
+        """Words for one of its variables or extremes."""
         kinds = dict(zip(self.variables, self.kinds, strict=True))
         return f"{kinds.get(name, '')} {self.words}".strip()
 

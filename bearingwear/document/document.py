@@ -186,7 +186,7 @@ def shown_value(value: Any, unit: str = "", given: bool = False) -> str:
 
 
 def row_notes(row: Row) -> str:
-    """What stands beside a row: its limit, those of each column, and its note."""
+    """Notes of a row: its limit, those of each column, and its own."""
     limit = "" if row.limit is None else f"limit {digits(row.limit, row.unit)}"
     each = ", ".join("–" if one is None else digits(one, row.unit) for one in row.limits)
     return ", ".join(filter(None, (limit, each and f"limits {each}", row.note)))

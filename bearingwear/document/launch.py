@@ -29,7 +29,7 @@ _OF_BEARING: tuple[tuple[str, str, str, Callable[[RestingBearing], float]], ...]
 
 
 def launch_document(scene: Scene, found: Launched) -> Document:
-    """What launch does to the bearings of a scene."""
+    """Report on the bearings of a scene at launch."""
     columns = tuple(load.name for load in found.loads)
     blocks = [Block("to the limits, along the axis alone", (), _limits(found))]
     if found.loads:

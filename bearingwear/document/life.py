@@ -142,7 +142,7 @@ def _criteria(file: Any, scene: Mapping[str, Any]) -> tuple[Row, ...]:
             continue
 
         def at(k: int, measure: Measure = measure) -> tuple[float, float]:
-            """What counts, and what is shown."""
+            """Value that counts, and value shown."""
 
             def of(name: str) -> np.ndarray:
                 return np.atleast_1d(values(file, f"history_{name}"))[k]

@@ -14,7 +14,7 @@ WIDTH = 110
 
 
 def as_text(document: Document) -> str:
-    """For a person at a terminal."""
+    """Plain text for a terminal."""
     lines = [part for text in document.heading for part in _wrapped(text)]
     for block in document.blocks:
         lines += ["", *(_points(block) if block.axes else _quantities(block))]

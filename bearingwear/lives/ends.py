@@ -21,7 +21,7 @@ def largest_loss(scene: Scene) -> float:
 
 
 class Criteria:
-    """What ends the life of a scene, of one bearing or of two that differ."""
+    """End-of-life criteria of a scene, of one bearing or of two unequal ones."""
 
     def __init__(self, scene: Scene):
         self.preloads_N = [side.operation.preload_N for side in scene.one_of_alike.sides]
@@ -33,7 +33,7 @@ class Criteria:
         ]
 
     def margins(self, states: Sequence[State]) -> np.ndarray:
-        """How far the nearest bearing is from meeting each criterion of `CRITERIA`.
+        """Margin of the nearest bearing to each criterion of `CRITERIA`.
 
         Positive before, zero or below where it is met; infinite where it is not asked for, or the
         state does not know its measure.

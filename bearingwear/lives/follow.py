@@ -38,11 +38,11 @@ class Wearing(Protocol):
 
     @property
     def start(self) -> Any:
-        """What has worn at the start of the life."""
+        """Wear at the start of the life."""
 
     @property
     def origin(self) -> float:
-        """Where steps begin."""
+        """Wear at which integration starts."""
 
     @property
     def range(self) -> float:
@@ -52,7 +52,7 @@ class Wearing(Protocol):
         """The bearings with so much worn, or why they are not solved."""
 
     def rates(self, node: Node) -> Any:
-        """What wears per second."""
+        """Wear rates per second."""
 
     def wears(self, node: Node) -> bool:
         """Whether anything that counts does."""
@@ -77,7 +77,7 @@ class LifeStep:
 
 
 class Method:
-    """How steps are taken."""
+    """Integration method of a life."""
 
     most_steps = 2000
     shortest = 0.0
@@ -110,11 +110,11 @@ class Method:
         return False
 
     def zero(self, value: Any, a: Node, b: Node) -> float:
-        """Where a margin between two nodes is zero."""
+        """Root of a margin between two nodes."""
         return float(brentq(value, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15))
 
     def error_of_end(self, life: "Life") -> np.ndarray:
-        """Of the times at which a criterion is met (2,) [s]."""
+        """Errors of the times at which a criterion is reached (2,) [s]."""
         return np.zeros(2)
 
 

@@ -115,7 +115,7 @@ def life_without_grooves(scene: Scene) -> float:
 
 
 def groove_values(side: Worn, states: Sequence[State]) -> dict:
-    """What has worn, and the profiles of a few states."""
+    """Wear, and the profiles of a few states."""
     points, bearing = [point_of(state) for state in states], side.bearing
     D = np.array([bearing.D - p.wear.ball for p in points])  # as new, less what is worn
     depth = np.array([p.wear.grooves for p in points])  # (steps, race, arcs)

@@ -111,7 +111,7 @@ class Grooves:
     def moved(
         self, worn: Wears, dt: float, rates: Wears, on_the_way: bool = False
     ) -> tuple[Wears, States]:
-        """What has worn after the time dt, and the bearings with it."""
+        """Wear after the time dt, and the bearings with it."""
         after = tuple(wear.plus(dt, rate) for wear, rate in zip(worn, rates, strict=True))
         return after, self.state(after, on_the_way)
 

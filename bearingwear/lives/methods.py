@@ -270,7 +270,7 @@ class Trapezoid(InTime):
         return found._replace(worn=worn, states=wearing.with_worn(found.states, worn))
 
     def zero(self, value: Any, a: Node, b: Node) -> float:
-        """By false position: what scatters has no use for more."""
+        """Root by false position, sufficient for scattered values."""
         low, high, best = a.x, b.x, b.x
         before, after = value(low), value(high)
         for _ in range(_MOST_TRIALS):

@@ -48,7 +48,7 @@ class EvenWear:
         return state
 
     def rates(self, state: State, counts: int) -> np.ndarray:
-        """What is worn off per second [m/s]."""
+        """Wear rates [m/s]."""
         return state.rate[counts : counts + 1]
 
     def film_left(self, worn: np.ndarray) -> list[float]:

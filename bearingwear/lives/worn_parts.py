@@ -11,7 +11,7 @@ from bearingwear.solvers.bearing import parameters
 
 
 class WornLayout:
-    """Where the parts stand in a vector of what has worn, or of its rates; n balls."""
+    """Positions of the parts in a vector of wear or wear rates; n balls."""
 
     def __init__(self, n: int):
         self.diameter = slice(0, n)  # worn off each ball's diameter [m]

@@ -36,7 +36,7 @@ def key_blocks(scenes: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, list[
 
 
 def scene_differences(first: Mapping[str, Any], other: Mapping[str, Any]) -> str:
-    """In what another scene differs from the first, in words; how sure it is left out."""
+    """Differences of another scene from the first, in words, without `uncertainty`."""
     rows = key_rows([_certain(first), _certain(other)])
     said = [
         f"{label.partition(': ')[2] or label} {values[1]} instead of {values[0]}"

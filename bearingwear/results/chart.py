@@ -70,7 +70,7 @@ class Chart:
 
 @dataclass(frozen=True, kw_only=True)
 class Charts:
-    """What was asked, and charts of what was found; the first leads a page."""
+    """Question and charts of the results; the first is the main chart of a page."""
 
     question: str
     charts: Sequence[Chart]

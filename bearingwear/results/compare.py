@@ -39,7 +39,7 @@ class Difference(NamedTuple):
 
 
 class Differences(NamedTuple):
-    """What differs between two files, as short texts from each."""
+    """Differences between two files, as short texts from each."""
 
     scene: dict[str, tuple[str, str]]
     model: dict[str, tuple[str, str]]

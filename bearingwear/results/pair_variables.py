@@ -51,7 +51,7 @@ def is_pair(scene: Mapping[str, Any]) -> bool:
 
 
 def method_words(scene: Mapping[str, Any], method: str) -> str:
-    """What holds the preload, in words: of a pair, which pair that is."""
+    """Preload method in words; for a pair, its kind."""
     return (PAIRS[method] if is_pair(scene) else method).replace("_", " ")
 
 

@@ -77,7 +77,7 @@ class Spread(NamedTuple):
 
     @property
     def rows(self) -> dict[str, Interval | float | str]:
-        """What a sheet or a table shows of it, by its label."""
+        """Rows of a sheet or a table, by label."""
         parts = {"scatter within a batch": self.scatter, "unknown for a batch": self.unknown}
         return {
             BEARINGS_BETWEEN: self.bearings,
@@ -119,7 +119,7 @@ def hours_in_words(scene: Mapping[str, Any], life: float) -> str:
 
 
 def spread_text(spread: Spread | None) -> str:
-    """As `Spread.sentence`, or that there is none."""
+    """`Spread.sentence`, or a note that there is none."""
     return spread.sentence if spread else NO_QUANTILES
 
 
@@ -197,7 +197,7 @@ def spreads_of(
 
 
 def causes_told(scene: Mapping[str, Any]) -> str:
-    """What is uncertain of a scene, by the labels of `Spread.rows`."""
+    """Uncertain values of a scene, by the labels of `Spread.rows`."""
     given = {k: Distribution(**one) for k, one in (scene.get("uncertainty") or {}).items()}
     parts = (("Scatter within a batch", False), ("Unknown for a batch", True))
     found = [

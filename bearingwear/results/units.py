@@ -54,7 +54,7 @@ LEAST_PERCENT = 1e-3
 
 
 class Display(NamedTuple):
-    """How a quantity is shown: its unit, and the factor on a value of the file."""
+    """Display of a quantity: its unit, and the factor on a value of the file."""
 
     unit: str
     factor: float
@@ -130,7 +130,7 @@ class Rough(float):
 
 
 class Interval(NamedTuple):
-    """What most values lie between."""
+    """Interval of most values."""
 
     low: float
     high: float

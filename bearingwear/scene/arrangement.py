@@ -43,7 +43,7 @@ OWN_BLOCKS = (
 
 @keyed
 class Arrangement:
-    """How many bearings hold the rotor, and how."""
+    """Bearings of the rotor and their arrangement."""
 
     kind: str = setting(
         "A single bearing, a pair at a fixed distance (fixed_position), or a pair with a spring "
@@ -234,7 +234,7 @@ def one_bearing(scene: Scene, source: object) -> Scene:
 
 
 def bearings_holding(method: str) -> float:
-    """How many bearings of a symmetric pair hold the rotor: a spring has no stiffness here."""
+    """Bearings of a symmetric pair that support the rotor: one with a spring, else two."""
     return 2.0 if method == "fixed_position" else 1.0
 
 

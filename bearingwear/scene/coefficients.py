@@ -111,7 +111,7 @@ ASSUMED = (
         surface="lead film on steel",
         wear=math.nan,
         taken_by="nothing",
-        why="lives of bearings are known ([films against tests](film_tests.md)), K_s/H is not",
+        why="only lives of bearings are known ([films against tests](film_tests.md)), not K_s/H",
     ),
 )
 """What stands for a number that was looked for and not found."""
@@ -132,7 +132,7 @@ class LogSpread:
 
 @dataclass(frozen=True, kw_only=True)
 class RubbingPair:
-    """What balls, races and a film rub with.
+    """Wear and friction coefficients of balls, races and a film.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ STEEL_GPA = 6.6
 
 @dataclass(frozen=True, kw_only=True)
 class Rubbing:
-    """What `new` writes of wear and friction.
+    """Wear and friction values that `new` writes.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ class Rubbing:
 
 
 def rubbing(pair: str | None, film: str | None) -> Rubbing:
-    """Of a pair of materials and a film; assumed without both.
+    """Coefficients of a pair of materials and a film; assumed without both.
 
     Raises
     ------

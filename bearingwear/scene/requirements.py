@@ -78,7 +78,7 @@ _TORQUE = "(0, 1e6]"
 
 @keyed
 class Drive:
-    """What turns the shaft, and by which rule its torque has to suffice."""
+    """Drive of the shaft, and the rule of its torque margin."""
 
     torque_Nm: float = setting("Least torque of the drive", "N m", _TORQUE)
     standard: str = setting("Rule of the torque margin", choices=tuple(STANDARDS), default="ecss")
@@ -144,7 +144,7 @@ class Drive:
 
     @property
     def bearings(self) -> str:
-        """As which of these the torque of the bearings counts."""
+        """Class of resistance of the bearing torque."""
         return self.bearings_as or _BEARINGS.get(self.standard, "")
 
     def required(self, torque: float) -> float:

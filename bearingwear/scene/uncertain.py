@@ -71,7 +71,7 @@ _PARAMETER_NAMES = tuple(dict.fromkeys(n for parts in PARAMETERS.values() for n 
 
 @keyed
 class Distribution:
-    """How a value of the scene is distributed, in that value's unit.
+    """Distribution of a value of the scene, in that value's unit.
 
     `mean` and `median` are the scene's own value where they are None. `factor` is the geometric
     standard deviation: two thirds of the values lie between median/factor and median*factor.

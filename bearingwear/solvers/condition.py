@@ -24,7 +24,7 @@ class Force(NamedTuple):
 
 
 class Condition(NamedTuple):
-    """What decides the state of a bearing along its life."""
+    """Inputs that determine the state of a bearing along its life."""
 
     loss: float  # of ball diameter [m]
     bare: Bare = COVERED  # the contacts on which no film is left
@@ -102,7 +102,7 @@ class Solver(Protocol):
         """Friction heat and drag."""
 
     def state(self, solution: SolvedBearing) -> State:
-        """What a life needs."""
+        """State for a life."""
 
     def case(self, solution: SolvedBearing) -> CaseValues:
         """All that a case has."""

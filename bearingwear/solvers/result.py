@@ -39,7 +39,7 @@ class Result:
 
 
 def status_sentence(status: str, scene: Mapping[str, Any]) -> str:
-    """What a status means for a scene, which may be empty where it is not known."""
+    """Meaning of a status for a scene, which may be empty if unknown."""
     if status == "preload_gone" and scene.get("operation", {}).get("preload_N") == 0.0:
         return WITHOUT_PRELOAD
     return STATUS_SENTENCES[status]

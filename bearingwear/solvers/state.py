@@ -50,7 +50,7 @@ class State:
 
     @classmethod
     def unsolved(cls, status: int, loss: float) -> "State":
-        """Of a loss of ball diameter [m], why there is none."""
+        """Reason why there is no state at a loss of ball diameter [m]."""
         return cls(status, {"ball_diameter_loss": loss})
 
     @property
@@ -59,12 +59,12 @@ class State:
 
     @property
     def loss(self) -> float:
-        """Of ball diameter, as counted [m]."""
+        """Loss of ball diameter, as counted [m]."""
         return self.values["ball_diameter_loss"]
 
     @property
     def rate(self) -> np.ndarray:
-        """Of the loss by both ways of counting (2,) [m/s]."""
+        """Rate of the loss by both definitions (2,) [m/s]."""
         return self.values["ball_diameter_loss_rate"]
 
     def __getitem__(self, name: str) -> Any:
@@ -72,7 +72,7 @@ class State:
         return self.values.get(name, math.nan)
 
     def with_values(self, values: Mapping[str, Any]) -> "State":
-        """With other or further values."""
+        """State with other or further values."""
         return replace(self, values={**self.values, **values})
 
 

@@ -54,7 +54,7 @@ def read(config: Mapping[str, Any]) -> dict[str, Study]:
 
 
 def registry(name: str) -> dict[str, str]:
-    """What the studies' modules say under a name: SHEETS or PLOTS, by the kind of a file."""
+    """Entries of the studies' modules under SHEETS or PLOTS, by the kind of a file."""
     found: dict[str, str] = {}
     for study in NAMES:
         found |= getattr(_module(study), name, {})

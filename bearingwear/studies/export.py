@@ -123,7 +123,7 @@ class StiffnessOverSpeed:
         return found | {f"c{name}": [damping] * len(K) for name in ("xx", "yy", "zz")}
 
     def effective_arm(self, bearing: int = 1) -> float:
-        """How far from the bearing, along its axis, a force across turns nothing [m].
+        """Axial distance from the bearing at which a radial force causes no tilt [m].
 
         Mean over the speeds, towards where its contact lines meet the axis. A node of a rotor
         there has no coupling of displacement and tilt.

@@ -44,8 +44,8 @@ def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]
         yield pool.map
     except BrokenProcessPool:
         raise RuntimeError(
-            f"{caller}: a process has ended. A script calls this below `if __name__ == "
-            f"'__main__':`, since processes are started by {multiprocessing.get_start_method()}; "
+            f"{caller}: a process has ended. Call this below `if __name__ == '__main__':` in a "
+            f"script, since processes are started by {multiprocessing.get_start_method()}; "
             "or workers=1"
         ) from None
     except BaseException:  # Ctrl-C: do not wait for what is still being solved
@@ -71,7 +71,7 @@ def told_in_lines(
     size: Callable[[Any], int] = one_by_one,
     tell: Tell = to_stderr,
 ) -> Iterator[Any]:
-    """The same results, with a line every few seconds: so many of `count` done, time left.
+    """Results, with a line every few seconds: number of `count` done, time left.
 
     Parameters
     ----------

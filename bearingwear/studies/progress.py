@@ -25,7 +25,7 @@ _WITHOUT_EVENT = (
 
 
 class JobLines(logging.Filter):
-    """What a handler of Snakemake's logger prints of a run: a line for each finished job.
+    """Handler of Snakemake's logger that prints a line for each finished job.
 
     Parameters
     ----------

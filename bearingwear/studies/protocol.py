@@ -46,7 +46,7 @@ Given = Paths | Callable[[Any], Paths | None]
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """What a rule of the workflow is made from.
+    """Data of a rule of the workflow.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ class Step(Task):
         return [path.format(**job) for job in self.jobs() for path in self.outputs]
 
     def point(self, wildcards: Wildcards) -> Any:
-        """What the plan says of one job.
+        """Point of one job in the plan.
 
         Raises
         ------
@@ -222,7 +222,7 @@ class Step(Task):
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """What one process does, as `Bundle` has it."""
+        """Steps of one process, as in `Bundle`."""
         return (self,)
 
     def placed(self, study: str, folder: str, before: Mapping[str, Step]) -> Step:
@@ -432,7 +432,7 @@ class Study:
         return []
 
     def page_sections(self) -> list[str]:
-        """What the page shows scene by scene: results, tables (.md) and figures (.svg, .png)."""
+        """Files of the page by scene: results, tables (.md) and figures (.svg, .png)."""
         return []
 
     def page_answers(self) -> list[str]:
@@ -440,7 +440,7 @@ class Study:
         return []
 
     def behind_figures(self) -> dict[str, list[str]]:
-        """What each figure was drawn from, and the tables (.csv) made from the same files."""
+        """Inputs of each figure, and the tables (.csv) made from the same files."""
         steps = [step for job in self.jobs if isinstance(job, Bundle) for step in job.steps]
         tables = {
             path: {one for one in flat_files(step.inputs) if one.endswith(".nc")}

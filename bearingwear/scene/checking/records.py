@@ -42,7 +42,7 @@ NAME_RULE = "a-z, A-Z, 0-9, _ and - (at most 64, the first a letter or digit)"
 
 @dataclass(frozen=True)
 class Key:
-    """What a key means and takes.
+    """Meaning and permitted values of a key.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class Part:
 
     @functools.cached_property
     def allowed(self) -> str:
-        """What it takes, in words."""
+        """Permitted values in words."""
         return self.key.allowed or _in_words(self)
 
     @property
@@ -163,7 +163,7 @@ class Part:
         return self.key.unit or ("1" if numeric else "-")
 
     def at(self, name: str) -> Part | None:
-        """What stands under a name, or under an index of a list."""
+        """Part with a name, or with an index of a list."""
         return self.below.get(name) or self.item
 
 

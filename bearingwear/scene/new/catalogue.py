@@ -19,7 +19,7 @@ from bearingwear.scene.checking.errors import SceneError, shown
 
 
 class Maker(NamedTuple):
-    """What a maker states for all its bearings.
+    """Data of a maker that apply to all its bearings.
 
     Attributes
     ----------

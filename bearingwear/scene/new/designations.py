@@ -113,7 +113,7 @@ class Designation(NamedTuple):
 
 
 def designation_of(text: str) -> Designation:
-    """What a designation says: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
+    """Size by a designation: 7008C, 71914 E, 6204-C3, 608, 7008CD/P4A, B7008-C-T-P4S.
 
     Raises
     ------

@@ -30,7 +30,7 @@ class Mechanics(NamedTuple):
         return self.force_and_stiffness(delta_a)[0]
 
     def force_and_stiffness(self, delta_a: float) -> tuple[float, float]:
-        """The same, and its slope [N/m]."""
+        """Axial force [N] and its slope [N/m]."""
         _, ball = self._solved(0.0, delta_a, False)
         return self.g.n_balls * ball.F_ix, self.g.n_balls * ball.S_xx
 

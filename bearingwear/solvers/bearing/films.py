@@ -25,7 +25,7 @@ COVERED: Bare = (False, False)
 
 
 class Archard(NamedTuple):
-    """What Archard's law needs of a part: numbers, or one for each place."""
+    """Coefficients of Archard's law of a part: numbers, or one for each position."""
 
     K_s: float | np.ndarray  # wear coefficient [1]
     H: float | np.ndarray  # Brinell hardness as a pressure [Pa]
@@ -73,7 +73,7 @@ def worn_as(
 
 
 class Cover(NamedTuple):
-    """Where there is film left."""
+    """Film cover of the surfaces."""
 
     inner: bool
     outer: bool
@@ -173,7 +173,7 @@ def _semi_axis_factors(scene: Scene) -> np.ndarray:
 
 
 def mean_pressure(scene: Scene, major: np.ndarray) -> np.ndarray:
-    """Of Hertz's contacts with these semi-major axes (..., 2) [m]; by fitted factors [Pa]."""
+    """Mean Hertz pressure [Pa] by fitted factors, from semi-major axes (..., 2) [m]."""
     c_a, c_b = _semi_axis_factors(scene)
     return major / (math.pi * c_a * c_a * c_b)
 

@@ -141,7 +141,7 @@ def ring_of(material: Material, inside: float, outside: float, rpm: float) -> Ri
 
 
 def inner_growth(scene: Scene, heat: Expansion, bore: float | None) -> RingGrowth:
-    """What speed and fit do to the inner ring, a plane annulus from bore [m] to track."""
+    """Growth of the inner ring by speed and fit, a plane annulus from bore [m] to track."""
     if bore is None:
         return RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
     b, fits = scene.bearing, scene.fits
@@ -166,7 +166,7 @@ def inner_growth(scene: Scene, heat: Expansion, bore: float | None) -> RingGrowt
 
 
 def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
-    """What speed and fit do to the outer ring, a plane annulus from track to outside.
+    """Growth of the outer ring by speed and fit, a plane annulus from track to outside.
 
     Its housing is thick. Where both turn, the fit is taken as at rest.
     """

@@ -99,11 +99,11 @@ class Balls(NamedTuple):
 
     @property
     def across(self) -> np.ndarray:
-        """The same of the turn, times the length."""
+        """Derivative by the tilt, times the length."""
         return self.c[:, None] * self.slopes[0] - self.s[:, None] * self.slopes[1]
 
     def stiffness(self, factor: np.ndarray) -> np.ndarray:
-        """Of the bearing by the place (4, 4)."""
+        """Stiffness of the bearing by position (4, 4)."""
         along, across = self.along, self.across
         k, turn = 1.5 * factor * np.sqrt(self.d), self.Q / self.length
         return (along.T * k) @ along + (across.T * turn) @ across
@@ -446,7 +446,7 @@ def check_launch(scene: Scene, source: str) -> None:
 
 
 def launched(scene: Scene) -> Launched:
-    """What launch does to the bearings of a scene that gives the mass of its rotor.
+    """Launch loads and gaps of the bearings of a scene with the mass of its rotor.
 
     Along both ways of the axis, across it, and along and across together.
     """
@@ -481,7 +481,7 @@ def launched(scene: Scene) -> Launched:
 
 
 def launch_values(scene: Scene) -> dict[str, float]:
-    """What limits look at of a launch [SI]; empty where the rotor's mass is not given."""
+    """Limited quantities of a launch [SI]; empty without the rotor's mass."""
     a = scene.arrangement
     if a is None or a.rotor_mass_kg is None:
         return {}

@@ -113,7 +113,7 @@ def even_shares(across, halves):
 
 
 def chebyshev_halves(n):
-    """The same by Gauss points on each half of the strip, for a bend in its middle.
+    """Gauss points on each half of the strip, for a bend in its middle.
 
     n points in all (one more if n is odd, but for 1), exact under the semi-ellipse on either half.
     They are the eigenvalues of the Jacobi matrix of the polynomials orthogonal there (Golub and

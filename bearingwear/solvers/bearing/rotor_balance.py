@@ -31,7 +31,7 @@ class RotorTrial:
 
 @dataclass
 class Nearby:
-    """What earlier balances tell the next one.
+    """Start values from earlier balances.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ def groove_maps(R_i: float, psi: np.ndarray) -> np.ndarray:
 
 
 def azimuths(n: int) -> np.ndarray:
-    """Of n balls evenly spaced, the first at +Z [rad]."""
+    """Azimuths of n evenly spaced balls, the first at +Z [rad]."""
     return 2.0 * np.pi * np.arange(n) / n
 
 

@@ -104,7 +104,7 @@ class Passing:
         return (balls / self.scale).ravel()
 
     def change(self, states: np.ndarray) -> np.ndarray | None:
-        """What a passing changes beyond the shift by a ball, and of the mean azimuth."""
+        """Change in a ball-pass period beyond the shift by a ball, and of the mean azimuth."""
         passing = self.place(states)
         if not self.is_usable(passing) or not self.advance(passing):
             return None
@@ -147,7 +147,7 @@ class Passing:
         return J
 
     def growth(self, states: np.ndarray) -> GrowthRates | None:
-        """How disturbances of a motion grow that repeats itself from these states."""
+        """Growth of disturbances of a periodic motion through these states."""
         found = self.change_and_tangents(states)
         if found is None:
             return None

@@ -185,7 +185,7 @@ def drifts(slopes: np.ndarray) -> dict[str, float]:
 
 
 def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
-    """With which tolerance it went, and why with another than the one asked for."""
+    """Tolerance of a run, and why it differs from the one requested."""
     asked = scene.model.dynamic_tolerance
     tightened = "" if tolerance == asked else f": the energy account did not close with {asked:g}"
     return f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}"

@@ -106,7 +106,7 @@ def is_marched_instead(scene: Scene, growth: GrowthRates | None) -> bool:
 
 
 def instability(scene: Scene, values: Mapping[str, float]) -> dict[str, str] | None:
-    """What is said of a periodic motion that does not last, and the advice."""
+    """Sentence and advice for an unstable periodic motion."""
     spacing, other = (values.get(name, -np.inf) for name in GROWTHS)
     if other > LEAST_GROWTH:
         said = f"its disturbances grow e-fold in {_turns(other)}"

@@ -113,7 +113,7 @@ class DynamicSystem:
         return y, z
 
     def variant(self, **changes) -> "DynamicSystem":
-        """The same bearing with some fields of its model replaced; `unpack` gives it a state."""
+        """Bearing with some fields of its model replaced; `unpack` gives it a state."""
         other = DynamicSystem(self.bearing._replace(**changes), self.y.copy())
         other.buffers.rest[:] = self.buffers.rest
         other.buffers.balls.delta[:] = other.buffers.rest

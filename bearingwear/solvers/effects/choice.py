@@ -42,14 +42,14 @@ class Choice:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """What the model includes and leaves out, in sentences."""
+        """Included and neglected effects of the model, in sentences."""
         from bearingwear.solvers.effects.table import EFFECTS  # which look at what is chosen
 
         return tuple(said for effect in EFFECTS for said in effect.modelled(self))
 
 
 def asymmetries(scene: Scene) -> list[str]:
-    """What in a scene makes its balls differ."""
+    """Properties of a scene that make its balls differ."""
     if scene.pair is not None:
         return list(dict.fromkeys(text for side in scene.sides for text in asymmetries(side)))
     operation = scene.operation

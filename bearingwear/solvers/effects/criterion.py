@@ -51,7 +51,7 @@ class Passed(NamedTuple):
 
     @property
     def excess(self) -> float:
-        """Of the value over the limit, or the reverse where less is worse."""
+        """Ratio of value to limit, or the reverse where less is worse."""
         return self.measure.excess(self.value, self.limit)
 
     @property

@@ -127,7 +127,7 @@ def seats(chosen: Choice) -> Iterator[str]:
 
 
 def growth_left_out(e: Evidence) -> Finding | None:
-    """At speed and at a fixed position."""
+    """Neglected growth of the inner ring at speed, at a fixed position."""
     if e.scene.bearing.bore_mm is not None or not is_held(e.scene):
         return None
     return _left_out(change_at_speed(e.scene)) | {"bore": assumed_bore(e.scene) / MM}

@@ -172,7 +172,7 @@ def _in_time(scene: Scene) -> Iterator[str]:
         "time, its centre in equilibrium of normal forces at each instant"
     )
     yield f"inner race: {moves}, in equilibrium at each instant"
-    yield f"loads on the inner race: {', '.join(loads) or 'none but what holds it axially'}"
+    yield f"loads on the inner race: {', '.join(loads) or 'none except the axial one'}"
     yield f"tilt of the inner race: {tilt}"
     yield from _forces(scene)
     if len(set(scene.wear.ball_diameter_loss_um)) > 1:

@@ -337,7 +337,7 @@ class WornBearing:
 
     @staticmethod
     def forces(point: WornPoint) -> tuple[WornForce, WornForce]:
-        """Of both contacts, inner and outer."""
+        """Forces of both contacts, inner and outer."""
         return point.seat.inner, point.seat.outer
 
     def lengths(self, point: WornPoint) -> np.ndarray:
@@ -356,7 +356,7 @@ class WornBearing:
         return np.array(gaps)
 
     def axial_stiffnesses(self, point: WornPoint) -> np.ndarray:
-        """Of all balls in the state last solved, dynamic and quasi-static (2,) [N/m].
+        """Stiffnesses of all balls in the last state, dynamic and quasi-static (2,) [N/m].
 
         Differences along the ways that small moves of the places lead to; longer ones, in which the
         cells that come into contact do not show. NaN where a place nearby has no state.

@@ -25,7 +25,7 @@ _TAILS = 6.0  # times its rms, how far a Gaussian reaches
 
 @dataclass(frozen=True, eq=False)
 class WornDepths:
-    """What has been worn off, of even shares and of depths over the grids."""
+    """Wear: even shares, and depths over the grids."""
 
     ball: float  # even loss of ball diameter [m]
     grooves: np.ndarray  # (2, arcs) depth [m]

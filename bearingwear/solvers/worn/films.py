@@ -76,7 +76,7 @@ class WornFilms:
 
     @property
     def thickness(self) -> np.ndarray:
-        """Of the films of inner and outer race and balls (3,) [m]."""
+        """Film thickness of inner and outer race and balls (3,) [m]."""
         race = self.films.race.thickness
         return np.array([race, race, self.films.ball.thickness])
 

@@ -74,7 +74,7 @@ class Worn(Steady):
 
     @staticmethod
     def condition(wear: WornDepths) -> Condition:
-        """With some wear; as loss counts how far it has gone."""
+        """Condition with some wear, whose loss is its progress."""
         deepest = float(wear.grooves.max(axis=1, initial=0.0).sum())
         return Condition(wear.ball + deepest, depths=wear)
 

@@ -92,7 +92,7 @@ def in_design_words(axis: str, value: float) -> str:
 
 
 def quiet_region(motions: xr.Dataset) -> str:
-    """Where the cage is quiet, in a sentence."""
+    """Region of quiet cages, in a sentence."""
     every = designs(motions)
     quiet = [one for one in every if one.quiet >= MOSTLY]
     under = "at every gravity of the map" if motions.sizes["gravity"] > 1 else "here"

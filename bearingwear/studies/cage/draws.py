@@ -30,7 +30,7 @@ WEAR, GRAVITY_ANGLE = "wear_coefficient", "gravity_angle_deg"
 
 
 class CageDraw(NamedTuple):
-    """What a run solves; no scene where the values drawn make none."""
+    """Input of a run; no scene if the sampled values are impossible."""
 
     scene: Scene | None
     start: CageStart

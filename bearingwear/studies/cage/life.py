@@ -145,7 +145,7 @@ WornEnsembles = Callable[[int, np.ndarray], xr.Dataset]
 
 
 def node_of(found: xr.Dataset, turns: float, depth: np.ndarray) -> WornEnsemble:
-    """What a life needs of an ensemble."""
+    """Data of an ensemble for a life."""
     names = ("mean_pocket_work", "mean_land_work")
     work = np.array([float(found[name][0]) for name in names])
     ends = np.array([found[f"{name}_interval"].values[0] for name in names])

@@ -137,7 +137,7 @@ class CagePlan:
         return {point.name: point for point in itertools.starmap(CagePoint, grid)}
 
     def settings_at(self, point: CagePoint) -> dict[str, Any]:
-        """What decides the runs of a cage besides the scene."""
+        """Settings of the runs of a cage besides the scene."""
         return {
             "changes": {**self.changes, **point.changes},
             "ensemble": asdict(self.ensemble),

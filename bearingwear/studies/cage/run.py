@@ -63,7 +63,7 @@ POINTS = 20  # instants a turn
 
 
 class CageStart(NamedTuple):
-    """Where a cage starts: its centre, and how that goes round."""
+    """Start of a cage: its centre, and the orbit rate of the centre."""
 
     offset: float = 0.5  # from the axis, over the clearance
     angle: float = -0.5 * math.pi  # from Y towards Z; below the axis

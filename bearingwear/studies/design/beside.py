@@ -68,7 +68,7 @@ def lives_beside(
 
 
 def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
-    """What stands beside a recommendation.
+    """Lives at the recommended preloads under other assumptions.
 
     Raises
     ------

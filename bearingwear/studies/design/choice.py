@@ -113,7 +113,7 @@ def limits_of(design: xr.Dataset) -> DesignLimits:
 
 
 def limit_margins(values: Any, limits: DesignLimits) -> list[Any]:
-    """How far each limit is from being passed, relative to it; below zero where it is.
+    """Relative margin of each limit; negative where it is violated.
 
     In the order of `limits.given`; `values` is a Dataset or a dict of what `life_point` finds.
     """

@@ -24,7 +24,7 @@ MACHINE = "machine"
 
 
 def machine_answers(scene: Scene) -> dict[str, Any]:
-    """What is said of a scene with a drive or a launch; empty of another."""
+    """Results of a scene with a drive or a launch; otherwise empty."""
     said: list[str] = []
     corners: list[Corner] = []
     if scene.drive is not None:
@@ -46,7 +46,7 @@ def machine_answers(scene: Scene) -> dict[str, Any]:
 
 
 def machine_blocks(found: xr.Dataset) -> list[Block]:
-    """Of each recommended preload, as a recommendation holds it."""
+    """Blocks of each recommended preload, as in a recommendation."""
     answers = json.loads(found.attrs.get(MACHINE, "[]"))
     known = [(k, one) for k, one in enumerate(answers) if one]
     data, blocks, said = scene_of(found), [], []

@@ -170,7 +170,7 @@ def life_point(scene: Scene, slip_limit: float | None) -> dict[str, Any]:
 
 
 def new_point(scene: Scene) -> dict[str, Any]:
-    """What limits look at, of the new bearing alone (SI); its status alone where it is not ok."""
+    """Limited quantities of the new bearing (SI); only its status if not ok."""
     if scene.cases:
         return worst_point([new_point(one) for one in scene.in_cases.values()])
     until = with_end(scene, MET_WHEN_NEW)
@@ -221,7 +221,7 @@ def followed_point(scene: Scene, slip_limit: float | None, quick: bool = False) 
 
 
 def worst_point(points: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """What limits look at, of the worst of several cases; of the shortest life all else.
+    """Limited quantities of the worst of several cases, and the shortest life.
 
     The first one that was not solved, where there is such a one.
     """
@@ -262,7 +262,7 @@ def worst_cases(points: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
 
 
 def gone_through(scene: Scene, states: Sequence[State]) -> dict[str, Any]:
-    """What limits look at, of the states of a life."""
+    """Limited quantities of the states of a life."""
     new, worn = states[0], states[-1]
     found: dict[str, Any] = {
         "residual_preload_at_start": new["residual_preload"],

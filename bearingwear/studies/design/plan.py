@@ -43,7 +43,7 @@ _LIMITS: Any = optional_numbers({name: _limit(one) for name, one in LIMITED.item
 
 @dataclass(frozen=True, kw_only=True)
 class DesignLimits(_LIMITS):
-    """What a design must keep to from new to the end of its life; None where there is no limit.
+    """Limits of a design from new to the end of its life; None without a limit.
 
     Its keys are those of `bearingwear.measures.LIMITED`.
     """
@@ -124,7 +124,7 @@ def axes_around(
 
 @keyed
 class Beside:
-    """The same bearing under another assumption."""
+    """Bearing under another assumption."""
 
     words: str = setting("What is assumed, in words")
     changes: Mapping[str, Any] = setting("Keys of the scene to set", name="set")
@@ -181,7 +181,7 @@ class DesignPlan:
         }
 
     def part_settings(self, part: tuple[str, str, float]) -> dict[str, Any]:
-        """What decides a part of a map besides the scene."""
+        """Settings of a part of a map besides the scene."""
         scene, method, mu = part
         return {
             "method": method,

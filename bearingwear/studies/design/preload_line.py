@@ -67,7 +67,7 @@ class Tried:
 
 
 class Guess(NamedTuple):
-    """What is known of lives at preloads: at those tried, and between them by the new bearing.
+    """Known lives at preloads: those tried, and bounds between them from new bearings.
 
     Attributes
     ----------
@@ -306,7 +306,7 @@ class PreloadLine:
         return quick if quick.life > gain * exact.life else exact
 
     def doubtful(self, limits: DesignLimits, enough: float, narrowest: float) -> Neighbours | None:
-        """Where a life within the limits may be longest, and longer than is enough [s]."""
+        """Interval that may contain a longer permitted life, and its bound [s]."""
         wide = ((one.longest(), one) for one in self.intervals(limits) if one.width > narrowest)
         longest, one = max(wide, key=lambda pair: pair[0], default=(0.0, None))
         return one if longest > enough else None

@@ -239,7 +239,7 @@ class Search:
     tell: Tell
 
     def answers(self, lines: xr.Dataset) -> tuple[list[dict[str, Any]], dict[str, str], xr.Dataset]:
-        """What is best of each method, why there is nothing, and how far the choice holds.
+        """Best point of each method, reasons for none, and robustness of the choice.
 
         Parameters
         ----------

@@ -46,7 +46,7 @@ _LARGEST_SHARE = 0.999
 
 @dataclass(frozen=True, kw_only=True)
 class Assumption:
-    """How far an assumption may move.
+    """Range of an assumption.
 
     Attributes
     ----------
@@ -238,7 +238,7 @@ def _missing(
 
 
 def criteria_room(scenes: Sequence[Scene], basis: int, first: int) -> list[Assumption]:
-    """How far each end of life may move before the other of two preloads lasts longer.
+    """Range of each criterion within which the same preload lasts longer.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def _largest(name: str, limit: float) -> float:
 def friction_room(
     scenes: Sequence[Scene], lives: Sequence[float], basis: int, first: int
 ) -> list[Assumption]:
-    """The same of friction, and of the wear coefficient, to which all lives are proportional.
+    """Range of friction, and of the wear coefficient, which scales all lives.
 
     Parameters
     ----------

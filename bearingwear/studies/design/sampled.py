@@ -29,7 +29,7 @@ INDEX_WORDS = (
 
 
 def sampled_blocks(uncertainty: xr.Dataset) -> list[Block]:
-    """How sure the lives are, and which uncertain value decides."""
+    """Spread of the lives, and its main cause."""
     if not uncertainty.sizes["preload_method"]:  # no preload is recommended
         return []
     indices = [_indices(uncertainty)] if "total_index" in uncertainty else []

@@ -159,7 +159,7 @@ def answered(
     asking: Sequence[Asking],
     solve: Callable[[Sequence[Request]], Sequence[dict[str, Any]]],
 ) -> list[Any]:
-    """What several searches return, whose lives are solved together.
+    """Results of several searches, whose lives are solved together.
 
     They go on in turns, each with the lives it asked for, so that the result does not depend on
     how many processes solve them.

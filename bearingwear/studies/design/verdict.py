@@ -69,7 +69,7 @@ def verdict_on(
 
 
 def held(room: Sequence[Assumption], tracks: np.ndarray, said: int) -> xr.Dataset:
-    """How far a choice holds, as variables of a file over `assumption` and `ball_track`."""
+    """Robustness of a choice, as variables of a file over `assumption` and `ball_track`."""
     columns = {"holds_from": "low", "assumed": "now", "holds_to": "high"}
     values = {name: [getattr(one, of) for one in room] for name, of in columns.items()}
     names = tuple(one.name for one in room)

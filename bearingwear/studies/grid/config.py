@@ -87,7 +87,7 @@ class RunningAverage:
 
 @keyed
 class Figures:
-    """What the figures compare."""
+    """Comparisons in the figures."""
 
     worn_loss_um: float | None = setting(
         "The worn state in the figures against friction and of slip; null: the most worn of the "

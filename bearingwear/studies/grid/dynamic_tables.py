@@ -18,7 +18,7 @@ WAYS = ("steady", "dynamic")
 ALL_SOLVED = "Nothing: every case was solved and verified both ways."
 WEAR_WORDS = (
     "The mean of all balls.",
-    "The mean of all balls. Those solved dynamically also wear in the pockets of the cage. Where "
+    "The mean of all balls. Dynamic cases include wear in the cage pockets. Where "
     "the land does not wear, the cage did not reach it in the turns averaged.",
 )
 """Without a cage, and with one."""

@@ -52,7 +52,7 @@ class Case:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """What makes the scene this case."""
+        """Changes of the scene for this case."""
         return dict(zip(GRID_KEYS.values(), vars(self).values(), strict=True))
 
     @property

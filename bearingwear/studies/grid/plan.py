@@ -144,7 +144,7 @@ class Plan:
                 )
 
     def dynamic_changes(self, scene: str, case: Case) -> dict[str, Any]:
-        """What makes the scene a case that is solved dynamically."""
+        """Changes of the scene for a dynamic case."""
         (block,) = [block for block in self.config.dynamic if scene in block.scenes]
         return case.changes | {f"model.{key}": value for key, value in block.model.items()}
 
@@ -220,7 +220,7 @@ class Plan:
         scene, folder, case = found.groups()
         if folder == "chunks":
             known = [file for name in self.grids for file in self.chunks(name)]
-            return None if path in known else f"{path}: got a chunk that config.yaml has not"
+            return None if path in known else f"{path}: got a chunk that is not in config.yaml"
         grids = self.grids if folder == "cases" else self.dynamic
         if scene not in grids:
             return f"{path}: got scene {scene}, expected {', '.join(grids) or 'none'}"

@@ -26,7 +26,7 @@ def dynamic_life(path: Path) -> xr.Dataset:
 
 
 def ended_by(life: xr.Dataset) -> str:
-    """What ended a life, in words; the status where nothing did."""
+    """Criterion that ended a life, in words; otherwise the status."""
     status = int(life["status"])
     return criterion(life, "end_criterion") if status == OK else in_words(STATUS_NAMES[status])
 

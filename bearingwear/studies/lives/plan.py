@@ -28,7 +28,7 @@ class DynamicLife:
         return f"config/scenes/{self.scene}.yaml"
 
     def settings(self) -> dict[str, Any]:
-        """What decides it besides the scene."""
+        """Settings besides the scene."""
         return {"changes": dict(self.changes), "fidelity": "dynamic"}
 
 

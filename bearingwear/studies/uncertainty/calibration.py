@@ -65,7 +65,7 @@ _NONE = -60.0  # logarithm of a life that is over when new
 
 
 class Calibration:
-    """What tests say of a scene.
+    """Results of tests on a scene.
 
     Attributes
     ----------

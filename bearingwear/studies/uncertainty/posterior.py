@@ -40,14 +40,14 @@ class Normal(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """Of x and y before the tests."""
+    """Prior density of x and y."""
 
     x: Normal
     y: Normal
     correlation: float = 0.0
 
     def log_density(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """On a grid (x, y), but for a constant."""
+        """Log density on a grid (x, y), up to a constant."""
         u, v = (
             (values - one.mean) / one.deviation if one.deviation else 0.0 * values
             for one, values in ((self.x, x[:, None]), (self.y, y[None, :]))
@@ -83,12 +83,12 @@ class Observation:
     count: int = 1
 
     def deviate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """What was seen less what the model has (x, y), in standard deviations."""
+        """Measured less predicted value (x, y), in standard deviations."""
         shift = y[None, :] if self.of_wear else 0.0 * y[None, :]
         return (self.seen - self.model(x)[:, None] + shift) / self.scatter
 
     def log_likelihood(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Of one such bearing (x, y)."""
+        """Log likelihood of one such bearing (x, y)."""
         z = self.deviate(x, y)
         return norm.logsf(z) if self.censored else -0.5 * z * z
 
@@ -131,7 +131,7 @@ class Posterior:
         return Normal(mean, float(np.sqrt(max(self.mean((of - mean) ** 2), 0.0))))
 
     def correlation(self) -> float:
-        """Of x and y; zero where one of them is known."""
+        """Correlation of x and y; zero if one of them is known."""
         x, y = self.normal("x"), self.normal("y")
         if 0.0 in (x.deviation, y.deviation):
             return 0.0
@@ -183,7 +183,7 @@ class Posterior:
         return float((self.shares * norm.cdf((math.log(life) - mean) / scatter)).sum())
 
     def probability(self, test: Observation) -> float:
-        """Of a result as far from the model or farther, on the worse side; of a run-out, of it."""
+        """Probability of a result at least as far from the model; of a run-out, its own."""
         z = test.deviate(self.x, self.y)
         above = float((self.shares * norm.sf(z)).sum())
         return above if test.censored else 2.0 * min(above, 1.0 - above)

@@ -52,7 +52,7 @@ class Compared:
 
     @property
     def difference(self) -> float:
-        """Of the dynamic number from the steady one, relative."""
+        """Relative difference of the dynamic value from the steady one."""
         return self.dynamic / self.steady - 1.0
 
     @property

@@ -76,7 +76,7 @@ def by_life(found: xr.Dataset) -> list[tuple[str, xr.Dataset, float]]:
 
 
 def method_names(found: xr.Dataset) -> list[str]:
-    """What holds the preload, along the methods of a file."""
+    """Preload methods of a file in words."""
     return [method_words(scene_of(found), name) for name, _ in methods(found)]
 
 
@@ -122,7 +122,7 @@ def what_it_gives(found: xr.Dataset) -> str:
 
 
 def what_limits_it(found: xr.Dataset) -> list[str]:
-    """What keeps the preload from one with a longer life, and how near the life falls."""
+    """Limit that prevents a longer life, and the distance to a sudden drop of the life."""
     one = by_life(found)[0][1]
     name, given = ACTIVE[int(one["active_limit"])], limits_of(found).given
     text = _HELD.get(name) or (
@@ -161,7 +161,7 @@ def assumption_words(name: str) -> tuple[str, str]:
 
 
 def room_rows(found: xr.Dataset) -> list[Row]:
-    """How far each assumption may move: from, now and to, as shown."""
+    """Range of each assumption: from, now and to, as shown."""
     rows = []
     for k, name in enumerate(flag_names(found["assumption"])):
         label, unit = assumption_words(name)
@@ -222,7 +222,7 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
 
 
 def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
-    """What the verdict, the spread of the life and its numerical error say."""
+    """Sentences on the verdict, the spread of the life and its numerical error."""
     scene = scene_of(found)
     method, one, life = by_life(found)[0]
     error = float(one["life_error_estimate"].isel(loss_basis=counted(found)))

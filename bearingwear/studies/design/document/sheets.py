@@ -115,7 +115,7 @@ def tables(design: Path, recommendation: Path, uncertainty: Path | None = None) 
 
 
 def recommendation_sheet(file: Any) -> Document:
-    """What `show` says of an open file of a recommendation."""
+    """Sheet of an open file of a recommendation."""
     return preload_document(load(file.filepath()))
 
 

@@ -29,7 +29,7 @@ def held_words(name: str, extremes: Callable[[str], Any]) -> str:
 
 
 def limit_text(name: str, value: float) -> str:
-    """What a limit asks for."""
+    """Requirement of a limit in words."""
     one = LIMITED[name]
     side = "at least" if one.falls else "at most"
     return f"{one.words} {side} {one.shown_limit(value):g} {in_print(one.unit)}"

@@ -29,7 +29,7 @@ from bearingwear.studies.design.figures.choice import as_wide_as_it_is
 
 
 class Mapped(NamedTuple):
-    """How a quantity is drawn over preload and friction."""
+    """Display of a quantity over preload and friction."""
 
     label: str
     units: str

@@ -68,7 +68,7 @@ def _lines_over_preload(design: xr.Dataset) -> Figure:
 
 
 def uncertainty_plot(uncertainty: xr.Dataset) -> Figure:
-    """How lives spread; and what decides, where that was computed."""
+    """Spread of lives, and its main cause if computed."""
     if "total_index" in uncertainty:
         return uncertainty_figure(uncertainty)
     rows = methods(uncertainty)

@@ -59,7 +59,7 @@ def preload_drawn(one: xr.Dataset) -> int:
 
 
 def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:
-    """How lives spread, what each uncertain value does, and which one decides."""
+    """Spread of lives, the effect of each uncertain value, and the main one."""
     rows = methods(uncertainty)
     figure, panels = new_figure(len(rows), 3, 7.2, 2.9 * len(rows) + 0.9)
     basis = counted(uncertainty)

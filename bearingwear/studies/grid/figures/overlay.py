@@ -130,7 +130,7 @@ def _qv_of_a_life(
 
 
 def scene_labels(scenes: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What tells scenes apart, in words: `gyro_s2: ball count 10, pitch diameter 9 mm`.
+    """Differences of scenes in words: `gyro_s2: ball count 10, pitch diameter 9 mm`.
 
     What a steady case does not depend on does not count: names, descriptions, the cage, and what
     of a scene is uncertain.
