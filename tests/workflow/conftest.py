@@ -175,6 +175,12 @@ class Run:
 
 
 @pytest.fixture(scope="session")
+def repository():
+    """The project itself, with its whole study."""
+    return Project(ROOT)
+
+
+@pytest.fixture(scope="session")
 def new_project(tmp_path_factory):
     """Function () -> Project with nothing solved yet."""
 

@@ -9,7 +9,12 @@ import json
 import os
 import sys
 
-from snakemake.cli import main
+import netCDF4  # noqa: F401  this and the next two are what each run would import anew
+import pandas  # noqa: F401
+import smart_open  # noqa: F401
+from snakemake.cli import get_argument_parser, main
+
+get_argument_parser()  # which loads its plugins
 
 
 def run(arguments, folder, environment, output):

@@ -1,6 +1,5 @@
 """A study outside the repository: a folder with a configuration and scenes, and nothing else."""
 
-import re
 import subprocess
 import sys
 
@@ -37,29 +36,9 @@ def study(folder, *arguments):
 
 
 def test_a_study_outside_the_repository(elsewhere):
-    done = study(elsewhere, "-j2")
+    done = study(elsewhere, "results/verdict.txt", "-j2")
     assert done.returncode == 0, done.stdout + done.stderr
-    results = elsewhere / "results"
-    assert (results / "verdict.txt").read_text() == "all 2 solved and verified\n"
-    assert (results / "report" / "index.html").is_file()
-    again = study(elsewhere, "-j2")
-    assert again.returncode == 0 and "Nothing to be done" in again.stdout + again.stderr
-
-
-def test_arguments_of_snakemake_go_on(elsewhere):
-    planned = study(elsewhere, "-n")
-    told = planned.stdout + planned.stderr
-    assert planned.returncode == 0 and "grid_solve" in told
-    assert "results/" not in told  # the table of jobs, not the files of each
-    assert not (elsewhere / "results").exists()
-
-
-def test_every_rule_says_what_it_does(elsewhere):
-    listed = study(elsewhere, "--list").stdout.splitlines()
-    rules = [line for line in listed if re.match(r"(grid|page|verdict|all)", line)]
-    assert len(rules) > 5
-    for line in rules:
-        assert re.fullmatch(r"\w+ \(.+\)", line), line
+    assert (elsewhere / "results/verdict.txt").read_text() == "all 2 solved and verified\n"
 
 
 def test_a_configuration_is_whole(elsewhere):
@@ -68,10 +47,13 @@ def test_a_configuration_is_whole(elsewhere):
     in_time = {**ONE_CASE["studies"][0], "model": {"simulated_turns": 1}}
     own.write_text(yaml.safe_dump(ONE_CASE | {"dynamic": [in_time]}))
     (elsewhere / "other.yaml").write_text(yaml.safe_dump(ONE_CASE))
-    jobs = study(elsewhere, "-n").stdout
-    assert "grid_solve_dynamic" in jobs
+    planned = study(elsewhere, "-n")
+    told = planned.stdout + planned.stderr
+    assert planned.returncode == 0 and "grid_solve_dynamic" in told
+    assert "results/" not in told  # the table of jobs, not the files of each
     jobs = study(elsewhere, "all", "-n", "--configfile", "other.yaml").stdout
     assert "grid_solve " in jobs and "grid_solve_dynamic" not in jobs
+    assert not (elsewhere / "results").exists()
 
 
 def test_a_folder_without_a_study(tmp_path):

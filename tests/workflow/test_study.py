@@ -1,5 +1,6 @@
 """The study as its user runs it: what a run makes, and what a change makes anew."""
 
+import copy
 import os
 import re
 import shutil
@@ -10,8 +11,9 @@ import time
 
 import netCDF4
 import pytest
-from support import ROOT, scene_file
+from support import scene_file
 
+from bearingwear import studies
 from bearingwear.document.document import Block, Document
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.choice import NotAvailable, choice
@@ -45,29 +47,30 @@ def is_solved_in_time(scene):
         return False
 
 
-def test_the_whole_study_is_planned():
-    done = subprocess.run(
-        [sys.executable, "-m", "snakemake", "-n", "--quiet", "rules", "--forceall"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    jobs = dict(re.findall(r"^(\w+) +(\d+)$", done.stdout + done.stderr, re.M))
+def test_the_whole_study_is_planned(repository):
+    run = repository.run("-n", "--quiet", "rules", "--forceall")
+    assert run.status == 0, run.text
+    jobs = dict(re.findall(r"^(\w+) +(\d+)$", run.text, re.M))
     assert int(jobs["grid_solve"]) == 5 * 8 + 3 * 2  # a job for each method and friction
     assert int(jobs["grid_wear_life"]) == 8
     assert int(jobs["grid_quantiles"]) == 3 * 4 + 3
     assert int(jobs["grid_solve_dynamic"]) == 12 + 1
 
 
-def test_lint():
-    done = subprocess.run(
-        [sys.executable, "-m", "snakemake", "--lint"], cwd=ROOT, capture_output=True, text=True
-    )
-    findings = re.findall(r"^    \* (.*)$", done.stderr, re.M)
+def test_every_rule_says_what_it_does(repository):
+    listed = repository.run("--list").text.splitlines()
+    rules = [line for line in listed if re.match(r"(grid|page|verdict|all)", line)]
+    assert len(rules) > 5
+    for line in rules:
+        assert re.fullmatch(r"\w+ \(.+\)", line), line
+
+
+def test_lint(repository):
+    run = repository.run("--lint")
+    findings = re.findall(r"^    \* (.*)$", run.text, re.M)
     # the study is one package in one environment: no rule needs one of its own
     allowed = "Specify a conda environment or container for each rule.:"
-    assert findings and set(findings) == {allowed}, done.stderr
+    assert findings and set(findings) == {allowed}, run.text
 
 
 def test_a_run_makes_everything_and_then_nothing(first_run, solved):
@@ -186,25 +189,26 @@ def test_points_of_a_job(first_run, solved, points, jobs):
     assert any("/chunks/" in name for name in after) == (points == 4)
 
 
-def test_a_touch_makes_nothing_anew(solved):
+def test_what_changes_no_result_makes_nothing_anew(solved):
+    """Dates, comments, texts of help, and the order of a configuration and how it is written."""
+    with (solved.root / "config/scenes/gyro_s1.yaml").open("a") as scene:
+        scene.write("# said again\n")
+    solved.edit("bearingwear/arguments.py", "a result file of any kind", "any result file")
+    config = solved.config
+    config["studies"][0].update(friction=[0.08, 0.020], ball_diameter_loss_um=[0.5, 0.0])
+    solved.configure(config)
     for file in ("bearingwear/kernels/contact/slip.py", "config/scenes/gyro_s1.yaml", "Snakefile"):
         os.utime(solved.root / file)
     run = solved.run()
     assert run.status == 0 and "Nothing to be done" in run.text, run.text
 
 
-@pytest.mark.parametrize(
-    ("path", "rule"),
-    [
-        (f"results/gyro_s1/cases/{WORN}.nc", "grid_solve"),
-        ("results/gyro_s1/study.nc", "grid_gather"),
-        ("results/gyro_s1/tables/cases.csv", "grid_drawn_gyro_s1"),
-        ("results/gyro_s1_drag/figures/fig10_wear.png", "grid_drawn_gyro_s1_drag"),
-    ],
-)
-def test_what_is_deleted_is_made_again(solved, path, rule):
-    (solved.root / path).unlink()
-    assert solved.run("-n").jobs[rule] == 1
+def test_what_is_deleted_is_made_again(solved):
+    for path in ("gyro_s1/tables/cases.csv", "gyro_s1_drag/figures/fig10_wear.png"):
+        (solved.root / "results" / path).unlink()
+    assert {"grid_drawn_gyro_s1", "grid_drawn_gyro_s1_drag"} <= set(solved.run("-n").jobs)
+    solved.case(WORN).unlink()
+    assert solved.run("-n").jobs["grid_solve"] == 1
 
 
 def test_an_edited_solver_source_solves_anew(solved):
@@ -219,22 +223,6 @@ def test_an_edited_solver_source_solves_anew(solved):
     run = solved.run(str(solved.case(WORN).relative_to(solved.root)))
     assert run.status == 0 and run.jobs == {"grid_solve": 1}
     assert number(solved.case(WORN), "ball_wear_rate") == 2.0 * before
-
-
-@pytest.mark.parametrize(
-    "source", ["scene/read.py", "kernels/contact/slip.py", "solvers/steady.py", "results/netcdf.py"]
-)
-def test_what_is_between_a_scene_and_its_result_counts(solved, source):
-    solved.change_source(f"bearingwear/{source}")
-    planned = solved.run("-n")
-    assert planned.jobs["grid_solve"] == 5 and planned.jobs["grid_wear_life"] == 2
-
-
-def test_an_edited_help_text_makes_nothing_anew(solved):
-    solved.edit(
-        "bearingwear/arguments.py", 'help="a result file of any kind', 'help="any result file'
-    )
-    assert "Nothing to be done" in solved.run("-n").text
 
 
 def test_an_edited_figure_draws_its_study_anew_and_nothing_else(solved):
@@ -270,13 +258,6 @@ def test_an_edited_source_of_the_study_gathers_anew_and_solves_nothing(solved):
     assert "grid_solve" not in planned.jobs
 
 
-def test_an_edited_style_draws_anew_and_solves_nothing(solved):
-    solved.edit("bearingwear/plotting/style.mplstyle", "lines.linewidth: 1.4", "lines.linewidth: 2")
-    planned = solved.run("-n")
-    assert set(planned.jobs) >= DRAWN
-    assert not {"grid_solve", "grid_gather", "grid_wear_life"} & set(planned.jobs)
-
-
 def test_one_value_of_friction_edited(solved):
     config = solved.config
     config["studies"][0]["friction"] = [0.02, 0.081]
@@ -287,20 +268,8 @@ def test_one_value_of_friction_edited(solved):
     assert "gyro_s1: fixed_position-mu0.081, loss 0 to 0.5 um" in planned.text
 
 
-def test_order_and_way_of_writing_do_not_matter(solved):
-    config = solved.config
-    config["studies"][0].update(friction=[0.08, 0.020], ball_diameter_loss_um=[0.5, 0.0])
-    solved.configure(config)
-    planned = solved.run("-n")
-    assert "Nothing to be done" in planned.text, planned.text
-
-
-def test_a_comment_in_a_scene_makes_nothing_anew(solved):
-    with (solved.root / "config/scenes/gyro_s1.yaml").open("a") as scene:
-        scene.write("# said again\n")
-    run = solved.run()
-    assert run.status == 0 and "Nothing to be done" in run.text, run.text
-    # neither a description nor what the grid replaces solves a case again
+def test_what_of_a_scene_no_case_is_made_of(solved):
+    """Neither what the grid replaces nor a description solves a case again."""
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.08", "ball_race: 0.09")
     assert "grid_solve" not in solved.run("-n").jobs
     solved.edit("config/scenes/gyro_s1.yaml", "ball_race: 0.09", "ball_race: 0.08")
@@ -328,6 +297,57 @@ def test_one_scene_edited(solved):
     assert "gyro_s1: " not in planned.text
 
 
+BROKEN = (
+    (["studies"], [], "got scene gyro_s1_drag, expected none, since studies is empty"),
+    (
+        ["studies", 0, "friction"],
+        ["1e-2"],
+        "studies[0].friction[0]: got '1e-2', text, not a number",
+    ),
+    (["studies", 0, "friction"], [0.02000000001], "studies[0].friction: got 0.02000000001"),
+    (
+        ["studies", 0, "ball_diameter_loss_um"],
+        [0, 500],
+        "loss500.00: wear.ball_diameter_loss_um: got 500, expected a number < 200",
+    ),
+    (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
+    (
+        ["studies", 0, "scenes"],
+        ["../scenes/gyro_s1"],
+        "studies[0].scenes[0]: got '../scenes/gyro_s1'",
+    ),
+    (["studies", 0, "frictoin"], [0.1], "studies[0].frictoin: got an unknown key"),
+    (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
+    (["figures", "lives"], {"a": {"scenes": ["other"], "friction": 0.02}}, "lives.a"),
+    (
+        ["dynamic"],
+        [{**ONE_CASE, "model": {"simulated_turns": "1; touch results"}}],
+        "loss0.00: model.simulated_turns: got '1; touch results', text, not a number",
+    ),
+    (
+        ["dynamic"],
+        [{**ONE_CASE, "model": {"simulated_turns": 0}}],
+        "loss0.00: model.simulated_turns: got 0, expected a number > 0",
+    ),
+)
+
+
+def test_a_broken_configuration_is_refused_in_one_line(new_project, monkeypatch):
+    """By what the Snakefile asks before anything runs; the next test runs it."""
+    project = new_project()
+    monkeypatch.chdir(project.root)
+    given = project.config
+    for keys, value, said in BROKEN:
+        config = place = copy.deepcopy(given)
+        for key in keys[:-1]:
+            place = place[key]
+        place[keys[-1]] = value
+        with pytest.raises(ValueError, match="^[^\n]*$") as refused:
+            for study in studies.read(config).values():
+                study.check()
+        assert said in str(refused.value)
+
+
 def test_a_broken_scene_stops_with_one_line(new_project):
     project = new_project()
     project.edit("config/scenes/gyro_s1_drag.yaml", "ball_race: 0.02", "ball_race: -0.02")
@@ -338,88 +358,20 @@ def test_a_broken_scene_stops_with_one_line(new_project):
     assert not (project.root / "results").exists()
 
 
-@pytest.mark.parametrize(
-    ("keys", "value", "said"),
-    [
-        (["studies"], [], "got scene gyro_s1_drag, expected none, since studies is empty"),
-        (
-            ["studies", 0, "friction"],
-            ["1e-2"],
-            "studies[0].friction[0]: got '1e-2', text, not a number",
-        ),
-        (["studies", 0, "friction"], [0.02000000001], "studies[0].friction: got 0.02000000001"),
-        (
-            ["studies", 0, "ball_diameter_loss_um"],
-            [0, 500],
-            "loss500.00: wear.ball_diameter_loss_um: got 500, expected a number < 200",
-        ),
-        (["studies", 0, "scenes"], ["gyro_s1", "no_such"], "config/scenes/no_such.yaml"),
-        (
-            ["studies", 0, "scenes"],
-            ["../scenes/gyro_s1"],
-            "studies[0].scenes[0]: got '../scenes/gyro_s1'",
-        ),
-        (["studies", 0, "frictoin"], [0.1], "studies[0].frictoin: got an unknown key"),
-        (["figures", "spreads"], {"a": {"scenes": ["other"], "friction": 0.02}}, "spreads.a"),
-        (["figures", "lives"], {"a": {"scenes": ["other"], "friction": 0.02}}, "lives.a"),
-        (
-            ["dynamic"],
-            [{**ONE_CASE, "model": {"simulated_turns": "1; touch results"}}],
-            "loss0.00: model.simulated_turns: got '1; touch results', text, not a number",
-        ),
-        (
-            ["dynamic"],
-            [{**ONE_CASE, "model": {"simulated_turns": 0}}],
-            "loss0.00: model.simulated_turns: got 0, expected a number > 0",
-        ),
-    ],
-    ids=[
-        "no studies",
-        "text",
-        "too many digits",
-        "worn away",
-        "no scene",
-        "a path",
-        "unknown key",
-        "not studied",
-        "life not studied",
-        "a command",
-        "no turns",
-    ],
-)
-def test_a_broken_configuration_stops(new_project, keys, value, said):
-    project = new_project()
-    config = place = project.config
-    for key in keys[:-1]:
-        place = place[key]
-    place[keys[-1]] = value
-    project.configure(config)
-    run = project.run()
-    assert run.status != 0 and said in run.text and "Traceback" not in run.text, run.text
-    assert not (project.root / "results").exists()
-
-
-def test_a_case_that_cannot_be_solved(solved):
+def test_a_case_that_cannot_be_solved(new_project):
     """Without friction the ball's rotation is undetermined: recorded, marked, said at the end."""
-    config = solved.config
-    config["studies"][0]["friction"] = [0.0, 0.02, 0.08]
-    solved.configure(config)
-    run = solved.run()
-    assert run.status != 0
-    failed = {
-        f"results/gyro_s1/cases/{method}-mu0.000-loss{loss}.nc: undetermined"
-        for method in ("constant_force", "fixed_position")
-        for loss in ("0.00", "0.50")
-    }
-    assert all(line in run.text for line in failed)
-    results = solved.results()
-    for folder, names in FIGURES_OF_THE_SMALL_STUDY.items():
-        assert {f"{folder}/{name}.svg" for name in names} <= set(results)
+    project = new_project()
+    study = {**ONE_CASE, "friction": [0.0, 0.02]}
+    project.configure({"studies": [study], "figures": {"worn_loss_um": 0.5, "friction": [0.02]}})
+    run = project.run()
+    failed = "results/gyro_s1/cases/constant_force-mu0.000-loss0.00.nc: undetermined"
+    assert run.status != 0 and failed in run.text
+    results = project.results()
+    assert {f"gyro_s1/figures/{name}.svg" for name in ("fig10_wear", "wear_life")} <= set(results)
     assert "verdict.txt" not in results
-    assert results["gyro_s1/tables/summary.md"].decode().count("µm: undetermined") == 4
-    again = solved.run()
-    assert again.status != 0 and again.jobs == {"verdict": 1}
-    assert all(line in again.text for line in failed)
+    assert results["gyro_s1/tables/summary.md"].decode().count("µm: undetermined") == 1
+    again = project.run()
+    assert again.status != 0 and again.jobs == {"verdict": 1} and failed in again.text
 
 
 @pytest.mark.long

@@ -11,8 +11,6 @@ from bearingwear.studies.grid.grid import Case, Line
 from bearingwear.studies.solve import told
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from bearingwear.solvers.result import Result
 
 
@@ -35,15 +33,3 @@ def solved_cases(scene: Path, cases: Sequence[Case]) -> Iterator[Result]:
     data, source = as_data(scene)
     for case in cases:
         yield told(solve(changed_scene(data, case.changes, source)), scene)
-
-
-def solved_chunk(scene: Path, lines: Sequence[Line], losses_um: Sequence[float]) -> xr.Dataset:
-    """Step: the cases of several lines, along the dimension `case`.
-
-    Profiles over the contact are left out, as from the study gathered from it.
-    """
-    from bearingwear.results.netcdf import dataset
-    from bearingwear.studies.grid.gather import chunk
-
-    cases = cases_of([(method, friction) for method, friction in lines], losses_um)
-    return chunk(cases, map(dataset, solved_cases(scene, cases)))
