@@ -425,7 +425,7 @@ def _speeds(text: str) -> list[float]:
         return [start + (end - start) * k / (n - 1) for k in range(n)]
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"got {text!r}, expected LOW:HIGH:COUNT or numbers that rise, 1000,2000,5000"
+            f"got {text!r}, expected LOW:HIGH:COUNT or increasing numbers, 1000,2000,5000"
         ) from None
 
 

@@ -129,7 +129,7 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     if getattr(args, "set", None) and all(re.match(r"[\w.]+=", text) for text in left):
         args.set += left
     elif left:
-        parser.error(f"got {left[0]!r}, an argument that this command does not take")
+        parser.error(f"got {left[0]!r}, an argument that this command does not accept")
     return args
 
 

@@ -1,4 +1,4 @@
-"""The result sheet of a file: the numbers that matter, and on request how well it was solved."""
+"""The result sheet of a file: the numbers that matter, and on request accuracy of the solution."""
 
 from __future__ import annotations
 
@@ -270,9 +270,9 @@ def _diagnostics(file: Any) -> list[Block]:
     names = [name for name in file.ncattrs() if name not in elsewhere]
     attributes = tuple(f"{name}: {_short(file.getncattr(name))}" for name in names)
     blocks = (
-        Block("how well it was solved", (), tuple(row for row in rows if row.values)),
+        Block("accuracy of the solution", (), tuple(row for row in rows if row.values)),
         Block("what was modelled", lines=tuple(json.loads(getattr(file, "modelled", "[]")))),
-        Block("how it was made", lines=attributes),
+        Block("provenance", lines=attributes),
     )
     return [block for block in blocks if block.rows or block.lines]
 

@@ -35,7 +35,9 @@ def figure_of(
     is_pair = OF_BEARING in dataset.dims and not dataset["status"].dims
     if bearing is not None:
         if not is_pair or bearing not in BEARINGS:
-            allowed = " or ".join(BEARINGS) if is_pair else "no bearing, for the file is of one"
+            allowed = (
+                " or ".join(BEARINGS) if is_pair else "no bearing, because the file contains one"
+            )
             raise CaseFileError(f"{name}: got the bearing {bearing}, expected {allowed}")
         dataset = dataset.isel({OF_BEARING: BEARINGS.index(bearing)}, drop=True)
     elif is_pair:
@@ -52,7 +54,7 @@ def _one_of_both(dataset: xr.Dataset, name: str | Path) -> xr.Dataset:
     first, second = (dataset.isel({OF_BEARING: k}, drop=True) for k in range(2))
     if not first.equals(second):
         raise CaseFileError(
-            f"{name}: got a file of two bearings that differ, expected one of them too: "
+            f"{name}: got a file of two different bearings, expected a choice of one: "
             "--bearing first or second; in Python plot(..., bearing='first')"
         )
     return first

@@ -127,9 +127,9 @@ def _lines(found: Differences) -> list[str]:
     lines += _texts_of("scene", found.scene) + _texts_of("model", found.model)
     lines += _variables("further result", [d for d in results if d.name not in _SHOWN])
     lines += _variables(
-        "how well it was solved", [d for d in found.variables if d.name in DIAGNOSTICS]
+        "accuracy of the solution", [d for d in found.variables if d.name in DIAGNOSTICS]
     )
-    return lines + _texts_of("how it was made (does not count)", found.making)
+    return lines + _texts_of("provenance (ignored)", found.making)
 
 
 def _texts_of(title: str, texts: dict[str, tuple[str, str]]) -> list[str]:

@@ -155,15 +155,17 @@ class Model:
 
     fidelity: str = setting("The model to solve", choices=FIDELITIES, default="auto")
     contact: str = setting(
-        "The model of the contacts: paper takes slip on the centre line of the ellipse and "
-        "leaves traction out of the balance of normal forces, hertz takes slip over the whole "
-        "ellipse and traction into the balance, worn also follows the grooves along a life, "
-        "auto is hertz, or worn for lives whose wear is deep enough",
+        "Contact model: paper has slip on the centre line of the ellipse and no traction in the "
+        "normal force balance, hertz has slip over the whole ellipse and traction in the "
+        "balance, worn also follows the grooves along a life, auto is hertz, or worn for lives "
+        "with deep wear",
         choices=CONTACTS,
         default="auto",
     )
     slip_over: str | None = setting(
-        "Where slip is evaluated, overrides model.contact", choices=SLIP_OVER, default=None
+        "Region over which slip is evaluated, overrides model.contact",
+        choices=SLIP_OVER,
+        default=None,
     )
     normal_balance: str | None = setting(
         "Whether traction is in the balance of normal forces, overrides model.contact",

@@ -119,7 +119,7 @@ def check_warmth(scene: Scene) -> None:
     if scene.temperature is not None and scene.thermal is not None:
         raise SceneError(
             "thermal",
-            "got thermal and temperature, expected one: temperatures are given or found",
+            "got thermal and temperature, expected one of the two",
             ("temperature",),
         )
     _check_fits(scene)

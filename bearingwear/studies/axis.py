@@ -66,7 +66,7 @@ class Values:
 class RisingAxis(tuple[float, ...]):
     """Rising numbers > 0."""
 
-    ALLOWED = "rising numbers > 0 in a list, or as first, last and step"
+    ALLOWED = "increasing numbers > 0 in a list, or as first, last and step"
 
     @classmethod
     def from_plain(cls, given: Any) -> RisingAxis:
@@ -95,4 +95,4 @@ def check_rising(values: Sequence[float]) -> None:
     """
     if list(values) != sorted(set(values)):
         given = ", ".join(f"{value:g}" for value in values)
-        raise ValueError(f"got {given}, expected rising numbers > 0")
+        raise ValueError(f"got {given}, expected increasing numbers > 0")

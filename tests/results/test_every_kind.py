@@ -195,7 +195,7 @@ def test_compare_lists_results_before_how_they_were_solved(kinds, tmp_path, caps
     capsys.readouterr()
     assert main(["compare", str(kinds["steady case"]), str(other)]) == 1
     text = capsys.readouterr().out
-    heads = ("  result ", "  scene ", "  how well it was solved ", "  how it was made ")
+    heads = ("  result ", "  scene ", "  accuracy of the solution ", "  provenance ")
     places = [text.index(head) for head in heads]
     assert places == sorted(places)
     results, causes, numerics, _ = (
@@ -214,7 +214,7 @@ def test_what_made_a_file_does_not_count(kinds, tmp_path, capsys):
         file.source_hash = "0123456789abcdef"
     assert main(["compare", str(kinds["steady case"]), str(copy)]) == 0
     text = capsys.readouterr().out
-    assert "does not count" in text and "0123456789abcdef" in text
+    assert "provenance (ignored)" in text and "0123456789abcdef" in text
 
 
 def test_a_missing_number_and_another_flag_are_found(kinds, tmp_path, capsys):

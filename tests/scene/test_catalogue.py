@@ -166,7 +166,7 @@ def test_list(capsys):
             "--preload-class: got M, expected light, medium, heavy",
         ),
         (["7010C", "--maker", "NSK", "--preload-class", "F"], "got F, expected EL, L, M, H"),
-        (["725C", "--maker", "NSK", "--preload-class", "L"], "none printed for 725C"),
+        (["725C", "--maker", "NSK", "--preload-class", "L"], "not printed for 725C"),
         (["7010C", "--maker", "NSK", "--clearance", "C3"], "only allowed for a deep groove"),
     ],
 )

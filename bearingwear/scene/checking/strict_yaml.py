@@ -165,5 +165,5 @@ def _plain(loader: Any, node: Any, path: str, anchors: bool) -> Any:
     try:
         return loader.construct_object(node)
     except ValueError:  # an integer of thousands of digits
-        problem = f"got {len(node.value)} digits, expected a number that can be read"
+        problem = f"got {len(node.value)} digits, expected fewer"
         raise SceneError(path, problem) from None

@@ -153,7 +153,7 @@ def numbers_of(
     if entry is not None:
         ball_rule = rounded_to(entry.ball, 6), SOURCES[entry.source], False
     else:
-        ball_rule = rounded_to(0.6 * section), "0.3 of (outside diameter - bore)", True
+        ball_rule = rounded_to(0.6 * section), "0.3 x (outside diameter - bore)", True
     D = decide("bearing.ball_diameter_mm", *ball_rule)
     if not 0.0 < D < section:
         allowed = f"a number > 0 and < {section:g}, half of the section"
@@ -189,7 +189,7 @@ def _preload(entry: CatalogueBearing | None, preload_class: str | None, size: fl
         return Origin(entry.preloads[name], f"class {name} of {entry.maker}", False)
     name = preload_class or "light"
     if name not in PRELOAD_CLASSES:
-        why = f", none printed for {entry.designation}" if entry else "; others with their --maker"
+        why = f", not printed for {entry.designation}" if entry else "; others with their --maker"
         raise refused_option("--preload-class", name, ", ".join(PRELOAD_CLASSES) + why)
     density = PRELOAD_CLASSES[name]
     rule = f"{name}, {density:g} N/mm2 x balls x ball diameter^2 x sin(contact angle)"
@@ -244,7 +244,7 @@ def _usual_balls(D: float, dm: float, deep_groove: bool) -> tuple[int, str]:
             3, balls
         ), f"balls that fill {CONRAD_FILL_DEG:g} degrees, assembled from one side"
     balls = round(0.75 * math.pi / half)
-    return max(3, balls), "three quarters of the balls that would touch each other"
+    return max(3, balls), "three quarters of the largest possible number"
 
 
 def _free_angle(

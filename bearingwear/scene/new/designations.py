@@ -139,7 +139,11 @@ def designation_of(text: str) -> Designation:
     unused = " ".join(filter(None, (prefix, ignored)))
     if deep_groove:
         return Designation(*size, name, deep_groove, clearance=suffix, ignored=unused)
-    rule = f"suffix {suffix}, of which makers differ" if suffix in tuple(_MAKERS_DIFFER) else ""
+    rule = (
+        f"suffix {suffix}, whose meaning depends on the maker"
+        if suffix in tuple(_MAKERS_DIFFER)
+        else ""
+    )
     return Designation(*size, name, deep_groove, ANGLES.get(suffix), rule, ignored=unused)
 
 

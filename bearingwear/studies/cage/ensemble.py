@@ -39,7 +39,7 @@ RunRow = dict[str, Any]
 ENSEMBLE_KIND = "cage ensemble"
 
 OF_RUN = Variable("run", ("run",), "1", "number of the run", "i8")
-GROUP = Variable("group", ("group",), "", "runs that a mean is over", "i1", flags=("all", *MOTIONS))
+GROUP = Variable("group", ("group",), "", "runs in a mean", "i1", flags=("all", *MOTIONS))
 OF_MOTION = Variable("of_motion", ("of_motion",), "", "motion", "i1", flags=MOTIONS)
 END = Variable("end", ("end",), "", "end of an interval", "i1", flags=("low", "high"))
 
@@ -82,7 +82,7 @@ def ensemble_scene(scene: Scene) -> Scene:
     solved = variant(scene, {"model.cage_results": True, "model.fidelity": "dynamic"})
     warm = warm_scene(solved)
     if warm.status != OK:
-        raise SceneError("thermal", f"got {warm.sentence}, expected temperatures that are found")
+        raise SceneError("thermal", f"got {warm.sentence}, expected a thermal balance")
     return warm.scene
 
 

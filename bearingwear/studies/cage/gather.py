@@ -21,7 +21,7 @@ MAP_KIND = "cage map"
 CAGE_AXES = {
     "gravity_m_s2": (Variable("gravity", ("gravity",), "m s-2", "gravity across the shaft"), 1.0),
     "guiding_race": (
-        Variable("guide", ("guide",), "", "what guides the cage", "i1", flags=GUIDES),
+        Variable("guide", ("guide",), "", "guidance of the cage", "i1", flags=GUIDES),
         None,
     ),
     "imbalance_um": (Variable("imbalance", ("imbalance",), "m", "imbalance of the cage"), 1e-6),

@@ -125,7 +125,9 @@ def parts_of(scene: Scene) -> tuple[CagePart, CagePart]:
                 raise SceneError(f"wear.end_of_life.{name}_clearance_mm", problem)
         found.append(CagePart(cage.worn_share * area, film, below, thickness, last))
     if not any(math.isfinite(part.end) for part in found):
-        problem = "got no film and no limit of a clearance, expected one that ends a cage's life"
+        problem = (
+            "got neither a film nor a clearance limit, expected one that ends the life of the cage"
+        )
         raise SceneError("cage.film", problem)
     return found[0], found[1]
 
@@ -184,7 +186,7 @@ def followed(
         nodes.append(there._replace(turns=last.turns + turns, depth=depth))
         if tell:
             tell(f"cage: {nodes[-1].turns:.3g} turns, {1e6 * depth[0]:.3g} and "
-                 f"{1e6 * depth[1]:.3g} um worn off pockets and land")  # fmt: skip
+                 f"{1e6 * depth[1]:.3g} um of wear on pockets and land")  # fmt: skip
         if any(d >= part.end for d, part in zip(depth, parts, strict=True)):
             break
     return nodes

@@ -29,9 +29,9 @@ ACROSS = Variable("across", ("across",), "", "direction across the shaft", "i1",
 CAGE_RUN = table(
     STATUS,
     Variable("motion", (), "", "motion of the cage", "i1", flags=MOTIONS),
-    Variable("work", (), "J", "normal force times slip at the cage in a shaft turn"),
-    Variable("pocket_work", (), "J", "normal force times slip in all pockets in a shaft turn"),
-    Variable("land_work", (), "J", "normal force times slip at the guiding land in a shaft turn"),
+    Variable("work", (), "J", "normal force times slip at the cage per shaft turn"),
+    Variable("pocket_work", (), "J", "normal force times slip in all pockets per shaft turn"),
+    Variable("land_work", (), "J", "normal force times slip at the guiding land per shaft turn"),
     Variable("pocket_force", (), "N", "normal force of a ball and its pocket, mean"),
     Variable("pocket_force_99", (), "N", "normal force of a ball and its pocket, 99 %"),
     Variable("land_force", (), "N", "normal force of cage and land, mean"),
@@ -39,13 +39,13 @@ CAGE_RUN = table(
     Variable("shaft_torque", (), "N m", "torque of the shaft, mean"),
     Variable("torque_noise", (), "N m", "standard deviation of its means over a shaft turn"),
     Variable("whirl_ratio", (), "1",
-        "turns of the cage's centre round the axis for a turn of the shaft"),
+        "orbits of the cage's centre about the axis per shaft turn"),
     Variable("ball_ratio", (), "1", "orbit rate of the balls over the rate of the shaft"),
     Variable("offset", (), "m", "mean distance of the cage's centre from the axis"),
     Variable("offset_scatter", (), "m", "standard deviation of that distance"),
     Variable("centre", ACROSS.dims, "m", "mean position of the cage's centre"),
     Variable("turns", (), "1", "shaft turns simulated"),
-    Variable("energy_account_error", (), "1", "energy missing, over the heat"),
+    Variable("energy_account_error", (), "1", "imbalance of the energy account, over the heat"),
 )  # fmt: skip
 """What is kept of a run: of its last stretches, where no other is named."""
 

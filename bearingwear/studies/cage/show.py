@@ -25,7 +25,7 @@ LONG_RUN = 450
 """Shaft turns in which every cage of gyro_s1 that hung for thirty has changed."""
 
 _ROWS = (
-    ("work", "work at the cage, a turn"),
+    ("work", "work at the cage, per turn"),
     ("pocket_work", "  in the pockets"),
     ("land_work", "  at the land"),
     ("pocket_force", "force of a pocket, mean"),
@@ -33,7 +33,7 @@ _ROWS = (
     ("land_force", "force of the land, mean"),
     ("land_force_99", "force of the land, 99 %"),
     ("shaft_torque", "torque of the shaft"),
-    ("torque_noise", "its noise, turn by turn"),
+    ("torque_noise", "its turn-to-turn noise"),
     ("whirl_ratio", "whirl over the shaft"),
 )
 

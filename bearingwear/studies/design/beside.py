@@ -52,9 +52,7 @@ def lives_beside(
             held = held_by(other, PRELOAD_METHODS[int(flag)], float(np.nan_to_num(preload)))
             known = math.isfinite(preload)
             points.append(followed_point(held, limits.gyroscopic_slip_share) if known else {})
-    names = Variable(
-        _KIND, (_KIND,), "", "what is assumed otherwise", dtype="i1", flags=tuple(cases)
-    )
+    names = Variable(_KIND, (_KIND,), "", "changed assumption", dtype="i1", flags=tuple(cases))
     methods = {MAP_AXES["preload_method"]: found["preload_method"].values}
     made = filled_points({names: None, **methods, LOSS_BASIS: None}, points)
     made.attrs = {
@@ -79,7 +77,7 @@ def load_beside(path: Path, recommendation: xr.Dataset) -> xr.Dataset:
     if found.attrs.get("kind") != _KIND or recommendation.attrs.get("kind") != RECOMMENDATION:
         raise CaseFileError(f"{path}: not a file of the kind {_KIND}")
     if found.attrs["scene"] != recommendation.attrs["scene"]:
-        raise CaseFileError(f"{path}: not of the scene of the recommendation")
+        raise CaseFileError(f"{path}: belongs to another scene than the recommendation")
     return found
 
 

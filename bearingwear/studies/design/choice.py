@@ -70,9 +70,9 @@ def design_map(parts: Sequence[Path], limits: Mapping[str, float]) -> xr.Dataset
         if one.attrs.get("kind") != "design map":
             raise CaseFileError(f"{path}: not a part of a design map")
         if one.attrs != attributes:
-            raise CaseFileError(f"{path}: not of the scene, limits or sources of {first}")
+            raise CaseFileError(f"{path}: differs from {first} in scene, limits or sources")
     if json.loads(attributes["limits"]).get(SLIP_SHARE) != limits.get(SLIP_SHARE):
-        raise CaseFileError(f"{first}: made with another limit of the gyroscopic slip share")
+        raise CaseFileError(f"{first}: has a different limit of the gyroscopic slip share")
     return whole_map(list(found.values()), limits)
 
 
@@ -90,7 +90,7 @@ def whole_map(parts: Sequence[xr.Dataset], limits: Mapping[str, float]) -> xr.Da
         raise CaseFileError(f"parts of a design map: {' '.join(str(error).split())}") from None
     assert isinstance(whole, xr.Dataset)
     if whole["status"].dtype.kind == "f":  # combining fills holes with NaN
-        raise CaseFileError("parts of a design map: some are missing")
+        raise CaseFileError("some parts of the design map are missing")
     return with_choices(whole.assign_attrs(limits=json.dumps(dict(limits))))
 
 

@@ -75,9 +75,7 @@ class DesignLimits(_LIMITS):
 class MapAxes:
     """Axes of a map of lives."""
 
-    preload_method: tuple[str, ...] = setting(
-        "How the preload is applied", choices=PRELOAD_METHODS, least=1
-    )
+    preload_method: tuple[str, ...] = setting("Method of preload", choices=PRELOAD_METHODS, least=1)
     friction: RisingAxis = setting("Friction coefficients of ball and race", "1")
     shaft_speed_rpm: RisingAxis = setting("Shaft speeds", "rpm")
     preload_N: RisingAxis = setting("Initial axial preloads", "N")

@@ -20,9 +20,7 @@ class GridBlock:
     """Scenes that share a grid."""
 
     scenes: tuple[str, ...] = setting(_SCENES, pattern=NAME, least=1, allowed="scene names")
-    preload_method: tuple[str, ...] = setting(
-        "How the preload is applied", choices=PRELOAD_METHODS, least=1
-    )
+    preload_method: tuple[str, ...] = setting("Method of preload", choices=PRELOAD_METHODS, least=1)
     friction: tuple[float, ...] = setting("Ball/race friction coefficients", minimum=0.0, least=1)
     ball_diameter_loss_um: tuple[float, ...] = setting(
         "States of wear", unit="um", minimum=0.0, least=1
@@ -96,8 +94,8 @@ class Figures:
         default=None,
     )
     friction: tuple[float, ...] = setting(
-        "The coefficients compared in the figures of slip, wear and life; those a grid lacks "
-        "are left out; none: all of a grid",
+        "Coefficients compared in the figures of slip, wear and life, if in the grid; none: all "
+        "of a grid",
         minimum=0.0,
         default=(),
     )
@@ -135,8 +133,8 @@ class Config:
         default=None,
     )
     unsolved: str = setting(
-        "What a case or a life that could not be solved does to the study. Its page says so "
-        "and shows the rest; then it ends with an error, or with a line on standard error",
+        "Effect of an unsolved case or life on the study: its page reports it and shows the "
+        "rest, and the study ends with an error, or with a line on standard error",
         choices=UNSOLVED,
         default=UNSOLVED[0],
     )

@@ -59,8 +59,8 @@ def study(paths: Iterable[str | Path]) -> xr.Dataset:
         source=first.get("source", "bearingwear"),
         references=first.get("references", ""),
         history="gathered from case files by bearingwear gather",
-        comment="The scene is what all cases share; the axes give the rest. "
-        "Numbers of a case whose status is not ok are missing.",
+        comment="The scene contains the values common to all cases; the axes give the rest. "
+        "Values of a case whose status is not ok are missing.",
         warnings=read.warnings,
         **{key: first[key] for key in ("scene", *_SHARED_ATTRS)},
     )
@@ -248,7 +248,7 @@ def _axis_variables(
     methods: Sequence[int], friction: Sequence[float], loss_um: Sequence[float]
 ) -> dict[str, tuple[np.ndarray, dict[str, Any]]]:
     """Values along the axes of a study, and their attributes."""
-    method_flags = flags("how the preload is applied", PRELOAD_METHODS)
+    method_flags = flags("method of preload", PRELOAD_METHODS)
     return {
         "preload_method": (np.array(methods, dtype=np.int8), method_flags),
         "friction": (np.array(friction), attrs("ball/race friction coefficient", "1")),

@@ -48,8 +48,8 @@ def test_plan_of_the_project(monkeypatch):
 @pytest.mark.parametrize(
     ("path", "value", "told"),
     [
-        ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected rising"),
-        ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: got 9.81, 0, expected rising"),
+        ("cage_friction", [0.1, 0.05], "cage_friction: got 0.1, 0.05, expected increasing"),
+        ("gravity_m_s2", [9.81, 0.0], "gravity_m_s2: got 9.81, 0, expected increasing"),
         ("gravity_m_s2", [-9.81], "gravity_m_s2"),
         ("guiding_race", ["nothing"], "guiding_race"),
         ("ensemble.runs", 10, "ensemble.runs: got 10, expected a whole number >= 20"),

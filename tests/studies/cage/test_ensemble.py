@@ -163,7 +163,7 @@ def test_an_ensemble_of_real_runs(riding, capsys):
     assert float(abs(found["energy_account_error"]).max()) <= 1e-3
     assert main(["show", str(riding)]) == 0
     text = capsys.readouterr().out
-    assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage, a turn" in text
+    assert "gyro_s1: cage, 20 runs: whirls" in text and "work at the cage, per turn" in text
     assert main(["plot", str(riding), "-o", str(riding.with_suffix(".svg"))]) == 0
 
 
@@ -246,7 +246,7 @@ def test_what_is_refused_takes_one_line(tmp_path, capsys):
         (["--runs", "5"], "runs: got 5, expected a whole number >= 20"),
         (["--turns", "35"], "most_turns: got 35, expected a multiple of 10"),
         (["--set", "cage=null"], "cage: got nothing, expected a cage"),
-        (["--life"], "cage.film: got no film and no limit of a clearance"),
+        (["--life"], "cage.film: got neither a film nor a clearance limit"),
     ):
         assert main(["cage", str(S1), *options, *out]) == 2
         text = capsys.readouterr().err

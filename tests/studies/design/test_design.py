@@ -89,7 +89,7 @@ def test_small_map_of_the_project_is_around_its_scene():
     "path, value, told",
     [
         ("scenes.gyro_s1.map.friction.step", 0.07, "got 0.02 to 0.17 by 0.07"),
-        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "expected rising numbers > 0"),
+        ("scenes.gyro_s1.map.preload_N", [2.0, 1.0], "expected increasing numbers > 0"),
         ("scenes.gyro_s1.map.preload_method", ["spring"], "expected constant_force"),
         ("scenes.gyro_s1.limits.pressure", 1.0, "limits.pressure: got an unknown key"),
         (

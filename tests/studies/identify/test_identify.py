@@ -27,8 +27,8 @@ def test_plan_of_the_project():
     "path, value, told",
     [
         ("statements.preload_loss", 0, "preload_loss: got 0, expected a number > 0"),
-        ("statements.qv_least_um", [0.5, 0.3], "qv_least_um: got 0.5, 0.3, expected rising"),
-        ("ball_count", [7, 7], "ball_count: got 7, 7, expected rising numbers"),
+        ("statements.qv_least_um", [0.5, 0.3], "qv_least_um: got 0.5, 0.3, expected increasing"),
+        ("ball_count", [7, 7], "ball_count: got 7, 7, expected increasing numbers"),
         ("pitch_diameter_mm.step", 0, "pitch_diameter_mm: step: got 0, expected a number > 0"),
     ],
 )

@@ -44,7 +44,7 @@ class IdentifyPlan:
     inner_groove_factor: RisingAxis = setting("Inner groove radii over ball diameter", "1")
     contact_angle_deg: RisingAxis = setting("Steps of the search for the angle", "degree")
     drag_density_kg_m3: RisingAxis = setting("Drag densities that are tried", "kg/m3")
-    statements: Statements = setting("What the text states")
+    statements: Statements = setting("Statements of the text")
 
     def __post_init__(self) -> None:
         try:

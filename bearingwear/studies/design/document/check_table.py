@@ -26,8 +26,8 @@ LOSS_RATE = display("m s-1", shown="um/1000 h")
 SHARE_LABEL = "largest gyroscopic slip share"
 WITH_CAGE = (
     "The scene has no cage.",
-    "Only the dynamic cases have the cage: its pockets slow the balls and wear them, which counts "
-    "in the interference loss (counting ball above all).",
+    "Only the dynamic cases have the cage: its pockets slow and wear the balls, which increases "
+    "the interference loss (above all with wear.counts ball).",
 )
 """Without a cage, and with one."""
 
@@ -105,7 +105,7 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
     limit = limits_of(chosen).gyroscopic_slip_share
     method = in_words(first["operation"]["preload_method"])
     known = np.isfinite(chosen["preload"].values).any()
-    middle = "its recommended preload" if known else "its own preload (none is recommended)"
+    middle = "its recommended preload" if known else "its own preload (no recommendation)"
     operation, friction = scene["operation"], scene["friction"]["ball_race"]
     said = (
         f"New bearing, {method}, {operation['shaft_speed_rpm']:g} r/min, friction {friction:g}, at "
@@ -121,7 +121,7 @@ def check_table(recommendation: Path, cases: Sequence[Path]) -> str:
             agreement(points),
             said,
         ),
-        blocks=(_numbers_of(points, limit), Block("How far the means are settled", lines=settled)),
+        blocks=(_numbers_of(points, limit), Block("Drift of the means", lines=settled)),
     )
     return as_markdown(made)
 

@@ -305,4 +305,4 @@ def _spread_said(lives: xr.Dataset, frictions: Sequence[float], known: Sequence[
     if not found:
         return NO_QUANTILES
     every = Interval(min(one.low for one in found), max(one.high for one in found))
-    return f"{BEARINGS_BETWEEN}, over what is uncertain: {every.text} h"
+    return f"{BEARINGS_BETWEEN}, including all uncertain values: {every.text} h"
