@@ -26,6 +26,15 @@ numbers = {
 }
 print(json.dumps(["bearingwear.kernels.build.code" in sys.modules, numbers]))
 """
+KERNELS = """
+import json, sys
+from bearingwear.kernels.equilibrium.body_forces import body_forces
+from bearingwear.kernels.params import BallLoad, Geometry
+g = Geometry(9, 2e-3, 7.5e-3, 0.3, 2.5e-4, 3.5e-3, 3.6e-3, 1.1e-3, 1.2e-3, 1e11, 7800.0)
+load = BallLoad(1, 0.0, 3000.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+numbers = list(body_forces(g, 2e-3, load, 0.0, 0.3, 0.9, 0.2, 0.95))
+print(json.dumps(["bearingwear.kernels.build.code" in sys.modules, numbers]))
+"""
 OTHER_VERSION = """
 import numba, sys
 numba.__version__ = sys.argv[1]
@@ -45,10 +54,17 @@ def run(program, *arguments, **environment):
     return done.stdout.strip()
 
 
-@pytest.mark.parametrize(
-    "fidelity",
-    ["race_control", *(pytest.param(f, marks=pytest.mark.long) for f in ("steady", "dynamic"))],
-)
+def test_kernels_give_the_same_numbers_by_the_public_interface_alone():
+    """What whole solves give is asked by the test below, which compiles them: a minute."""
+    builds_on_internals, numbers = json.loads(run(KERNELS, **{SWITCH: ""}))
+    assert builds_on_internals
+    builds_on_internals, others = json.loads(run(KERNELS, **{SWITCH: "1"}))
+    assert not builds_on_internals and any(numbers)
+    np.testing.assert_allclose(others, numbers, rtol=1e-12)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("fidelity", ["race_control", "steady", "dynamic"])
 def test_the_same_numbers_by_the_public_interface_alone(fidelity):
     arguments = (SOLVE, fidelity, scene_file("gyro_s1"))
     builds_on_internals, numbers = json.loads(run(*arguments, **{SWITCH: ""}))

@@ -16,6 +16,7 @@ HARDLY = "arrangement.external_axial_N=1e-6"
 NAMES = ("history_part_temperature", "history_residual_preload", "history_race_film")
 
 
+@pytest.mark.long  # by twos and threes: test_composition.py, test_worn_pair.py
 def test_worn_and_filmed_grooves_on_a_warm_pair():
     """Two alike are the single bearing; of two that differ, each has heat and a film of its own."""
     single, pair = life_of(FIXED, *FILMED), life_of(*RIGID, *FILMED, HARDLY)

@@ -127,7 +127,7 @@ def test_order_of_convergence(scene, contact, method, counts, lowest, highest):
     assert lowest < order < highest, errors
 
 
-@pytest.mark.parametrize(("contact", "turns"), [("paper", 3), ("hertz", 0.5)])
+@pytest.mark.parametrize(("contact", "turns"), [("paper", 1), ("hertz", 0.5)])
 def test_integrators_agree_with_scipy(scene, contact, turns):
     """A radial load, from the same start: QV of every contact to 1e-4."""
     s = scene("gyro_s1", {"operation.radial_load_N": [0.0, 2.0], "model.contact": contact})

@@ -185,6 +185,7 @@ def digest(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+@pytest.mark.long  # three times twenty real runs
 def test_a_killed_ensemble_goes_on_to_the_same_bytes(tmp_path):
     """Killed once runs are kept, on two cores; resumed on one; against a whole one on one."""
     s = variant(S1, {"friction.cage": 0.1, "model.cage_results": True})
