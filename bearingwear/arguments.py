@@ -305,7 +305,7 @@ def _add_uncertainty(sub: argparse.ArgumentParser) -> None:
         "--samples",
         type=int,
         metavar="N",
-        help="base samples, a power of two; 2 N lives are solved",
+        help="base samples, a power of two; 2 N lives are sampled",
     )
     sub.add_argument(
         "--seed", type=int, default=1, metavar="N", help="seed of the sample; default 1"

@@ -75,8 +75,8 @@ def _with_grooves(uncertainty: xr.Dataset) -> list[str]:
         return []
     return [
         f"Grooves are followed as they wear in {int(followed.sum())} of the sampled lives. The "
-        "others are scaled by an interpolated ratio, with an rms error of at most "
-        f"{100.0 * float(error.max()):.2g} % on lives left out of its fit."
+        "others are interpolated, with an rms error of at most "
+        f"{100.0 * float(error.max()):.2g} % on lives left out of the fit."
     ]
 
 

@@ -12,15 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
-from bearingwear.kernels.status import OK
 from bearingwear.results.quantiles import CONFIDENCE, INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND
 from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.scene.uncertain import is_same_for_batch
-from bearingwear.studies.pool import Tell
 from bearingwear.studies.sampling import Sampling
-from bearingwear.studies.uncertainty.sample import lives, wear_factor
+from bearingwear.studies.uncertainty.sample import wear_factor
 
 PROBABILITIES = (0.05, 0.1, 0.5, 0.9, 0.95)
 """Of quantiles over the bearings of a batch."""
@@ -60,32 +58,45 @@ def sizes(samples: int) -> tuple[int, int]:
     return 2 ** (power // 2), 2 ** (power - power // 2)
 
 
-def batch_quantiles(
-    scene: Scene, plan: Sampling, workers: int = 1, tell: Tell | None = None
-) -> BatchQuantiles:
-    """Quantiles over the bearings of a batch, and of these over what is not known of the batch."""
-    names = list(scene.uncertainty or {})
-    fixed = [name for name in names_of(scene, True) if name in WORN]
-    unknown = [name for name in names_of(scene, True) if name not in WORN]
-    scatter = names_of(scene, False)
-    batches, bearings = sizes(plan.samples)
-    of_batches = _probabilities(len(unknown), batches, plan.seed)
-    of_wear = _probabilities(len(fixed), WEAR_DRAWS, plan.seed + 2)
-    outer = values_at(scene, unknown, of_batches)
-    inner = values_at(scene, scatter, _probabilities(len(scatter), bearings, plan.seed + 1))
-    values = {name: np.full((len(outer), len(inner)), scene.nominal(name)) for name in fixed}
-    values |= {name: np.tile(outer[:, [k]], len(inner)) for k, name in enumerate(unknown)}
-    values |= {name: np.tile(inner[:, k], (len(outer), 1)) for k, name in enumerate(scatter)}
-    rows = np.stack([values[name].ravel() for name in names], axis=-1)
-    found = lives(scene, rows, workers, tell)
-    hours = np.where((found.status == OK)[:, None], found.life, np.nan) * HOURS_PER_SECOND
-    hours = hours.reshape(len(outer), len(inner), -1)
-    factor = []
-    for one in of_batches:
-        both = np.column_stack([np.tile(one, (len(of_wear), 1)), of_wear])
-        worn = values_at(scene, [*unknown, *fixed], both)[:, len(unknown) :]
-        factor.append(wear_factor(scene, fixed, worn))
-    return quantiles_with_error(hours, np.array(factor), plan.seed)
+class Batches:
+    """The same bearings in each of several batches: a sample in two stages.
+
+    Attributes
+    ----------
+    rows : (batches * bearings, values) ndarray
+        Where lives are asked for; what is not known of wear scales them and is as in the scene.
+    """
+
+    def __init__(self, scene: Scene, plan: Sampling):
+        names = list(scene.uncertainty or {})
+        fixed = [name for name in names_of(scene, True) if name in WORN]
+        unknown = [name for name in names_of(scene, True) if name not in WORN]
+        scatter = names_of(scene, False)
+        batches, bearings = sizes(plan.samples)
+        of_batches = _probabilities(len(unknown), batches, plan.seed)
+        of_wear = _probabilities(len(fixed), WEAR_DRAWS, plan.seed + 2)
+        outer = values_at(scene, unknown, of_batches)
+        inner = values_at(scene, scatter, _probabilities(len(scatter), bearings, plan.seed + 1))
+        self.shape, self.seed = (len(outer), len(inner)), plan.seed
+        values = {name: np.full(self.shape, scene.nominal(name)) for name in fixed}
+        values |= {name: np.tile(outer[:, [k]], len(inner)) for k, name in enumerate(unknown)}
+        values |= {name: np.tile(inner[:, k], (len(outer), 1)) for k, name in enumerate(scatter)}
+        self.rows = np.stack([values[name].ravel() for name in names], axis=-1)
+        factor = []
+        for one in of_batches:
+            both = np.column_stack([np.tile(one, (len(of_wear), 1)), of_wear])
+            worn = values_at(scene, [*unknown, *fixed], both)[:, len(unknown) :]
+            factor.append(wear_factor(scene, fixed, worn))
+        self.factor = np.array(factor)
+
+    def quantiles(self, life: np.ndarray, widened: float) -> dict[str, np.ndarray]:
+        """Of lives (n, 2) [s] at the rows, with their error, `widened` by so large a share."""
+        hours = (life * HOURS_PER_SECOND).reshape(*self.shape, -1)
+        found = quantiles_with_error(hours, self.factor, self.seed)
+        return {
+            "batch_life_quantile": found.quantile,
+            "batch_life_quantile_error": found.error + widened * found.quantile,
+        }
 
 
 def quantiles_with_error(hours: np.ndarray, factor: np.ndarray, seed: int) -> BatchQuantiles:

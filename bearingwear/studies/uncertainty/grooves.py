@@ -1,151 +1,161 @@
-"""Sampled lives with grooves that are followed as they wear.
+"""Sampled lives, Hertzian or with grooves that are followed as they wear.
 
-Some lives are followed. The ratio of these to the lives with Hertzian grooves is interpolated
-between them for the others, and its error is measured on lives that it was not fitted to
-(docs/theory.md, section 15). More are followed until that error is small, at most a few hundred.
+Some lives of each sort are solved and the others interpolated (docs/theory.md, section 15).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.interpolate import RBFInterpolator
-from scipy.spatial.distance import cdist
 
-from bearingwear.kernels.status import OK
+from bearingwear.kernels.status import BEYOND_GROOVE, OK
 from bearingwear.lives.groove_life import grooves_followed
-from bearingwear.lives.many import worn_life
+from bearingwear.lives.many import HertzianLives, worn_life
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.pool import Tell, processes, told_in_lines
+from bearingwear.studies.sampling import perturbed
+from bearingwear.studies.uncertainty.surrogate import Interpolated, interpolated
 
-FITTED, HELD_OUT = (24, 48, 96, 192), 64
-"""Lives that are followed where there are more: to fit the ratio, and to see its error."""
+HERTZIAN, FOLLOWED = (64, 2048), (16, 256)
+"""Lives that are solved where there are more, at least and at most."""
 
-KNOWN_TO = 5e-3
-"""rms error of the ratio for which no more are followed: quick lives are no better themselves."""
+HERTZIAN_TO, FOLLOWED_TO = 1e-3, 5e-3
+"""rms error for which no more are solved; quick lives with worn grooves are no better themselves.
+"""
 
-STEEP = 0.2
-"""Change of the ratio from the nearest followed life, as a logarithm: beyond it a life is followed,
-since another end of life lies between."""
+_AT_ONCE = {"Hertzian": 16, "grooves as they wear": 2}
+"""Lives that a process is given at a time."""
 
 _RACES = COUNTS.index("ball_and_races")
-_SEED = 0  # of the choice of those that are followed
+_NO_CRITERION = len(CRITERIA) - 1
+
+Job = tuple[Scene, Sequence[str], np.ndarray]
+"""A scene, names of its uncertain values, and these values (k, names)."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class FollowedLives:
-    """Sampled lives with the grooves that a life follows.
+class FoundLives:
+    """Lives at some places.
 
     Attributes
     ----------
     life : (n, 2) ndarray
-        By both ways of counting wear [s].
+        By both ways of counting wear [s]; NaN where it was not solved.
     status, end_criterion : (n,) ndarray
+    solved : int
+        Lives that were solved with Hertzian grooves; others are interpolated.
+    error : float
+        Root mean square, relative, of those interpolated; zero where all were solved.
     followed : int
         Lives whose grooves were followed.
-    error : float
-        Root mean square, relative, of lives by the interpolated ratio; zero where all were
-        followed, NaN where none was.
+    groove_error : float
+        Likewise, of lives with worn grooves; NaN where none was followed.
     """
 
     life: np.ndarray
     status: np.ndarray
     end_criterion: np.ndarray
+    solved: int
+    error: float
     followed: int = 0
-    error: float = np.nan
+    groove_error: float = np.nan
 
 
-def with_followed_grooves(
-    scenes: Sequence[Scene | None],
+def found_lives(
+    scene: Scene,
+    names: Sequence[str],
     places: np.ndarray,
-    hertzian: FollowedLives,
     workers: int = 1,
     tell: Tell | None = None,
-) -> FollowedLives:
-    """Lives with the grooves that `life` would follow, from those with Hertzian ones.
+) -> FoundLives:
+    """Lives of a scene at values (n, names), with the grooves that `life` would follow.
 
     Parameters
     ----------
-    scenes : sequence of Scene
-        None where there is no such bearing.
-    places : (n, values) ndarray
-        What differs between them.
-    hertzian : FollowedLives
     workers : int
         Processes that share the lives.
     """
-    lived = (hertzian.status == OK) & (hertzian.life[:, _RACES] > 0.0)
-    asked = np.flatnonzero(lived)
-    first = next((scene for scene in scenes if scene is not None), None)
-    if first is None or not asked.size or not any(map(_follows, scenes)):
-        return hertzian
-    order = np.random.default_rng(_SEED).permutation(asked)
-    status, criterion = hertzian.status.copy(), hertzian.end_criterion.copy()
-    ratio, error, done = np.ones(len(scenes)), 0.0, 0
     with processes(workers, "uncertainty") as each:
 
-        def follow(new: np.ndarray) -> None:
-            lives = each(_followed, [scenes[k] for k in new])
-            if tell:
-                what = "{} of {} lives, grooves as they wear"
-                lives = told_in_lines(lives, new.size, what, tell=tell)
-            for k, (solved, ended, life) in zip(new, lives, strict=True):
-                status[k], criterion[k] = solved, ended
-                own = life / hertzian.life[k, _RACES]
-                ratio[k] = 1.0 if np.isnan(own) else own
+        def solver(function: Callable[[Job], list[Any]], what: str) -> Callable[..., Any]:
+            def solve(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+                parts = np.array_split(which, math.ceil(which.size / _AT_ONCE[what]))
+                found = each(function, [(scene, names, places[part]) for part in parts])
+                if tell:
+                    line = "{} of {} lives, " + what
+                    found = told_in_lines(found, which.size, line, len, tell)
+                life, *kinds = zip(*(one for part in found for one in part), strict=True)
+                with np.errstate(divide="ignore"):  # a new bearing beyond a limit lives 0 s
+                    return np.log(np.array(life)), np.array(kinds).T
 
-        for count in FITTED:
-            follow(order[done : HELD_OUT + count])
-            done = min(HELD_OUT + count, order.size)
-            good = order[:done][status[order[:done]] == OK]
-            checked, fitted = good[:HELD_OUT], good[HELD_OUT:]
-            if done == order.size or fitted.size < 2:
-                continue
-            found, steep = _interpolated(places, fitted, ratio, checked)
-            error = float(np.sqrt(np.mean((found / ratio[checked] - 1.0)[~steep] ** 2)))
-            if error <= KNOWN_TO:
-                break
-        if done < order.size:
-            others = order[done:]
-            ratio[others], steep = _interpolated(places, good, ratio, others)
-            follow(others[steep])
-            done += int(steep.sum())
-    life = hertzian.life.copy()
-    life[:, _RACES] *= ratio
+            return solve
+
+        hertzian = interpolated(places, solver(hertzian_lives, "Hertzian"), *HERTZIAN, HERTZIAN_TO)
+        if not hertzian.kind[:, 2].any():
+            return _found(hertzian)
+        asked = np.flatnonzero(np.isfinite(hertzian.log[:, _RACES]))
+        solve = solver(followed_lives, "grooves as they wear")
+
+        def worn_lives(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            log, kinds = solve(asked[which])
+            unlike = kinds[:, 2] == 0
+            log[unlike] = hertzian.log[asked[which][unlike]][:, [_RACES]]
+            kinds[unlike] = hertzian.kind[asked[which][unlike]]
+            return log, kinds
+
+        worn = interpolated(places[asked], worn_lives, *FOLLOWED, FOLLOWED_TO)
+    hertzian.log[asked, _RACES] = worn.log[:, 0]
+    hertzian.kind[asked] = worn.kind
+    return _found(hertzian, followed=worn.solved, groove_error=worn.error)
+
+
+def _found(of: Interpolated, **grooves: Any) -> FoundLives:
+    status = of.kind[:, 0]
+    life = np.exp(of.log)
     life[status != OK] = np.nan
-    return FollowedLives(
-        life=life, status=status, end_criterion=criterion, followed=done, error=error
+    return FoundLives(
+        life=life,
+        status=status,
+        end_criterion=of.kind[:, 1],
+        solved=of.solved,
+        error=of.error,
+        **grooves,
     )
 
 
-def _follows(scene: Scene | None) -> bool:
-    return scene is not None and grooves_followed(scene, "steady")[0] is not None
+def _scenes(job: Job) -> list[Scene | None]:
+    scene, names, places = job
+    return [perturbed(scene, dict(zip(names, place, strict=True))) for place in places.tolist()]
 
 
-def _followed(scene: Scene | None) -> tuple[int, int, float]:
-    """Status, end criterion and life [s]; NaN where it stays the Hertzian one."""
-    assert scene is not None
-    worn = worn_life(scene, only_times=True)
-    if worn is None:
-        return OK, len(CRITERIA) - 1, np.nan
-    life = float(worn.last.time[1]) if worn.status == OK else np.nan
-    return worn.status, worn.criterion, life
+def hertzian_lives(job: Job) -> list[tuple[np.ndarray, int, int, bool]]:
+    """Lives (2,) with Hertzian grooves [s], status, end criterion, whether `life` follows them."""
+    found = []
+    for scene in _scenes(job):
+        if scene is None:
+            found.append((np.full(2, np.nan), BEYOND_GROOVE, _NO_CRITERION, False))
+            continue
+        life = HertzianLives(scene)(scene)
+        times = life.last.time if life.status == OK else np.full(2, np.nan)
+        follows = grooves_followed(scene, "steady")[0] is not None
+        found.append((times, life.status, life.criterion, follows))
+    return found
 
 
-def _interpolated(
-    places: np.ndarray, known: np.ndarray, ratio: np.ndarray, asked: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The ratio at some places from those where it is known, linear far from them, and where it
-    is steep.
-    """
-    spread = places[known].std(axis=0)
-    used = spread > 0.0
-    if not used.any():
-        return np.full(asked.size, float(ratio[known].mean())), np.zeros(asked.size, bool)
-    x, y = places[:, used] / spread[used], np.log(ratio[known])
-    found = RBFInterpolator(x[known], y, kernel="linear", degree=1)(x[asked])
-    nearest = cdist(x[asked], x[known]).argmin(axis=1)
-    return np.exp(found), np.abs(found - y[nearest]) > STEEP
+def followed_lives(job: Job) -> list[tuple[tuple[float], int, int, bool]]:
+    """Lives (1,) with grooves as they wear [s], status and end criterion, whether there are any."""
+    found = []
+    for scene in _scenes(job):
+        assert scene is not None
+        worn = worn_life(scene, only_times=True)
+        if worn is None:
+            found.append(((np.nan,), OK, _NO_CRITERION, False))
+        else:
+            life = float(worn.last.time[1]) if worn.status == OK else np.nan
+            found.append(((life,), worn.status, worn.criterion, True))
+    return found

@@ -6,6 +6,7 @@ Theory: docs/theory.md, section 15.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -30,7 +31,7 @@ from bearingwear.studies.sampling import SAMPLES, Sampling
 from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,
     PROBABILITIES,
-    batch_quantiles,
+    Batches,
 )
 from bearingwear.studies.uncertainty.indices import class_indices, indices
 from bearingwear.studies.uncertainty.plan import (
@@ -41,8 +42,9 @@ from bearingwear.studies.uncertainty.plan import (
 )
 from bearingwear.studies.uncertainty.sample import (
     PART_KIND,
+    independent_rows,
     lives,
-    sample,
+    widened_by,
     with_preload,
 )
 from bearingwear.studies.uncertainty.variables import (
@@ -56,6 +58,9 @@ from bearingwear.studies.uncertainty.variables import (
     PROBABILITY,
     UNCERTAINTY_AXES,
 )
+
+MOST_MEMBERS = 8192
+"""Sampled lives that a file contains."""
 
 
 def quantiles_and_indices(
@@ -201,23 +206,22 @@ def _quantiles_at(
     table = []
     for method, preload in preloads.items():
         of = with_preload(scene, method, preload)
-        first_and_last = sample(of, plan)[:, [0, -1]]  # A and B; the others repeat them
-        rows = first_and_last.reshape(-1, len(scene.uncertainty or {}))
+        rows, batches = independent_rows(of, plan), Batches(of, plan)
         if tell:
-            tell(f"{method}: sampling {len(rows)} lives")
-        found = lives(of, np.vstack([_middle(of), rows]), workers, tell)
-        nominal, *hours = found.life * HOURS_PER_SECOND
-        solved = found.status[1:] == OK
+            tell(f"{method}: sampling {len(rows)} lives, and as many of batches")
+        found = lives(of, np.vstack([_middle(of), rows, batches.rows]), workers, tell)
+        life = found.life[1 : len(rows) + 1]
+        solved = found.status[1 : len(rows) + 1] == OK
         analysed = {
             "preload": preload,
             "evaluations": solved.size,
             "solved_share": solved.mean(),
-            "nominal_life": nominal,
-            "followed_lives": found.followed,
-            "groove_error": found.groove_error,
-            **_of_batches(of, plan, workers, tell),
+            "nominal_life": found.life[0] * HOURS_PER_SECOND,
+            **found.cost,
+            **batches.quantiles(found.life[len(rows) + 1 :], found.widened),
         }
-        table.append(analysed | _quantiles_of(np.array(hours), found.wear_factor[1:]))
+        factor = found.wear_factor[1 : len(rows) + 1]
+        table.append(analysed | _quantiles_of(life * HOURS_PER_SECOND, factor, found.widened))
     return _dataset(scene, plan, list(preloads), [choice], table)
 
 
@@ -265,11 +269,15 @@ def _analysed(
     usable = (solved & (life > 0.0).all(axis=-1)).all(axis=1)
     found["evaluations"] = solved.size
     found["solved_share"] = solved.mean()
-    found["followed_lives"] = sum(int(part.attrs["followed_lives"]) for part in parts)
-    found["groove_error"] = max(float(part.attrs["groove_error"]) for part in parts)
+    for name in ("solved_lives", "followed_lives"):
+        found[name] = sum(int(part.attrs[name]) for part in parts)
+    for name in ("interpolation_error", "groove_error"):
+        found[name] = max(float(part.attrs[name]) for part in parts)
     found["index_share"] = usable.mean()
     # of A and B; the others repeat them
-    found |= _quantiles_of(*(np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)))
+    widened = widened_by(found["interpolation_error"], found["groove_error"])
+    both = [np.concatenate([x[:, 0], x[:, -1]]) for x in (life, factor)]
+    found |= _quantiles_of(both[0], both[1], widened)
     shape = 2, len(scene.uncertainty or {}), 2
     for name, variable in ANALYSED.items():
         if variable.dims == INDEX:
@@ -281,16 +289,11 @@ def _analysed(
                 for name, values in indices(scene, y, plan.seed).items():
                     found[name][k, :, c] = values
     at_preload = with_preload(scene, method, found["preload"])
-    found |= _of_batches(at_preload, plan)
+    batches = Batches(at_preload, plan)
+    of_batches = lives(at_preload, batches.rows)
+    found |= batches.quantiles(of_batches.life, of_batches.widened)
     found["class_index"] = class_indices(at_preload, plan)
     return found | _one_at_a_time(at_preload)
-
-
-def _of_batches(
-    scene: Scene, plan: Sampling, workers: int = 1, tell: Tell | None = None
-) -> dict[str, np.ndarray]:
-    found = batch_quantiles(scene, plan, workers, tell)
-    return {"batch_life_quantile": found.quantile, "batch_life_quantile_error": found.error}
 
 
 def _one_at_a_time(scene: Scene) -> dict[str, np.ndarray]:
@@ -313,13 +316,19 @@ def _middle(scene: Scene) -> list[float]:
     return [float(value_at(scene, name, np.array(0.5))) for name in scene.uncertainty or {}]
 
 
-def _quantiles_of(life: np.ndarray, factor: np.ndarray) -> dict[str, np.ndarray]:
-    """Those of independent lives (n, 2) [h], and of lives without the effect of K_s and H (n,)."""
+def _quantiles_of(life: np.ndarray, factor: np.ndarray, widened: float) -> dict[str, np.ndarray]:
+    """Those of independent lives (n, 2) [h], and of lives without the effect of K_s and H (n,).
+
+    Confidence intervals are widened by a share for lives that are interpolated.
+    """
     both = np.stack([life, life / factor[:, None]])
     found = np.array([[quantiles(one[:, c]) for c in range(2)] for one in both])
+    found[:, :, 1] *= 1.0 - widened
+    found[:, :, 2] *= 1.0 + widened
     names = ("life_quantile", "life_quantile_low", "life_quantile_high")
     ends = {name: found[:, :, k].swapaxes(1, 2) for k, name in enumerate(names)}
-    return ends | {"life_sample": np.sort(both, axis=1)}
+    step = math.ceil(len(life) / MOST_MEMBERS)
+    return ends | {"life_sample": np.sort(both, axis=1)[:, step // 2 :: step]}
 
 
 def quantiles(life: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

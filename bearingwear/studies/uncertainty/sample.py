@@ -5,7 +5,8 @@ Theory: docs/theory.md, section 15.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,9 +14,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from SALib.sample import sobol as sobol_sample
+from scipy.stats import qmc
 
-from bearingwear.kernels.status import BEYOND_GROOVE, OK
-from bearingwear.lives.many import HertzianLives
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.quantiles import PRELOAD_CHOICE
 from bearingwear.results.variable import HOURS_PER_SECOND, STATUS, Variable, table
@@ -25,9 +25,9 @@ from bearingwear.scene.distributions import values_at
 from bearingwear.scene.scene import PRELOAD_METHODS, WORN, Scene
 from bearingwear.studies.dataset import LOSS_BASIS, filled
 from bearingwear.studies.design.recommend import recommended_for
-from bearingwear.studies.pool import Tell, told_in_lines
-from bearingwear.studies.sampling import Sampling, perturbed
-from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
+from bearingwear.studies.pool import Tell
+from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty.grooves import FoundLives, found_lives
 from bearingwear.studies.uncertainty.plan import OWN, uncertain_scene
 
 PART_KIND = "sampled lives"
@@ -42,10 +42,21 @@ SAMPLED = table(
 """What is found at sampled values."""
 
 
+RMS_ERRORS = 2.0
+"""Root mean square errors of interpolated lives by which intervals are widened."""
+
+
 def problem(scene: Scene) -> dict[str, Any]:
     """The uncertain values as SALib takes them, by their probabilities."""
     names = list(scene.uncertainty or {})
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+
+def independent_rows(scene: Scene, plan: Sampling) -> np.ndarray:
+    """Values (2 samples, values) of A and B of `sample`."""
+    names = list(scene.uncertainty or {})
+    unit = qmc.Sobol(2 * len(names), seed=plan.seed).random(plan.samples)
+    return values_at(scene, names, unit.reshape(-1, len(names)))
 
 
 def sample(scene: Scene, plan: Sampling) -> np.ndarray:
@@ -59,28 +70,29 @@ def sample(scene: Scene, plan: Sampling) -> np.ndarray:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SampledLives:
-    """Lives at sampled values.
+class SampledLives(FoundLives):
+    """Lives at sampled values; `wear_factor` (n,) is that on the life by K_s and H."""
 
-    Attributes
-    ----------
-    life : (n, 2) ndarray
-        By both ways of counting wear [s]; NaN where it was not solved.
-    status, end_criterion : (n,) ndarray
-    wear_factor : (n,) ndarray
-        Factor on the life by its K_s and H in place of the scene's.
-    followed : int
-        Lives whose grooves were followed as they wear.
-    groove_error : float
-        As `FollowedLives.error`.
-    """
-
-    life: np.ndarray
-    status: np.ndarray
-    end_criterion: np.ndarray
     wear_factor: np.ndarray
-    followed: int
-    groove_error: float
+
+    @property
+    def cost(self) -> dict[str, float]:
+        """How many were solved, and how well the others are known, by names of variables."""
+        return {
+            "solved_lives": self.solved,
+            "interpolation_error": self.error,
+            "followed_lives": self.followed,
+            "groove_error": self.groove_error,
+        }
+
+    @property
+    def widened(self) -> float:
+        return widened_by(self.error, self.groove_error)
+
+
+def widened_by(error: float, groove_error: float) -> float:
+    """Share by which intervals of quantiles are widened, by the errors of interpolated lives."""
+    return RMS_ERRORS * (error if math.isnan(groove_error) else max(error, groove_error))
 
 
 def lives(
@@ -89,33 +101,17 @@ def lives(
     """Lives at values (n, values), with the groove that `life` would follow.
 
     Life is proportional to H/K_s, exactly: rows that differ in these alone are solved once.
-    `workers` are the processes that follow grooves.
     """
     names = list(scene.uncertainty or {})
     shape = [k for k, name in enumerate(names) if name not in WORN]
     worn = [k for k, name in enumerate(names) if name in WORN]
     factor = wear_factor(scene, [names[k] for k in worn], rows[:, worn])
     unlike, which = np.unique(rows[:, shape], axis=0, return_inverse=True)
-    scenes = [
-        perturbed(scene, {names[k]: float(v) for k, v in zip(shape, row, strict=True)})
-        for row in unlike
-    ]
-    solved: Iterator[Any] = map(_life, scenes)
-    if tell:
-        solved = told_in_lines(solved, len(scenes), "{} of {} lives, Hertzian", tell=tell)
-    parts = zip(*solved, strict=True)
-    life, status, criterion = (np.array(part) for part in parts)
-    hertzian = FollowedLives(life=life, status=status, end_criterion=criterion)
-    found = with_followed_grooves(scenes, unlike, hertzian, workers, tell)
+    found = found_lives(scene, [names[k] for k in shape], unlike, workers, tell)
     each = which.ravel()
-    return SampledLives(
-        life=found.life[each] * factor[:, None],
-        status=found.status[each],
-        end_criterion=found.end_criterion[each],
-        wear_factor=factor,
-        followed=found.followed,
-        groove_error=found.error,
-    )
+    of_each = {"life": found.life[each] * factor[:, None], "wear_factor": factor}
+    of_each |= {name: getattr(found, name)[each] for name in ("status", "end_criterion")}
+    return SampledLives(**(vars(found) | of_each))
 
 
 def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.ndarray:
@@ -125,15 +121,6 @@ def wear_factor(scene: Scene, names: Sequence[str], values: np.ndarray) -> np.nd
         ratio = values[:, k] / scene.nominal(name)
         factor = factor * (ratio if name == "brinell_hardness_GPa" else 1.0 / ratio)
     return factor
-
-
-def _life(other: Scene | None) -> tuple[np.ndarray, int, int]:
-    """Life (2,) with Hertzian grooves [s], status and end criterion."""
-    if other is None:
-        return np.full(2, np.nan), BEYOND_GROOVE, len(CRITERIA) - 1
-    life = HertzianLives(other)(other)
-    times = life.last.time if life.status == OK else np.full(2, np.nan)
-    return times, life.status, life.criterion
 
 
 def with_preload(scene: Scene, method: str, preload_N: float) -> Scene:
@@ -226,6 +213,5 @@ def sample_part(
         {BASE: base, "row": rows.shape[1], LOSS_BASIS: None},
         [dict(zip(SAMPLED, values, strict=True)) for values in zip(*columns, strict=True)],
         **attributes,
-        followed_lives=np.int64(found.followed),
-        groove_error=np.float64(found.groove_error),
+        **{name: np.array(value)[()] for name, value in found.cost.items()},
     )

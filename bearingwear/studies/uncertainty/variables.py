@@ -36,6 +36,14 @@ ANALYSED = table(
     Variable("evaluations", (), "1", "lives evaluated", dtype="i8"),
     Variable("solved_share", (), "1", "share of the lives that were solved"),
     Variable("index_share", (), "1", "share of the base samples that the indices are taken from"),
+    Variable("solved_lives", (), "1", "lives that were solved, with Hertzian grooves"),
+    Variable(
+        "interpolation_error",
+        (),
+        "1",
+        "rms error of the other lives, which are interpolated",
+        comment="of each solved life by a fit to all others; 0: all were solved",
+    ),
     Variable("followed_lives", (), "1", "lives whose grooves were followed as they wear"),
     Variable(
         "groove_error",
@@ -43,7 +51,7 @@ ANALYSED = table(
         "1",
         "rms error of other lives with worn grooves",
         comment="by the ratio to lives with Hertzian grooves, interpolated between those followed; "
-        "on lives that it was not fitted to; 0: all were followed, NaN: none",
+        "of each followed life by a fit to all others; 0: all were followed, NaN: none",
     ),
     Variable("nominal_life", (BASIS,), "h", "life with every value at its median"),
     Variable(
@@ -59,7 +67,8 @@ ANALYSED = table(
         (BATCH, PROBABILITY, BASIS),
         "h",
         "half the confidence interval of that quantile, by the sample",
-        comment="batches and bearings drawn anew from those sampled",
+        comment="batches and bearings drawn anew from those sampled; widened by twice the error of "
+        "interpolated lives",
     ),
     Variable(
         "life_quantile",
@@ -90,7 +99,11 @@ ANALYSED = table(
     Variable("total_index", INDEX, "1", "total Sobol index of log life"),
     Variable("total_index_error", INDEX, "1", "half its confidence interval"),
     Variable(
-        "life_sample", (INPUTS, "member", BASIS), "h", "sampled lives, independent ones, sorted"
+        "life_sample",
+        (INPUTS, "member", BASIS),
+        "h",
+        "sampled lives, independent ones, sorted",
+        comment="of very many evenly spaced ones",
     ),
 )
 """Statistics of the sampled lives of a method at a preload; lives in hours."""

@@ -11,6 +11,7 @@ from support import scene_file
 
 from bearingwear.cli import main
 from bearingwear.document.study import spread_rows
+from bearingwear.kernels.status import BEYOND_GROOVE
 from bearingwear.lives.life import life
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import Spread, causes_told, spread_at
@@ -25,13 +26,13 @@ from bearingwear.studies.uncertainty import grooves
 from bearingwear.studies.uncertainty.batches import (
     BATCH_PROBABILITIES,
     PROBABILITIES,
-    batch_quantiles,
+    Batches,
     names_of,
     of_class,
     quantiles_with_error,
     sizes,
 )
-from bearingwear.studies.uncertainty.grooves import FollowedLives, with_followed_grooves
+from bearingwear.studies.uncertainty.grooves import found_lives
 from bearingwear.studies.uncertainty.indices import class_indices
 from bearingwear.studies.uncertainty.quantiles import own_quantiles
 from bearingwear.studies.uncertainty.sample import lives, sample
@@ -63,6 +64,11 @@ def test_which_values_are_those_of_a_batch():
     assert list(of_class(scene, True).uncertainty) == ["preload_N"]
     with pytest.raises(SceneError, match="same_for_batch"):
         with_spread(ball_race={"distribution": "normal", "same_for_batch": 2})
+
+
+def batch_quantiles(scene, plan):
+    batches = Batches(scene, plan)
+    return batches.quantiles(lives(scene, batches.rows).life, 0.0).values()
 
 
 def test_l10_of_a_batch_scales_with_what_is_not_known():
@@ -177,8 +183,7 @@ def test_indices_within_a_class_are_among_their_own():
 
 @pytest.fixture
 def fewer(monkeypatch):
-    monkeypatch.setattr(grooves, "FITTED", (8, 16))
-    monkeypatch.setattr(grooves, "HELD_OUT", 8)
+    monkeypatch.setattr(grooves, "FOLLOWED", (16, 16))
 
 
 def test_sampled_lives_follow_grooves_where_life_does(fewer):
@@ -202,23 +207,14 @@ def test_sampled_lives_follow_grooves_where_life_does(fewer):
     assert_allclose(few.life, found.life[:6], rtol=3e-3)
 
 
-def test_lives_beside_a_jump_of_the_ratio_are_followed():
-    places = np.linspace(0.0, 1.0, 41)[:, None]
-    ratio = np.where(places[:, 0] < 0.49, 14.0, 1.6)
-    known, asked = np.arange(0, 41, 4), np.array([2, 17, 18, 19, 30])
-    found, steep = grooves._interpolated(places, known, ratio, asked)
-    assert steep.tolist() == [False, True, True, True, False]
-    assert_allclose(found[~steep], ratio[asked[~steep]], rtol=1e-6)
-
-
-def test_lives_of_hertzian_grooves_stay_as_they_are():
+def test_lives_of_hertzian_grooves_follow_none():
     scene = with_spread(ball_race={"distribution": "uniform", "low": 0.06, "high": 0.1})
-    hertzian = FollowedLives(
-        life=np.ones((1, 2)), status=np.zeros(1, int), end_criterion=np.zeros(1, int)
-    )
-    assert with_followed_grooves([scene], np.zeros((1, 1)), hertzian) is hertzian
-    nothing = with_followed_grooves([None], np.zeros((1, 1)), hertzian)
-    assert nothing is hertzian and np.isnan(nothing.error)
+    found = found_lives(scene, ["ball_race"], np.array([[0.06], [0.1]]))
+    assert found.followed == 0 and np.isnan(found.groove_error)
+    assert found.solved == 2 and found.error == 0.0 and (found.life > 0.0).all()
+    too_large = scene.bearing.ball_diameter_mm * np.array([[1.2]])
+    nothing = found_lives(scene, ["ball_diameter_mm"], too_large)
+    assert nothing.status.tolist() == [BEYOND_GROOVE] and np.isnan(nothing.life).all()
 
 
 def test_command_tells_batches_and_grooves(tmp_path, capsys):

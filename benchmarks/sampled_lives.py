@@ -1,0 +1,112 @@
+"""Sampled lives: what many of them cost, and interpolated ones against solved ones.
+
+    python benchmarks/sampled_lives.py errors                # 500 Hertzian, 60 worn lives each
+    python benchmarks/sampled_lives.py cost --most 1000000   # lives from 100 on, in one process
+
+Both print a Markdown table. `errors` solves random members of a sample of 100 000 lives, half of
+them of batches, that were interpolated, and shows them against the error that the sample states.
+"""
+
+import argparse
+import resource
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from bearingwear.scene.new import write_scene
+from bearingwear.scene.scene import WORN, Scene
+from bearingwear.studies.dataset import write_dataset
+from bearingwear.studies.sampling import Sampling
+from bearingwear.studies.uncertainty import grooves
+from bearingwear.studies.uncertainty.plan import uncertain_scene
+from bearingwear.studies.uncertainty.quantiles import own_quantiles
+from bearingwear.studies.uncertainty.sample import independent_rows, with_preload
+
+SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
+HERTZIAN, FOLLOWED = 500, 60
+METHODS = ("constant_force", "fixed_position")
+
+
+def scenes() -> Iterator[tuple[str, Scene, int]]:
+    """Name, scene, and how many lives are solved."""
+    with tempfile.TemporaryDirectory() as folder:
+        spindle = Path(folder) / "spindle.yaml"
+        write_scene(
+            spindle,
+            bore=None,
+            outside=None,
+            given={"operation.shaft_speed_rpm": 18000.0},
+            designation="7008C",
+        )
+        for contact, count in (("hertz", HERTZIAN), ("worn", FOLLOWED)):
+            for file in (SCENES / "gyro_s1.yaml", spindle):
+                for method in METHODS:
+                    base = uncertain_scene(file, [f"model.contact={contact}"])
+                    one = with_preload(base, method, base.operation.preload_N)
+                    yield f"{file.stem}, {contact}, {method}", one, count
+
+
+def errors() -> None:
+    print("| lives | solved | error stated | median | 95 % | rms | worst |\n|" + " --- |" * 7)
+    for name, scene, count in scenes():
+        of = [*(scene.uncertainty or {})]
+        names = [one for one in of if one not in WORN]
+        rows = independent_rows(scene, Sampling(samples=2**15))
+        places = np.unique(rows[:, [of.index(one) for one in names]], axis=0)
+        found = grooves.found_lives(scene, names, places)
+        some = np.random.default_rng(7).choice(len(places), count, replace=False)
+        solve = grooves.followed_lives if found.followed else grooves.hertzian_lives
+        true = np.array([one[0][-1] for one in solve((scene, names, places[some]))])
+        with np.errstate(invalid="ignore"):
+            each = np.abs(found.life[some, 1] / true - 1.0)
+        each[(found.life[some, 1] == 0.0) & (true == 0.0)] = 0.0
+        each = np.minimum(np.nan_to_num(each, nan=1.0), 1.0)
+        stated = found.groove_error if found.followed else found.error
+        numbers = (stated, *np.quantile(each, [0.5, 0.95]), np.sqrt(np.mean(each**2)), each.max())
+        cells = " | ".join(f"{100.0 * value:.2g} %" for value in numbers)
+        print(
+            f"| {name} | {found.followed or found.solved} of {len(places)} | {cells} |", flush=True
+        )
+
+
+def cost(most: int) -> None:
+    """Quantiles of ever more lives, half of them of batches, to a file."""
+    print("| lives | scene | CPU s | MB | file MB | solved |\n| --- | --- |" + " ---: |" * 4)
+    cases = [case for case in scenes() if case[0].endswith(METHODS[0])]
+    names = ("gyro_s1, hertz", "gyro_s1, worn")
+    for name in names:
+        scene = next(one for label, one, _ in cases if label.startswith(name))
+        for power in (6, 9, 13, 16, 19):
+            if 2 * 2**power > most * 1.1:
+                break
+            started = time.process_time()
+            found = own_quantiles(scene, METHODS[:1], Sampling(samples=2**power))
+            with tempfile.NamedTemporaryFile(suffix=".nc") as file:
+                write_dataset(found, Path(file.name))
+                size = Path(file.name).stat().st_size / 1e6
+            spent = time.process_time() - started
+            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+            solved = found["followed_lives" if "worn" in name else "solved_lives"].item()
+            print(
+                f"| {2 * 2**power} | {name} | {spent:.1f} | {memory:.0f} | {size:.2f} | "
+                f"{solved:.0f} |",
+                flush=True,
+            )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=("errors", "cost"))
+    parser.add_argument("--most", type=int, default=1_000_000, help="lives at the most")
+    given = parser.parse_args()
+    if given.what == "errors":
+        errors()
+    else:
+        cost(given.most)
+
+
+if __name__ == "__main__":
+    main()
