@@ -34,7 +34,7 @@ _AT_ONCE = {"Hertzian": 16, "grooves as they wear": 2}
 _RACES = COUNTS.index("ball_and_races")
 _NO_CRITERION = len(CRITERIA) - 1
 
-Job = tuple[Scene, Sequence[str], np.ndarray]
+LivesAsked = tuple[Scene, Sequence[str], np.ndarray]
 """A scene, names of its uncertain values, and these values (k, names)."""
 
 
@@ -82,7 +82,7 @@ def found_lives(
     """
     with processes(workers, "uncertainty") as each:
 
-        def solver(function: Callable[[Job], list[Any]], what: str) -> Callable[..., Any]:
+        def solver(function: Callable[[LivesAsked], list[Any]], what: str) -> Callable[..., Any]:
             def solve(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
                 parts = np.array_split(which, math.ceil(which.size / _AT_ONCE[what]))
                 found = each(function, [(scene, names, places[part]) for part in parts])
@@ -128,12 +128,12 @@ def _found(of: Interpolated, **grooves: Any) -> FoundLives:
     )
 
 
-def _scenes(job: Job) -> list[Scene | None]:
+def _scenes(job: LivesAsked) -> list[Scene | None]:
     scene, names, places = job
     return [perturbed(scene, dict(zip(names, place, strict=True))) for place in places.tolist()]
 
 
-def hertzian_lives(job: Job) -> list[tuple[np.ndarray, int, int, bool]]:
+def hertzian_lives(job: LivesAsked) -> list[tuple[np.ndarray, int, int, bool]]:
     """Lives (2,) with Hertzian grooves [s], status, end criterion, whether `life` follows them."""
     found = []
     for scene in _scenes(job):
@@ -147,7 +147,7 @@ def hertzian_lives(job: Job) -> list[tuple[np.ndarray, int, int, bool]]:
     return found
 
 
-def followed_lives(job: Job) -> list[tuple[tuple[float], int, int, bool]]:
+def followed_lives(job: LivesAsked) -> list[tuple[tuple[float], int, int, bool]]:
     """Lives (1,) with grooves as they wear [s], status and end criterion, whether there are any."""
     found = []
     for scene in _scenes(job):

@@ -29,13 +29,13 @@ UNSURE = 10.0
 """Distance of a place of another kind over that of the nearest one, below which a kind is unsure.
 """
 
-FEW = 8
+LEAST_SOUGHT = 8
 """Places of unsure kind that are solved at a time, at least."""
 
 SOUGHT = 0.25
 """Share of the most places that is solved for unsure kinds where the error is small."""
 
-SMOOTHING = 1e-9
+SMOOTHING = 1e-6
 """On the diagonal, so that places which nearly coincide do no harm."""
 
 _AT_ONCE = 2**22  # distances in memory
@@ -108,40 +108,41 @@ class Branches:
             label: _best(x[own], logs[own]) if np.isfinite(logs[own]).all() else None
             for label, (_, own) in self.trees.items()
         }
-        found, expected, self.unsure = self._at(x, left_out=True)
+        nearest, self.unsure = self.nearest(x, left_out=True)
+        found = self.at(x, nearest)
         for label, (_, own) in self.trees.items():
             spline = self.splines[label]
             if spline is not None:
-                inside = own & (expected == label)
+                inside = own & (labels[nearest] == label)
                 found[inside] = logs[inside] + spline.left_out[inside[own]]
         with np.errstate(invalid="ignore"):
             alike = (found == logs) | (np.isnan(found) & np.isnan(logs))
             self.left_out = np.where(alike, 0.0, np.nan_to_num(found - logs, nan=np.inf))
 
-    def _at(
-        self, places: np.ndarray, left_out: bool = False
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def nearest(self, places: np.ndarray, left_out: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Number of the nearest place known (n,), and whether one of another kind is near, too.
+
+        With `left_out` the places are those that are known, each without itself.
+        """
         far, near = [], []
         for tree, own in self.trees.values():
             distance, which = tree.query(places)
-            if left_out:  # each from the others
+            if left_out:
                 other, of_other = (one[:, 0] for one in tree.query(places[own], k=[2]))
                 distance[own], which[own] = other, np.minimum(of_other, own.sum() - 1)
             far.append(distance)
             near.append(np.flatnonzero(own)[which])
-        kinds = np.argmin(far, axis=0)
         first, *more = np.sort(far, axis=0)
         unsure = more[0] < UNSURE * first if more else np.zeros(len(places), dtype=bool)
-        logs = self.logs[np.array(near)[kinds, np.arange(len(places))]]
-        labels = np.array(list(self.trees))[kinds]
+        return np.array(near)[np.argmin(far, axis=0), np.arange(len(places))], unsure
+
+    def at(self, places: np.ndarray, nearest: np.ndarray) -> np.ndarray:
+        """Logarithms (n, m) at places of which the nearest ones known are given."""
+        logs, labels = self.logs[nearest], self.labels[nearest]
         for label, spline in self.splines.items():
             if spline is not None:
                 logs[labels == label] = spline(places[labels == label])
-        return logs, labels, unsure
-
-    def __call__(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Logarithms (n, m) at places, kinds, and which may be of another."""
-        return self._at(places)
+        return logs
 
     def error(self, some: np.ndarray) -> float:
         """Of some left-out places (n,): root mean square, relative, at most 1 of each."""
@@ -178,7 +179,7 @@ def interpolated(
         From numbers of places (k,) to logarithms (k, m), which need not be finite, and kinds
         (k, kinds), whole numbers. The function is smooth within a kind.
     first, most : int
-        Places solved at least and at most.
+        Random places solved at least, and all that are solved at most.
     known_to : float
         Relative error (root mean square) for which no more are solved.
     """
@@ -187,33 +188,33 @@ def interpolated(
     ends = np.unique([x.argmin(axis=0), x.argmax(axis=0)]).astype(int)
     others = np.random.default_rng(_SEED).permutation(len(places))
     others = np.append(ends, others[~np.isin(others, ends)])
-    known, drawn = np.empty(0, dtype=int), others[ends.size : first]
-    new, parts, sought = others[:first], [], 0
+    known, drawn = np.empty(0, dtype=int), others[ends.size : ends.size + first]
+    new, parts, sought = others[: ends.size + first], [], 0
     while True:
         parts.append(solve(new))
         known, others = np.append(known, new), others[~np.isin(others, new)]
         logs, kinds = map(np.concatenate, zip(*parts, strict=True))
         finite = np.isfinite(logs).all(axis=1)
-        every, labels = np.unique(np.column_stack([kinds, finite]), axis=0, return_inverse=True)
+        _, labels = np.unique(np.column_stack([kinds, finite]), axis=0, return_inverse=True)
         if not others.size:
             error = 0.0
             break
         branches = Branches(x[known], logs, labels.ravel())
-        at_others, of_others, unsure = branches(x[others])
+        nearest, unsure = branches.nearest(x[others])
         of_drawn = np.isin(known, drawn)
         sure, left = branches.error(of_drawn & ~branches.unsure), most - known.size
         error = branches.error(of_drawn) if unsure.any() else sure
         if left <= 0 or (error <= known_to and (not unsure.any() or sought >= SOUGHT * most)):
             break
         more = others[: 0 if sure <= known_to else known.size]
-        doubtful = others[unsure][: max(FEW, known.size // 4)]
+        doubtful = others[unsure][: max(LEAST_SOUGHT, known.size // 4)]
         new = np.append(doubtful, more[~np.isin(more, doubtful)])[:left]
         drawn, sought = np.append(drawn, more), sought + doubtful.size
     log = np.empty((len(places), logs.shape[1]))
     kind = np.empty((len(places), kinds.shape[1]), dtype=int)
     log[known], kind[known] = logs, kinds
     if others.size:
-        log[others], kind[others] = at_others, every[of_others, :-1]
+        log[others], kind[others] = branches.at(x[others], nearest), kinds[nearest]
     return Interpolated(log, kind, known.size, error)
 
 
