@@ -123,7 +123,7 @@ def test_balls_and_races_beside_it():
 
 
 def test_nothing_that_ends_it_is_refused():
-    with pytest.raises(SceneError, match="expected one that ends a cage's life"):
+    with pytest.raises(SceneError, match="expected one that ends the life of the cage"):
         parts_of(variant(S1, {}))
     with pytest.raises(SceneError, match="got 0.1, expected more than the cage has new, 0.2"):
         parts_of(variant(S1, {"wear.end_of_life": {"guide_clearance_mm": 0.1}}))
