@@ -4,6 +4,7 @@ PYTHON ?= python3
 JOBS ?= 2
 BIN := .venv/bin
 ALL_CORES := -n auto --no-loadscope-reorder
+PIP_INSTALL := $(BIN)/python -m pip install --no-compile --disable-pip-version-check -c constraints.txt
 STAMP := .venv/installed-$(shell cat pyproject.toml constraints.txt | cksum | cut -d ' ' -f 1)
 
 # each of a study's processes would do anew what Python makes of a hundred sources
@@ -95,9 +96,8 @@ venv: $(STAMP)
 
 $(STAMP): # named by the contents of pyproject.toml and constraints.txt, so that a touch sets up nothing anew
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[test]'
-	# only its own test needs this, which is skipped without it
-	-$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[cf]'
+	# cf: only its own test needs it, which is skipped without it; Python compiles what it imports
+	$(PIP_INSTALL) -e '.[test,cf]' || $(PIP_INSTALL) -e '.[test]'
 	rm -f .venv/installed-*
 	touch $@
 
