@@ -11,6 +11,7 @@ from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, with_end
 from bearingwear.lives.errors import integration_error
 from bearingwear.lives.follow import Life, follow
+from bearingwear.lives.history import film_values
 from bearingwear.lives.methods import Trapezoid
 from bearingwear.lives.motion import Motion, run_at
 from bearingwear.lives.surfaces import surface_life
@@ -61,9 +62,16 @@ def ends(life: Life) -> dict:
     values: dict[str, Any] = {"loss_at_end": float(wearing.parts.loss(last.worn).mean())}
     if life.status == code.OK and last.x > 0.0:
         time = np.array([node.x for node in life.nodes])
-        rate = np.array([wearing.end_rate(node, life.criterion) for node in life.nodes])
-        at_end = 0.5 * (rate[-2] + rate[-1])
-        error[count] = integration_error(time, rate) / at_end + life.error[count]
+        error[count] = life.error[count]
+        # each film's end, then that of the life
+        begun = [0, *(np.flatnonzero(np.diff(time) == 0.0) + 1).tolist()]
+        ends = [*begun[1:], time.size]
+        for first, end, film in zip(begun, ends, [*wearing.gone, None], strict=True):
+            if end - first > 1:
+                nodes = life.nodes[first:end]
+                rate = np.array([wearing.end_rate(node, life.criterion, film) for node in nodes])
+                at_end = 0.5 * (rate[-2] + rate[-1])
+                error[count] += integration_error(time[first:end], rate) / at_end
         by_runs = [
             run_at(node).values.get("wear_rate_error_estimate", [math.nan] * 2)[count]
             for node in life.nodes
@@ -87,17 +95,20 @@ def life_histories(life: Life) -> dict:
     worn = np.array([node.worn for node in nodes])
     missing = np.full(p.size, math.nan)
     rates = np.array([run.rates if run.status == code.OK else missing for run in runs])
-    values = history_values([node.states[0] for node in nodes]) | {
-        "history_time": np.array([wearing.clock(node.x) for node in nodes]),
+    states = [node.states[0] for node in nodes]
+    times = np.array([wearing.clock(node.x) for node in nodes])
+    values = history_values(states) | {
+        "history_time": times,
         "history_status": [run.status for run in runs],
         "history_start": [int(run.carried_on) for run in runs],
         "history_simulated_turns": [run.values.get("simulated_turns", math.nan) for run in runs],
         "history_worn_diameter": worn[:, p.diameter],
-        "history_groove_depth": worn[:, p.groove],
+        "history_groove_depth": worn[:, p.groove].sum(axis=1),
         "history_ball_worn_volume": worn[:, p.ball],
         "history_race_worn_volume": worn[:, p.race],
         "history_each_ball_wear_rate": rates[:, p.ball],
     }
+    values |= film_values(wearing.scene, states, times)
     if any(GROWTHS[0] in run.values for run in runs):
         for name in GROWTHS:
             values[f"history_{name}"] = [run.values.get(name, math.nan) for run in runs]

@@ -8,7 +8,6 @@ import numpy as np
 from bearingwear.measures import ENDS
 from bearingwear.scene.scene import LARGEST_LOSS, EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing.mounted import MM
-from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.state import State
 
 NO_CRITERION = len(ENDS)
@@ -65,14 +64,4 @@ def check_end(scene: Scene) -> None:
             "wear.end_of_life.preload_fraction",
             "got a fraction of preload_N 0, expected a preload > 0",
             source=scene.name,
-        )
-
-
-def check_depth(scene: Scene) -> None:
-    """Refuse a limit on the depth of grooves where the life does not follow them."""
-    end = scene.wear.end_of_life
-    if end is not None and end.groove_depth_um is not None:
-        raise NotAvailable(
-            f"{scene.name}: wear.end_of_life.groove_depth_um: got {end.groove_depth_um:g} with "
-            "grooves that are not followed, expected model.contact worn"
         )

@@ -61,7 +61,7 @@ class Wearing(Protocol):
         """How far what changes the way is, beside the criteria; the range first."""
 
     def passes(self, event: int, node: Node) -> bool:
-        """Change the way at an event; False where the life cannot go on."""
+        """Change the way at one of the events; False where the life cannot go on."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +114,7 @@ class Method:
         return float(brentq(value, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15))
 
     def error_of_end(self, life: "Life") -> np.ndarray:
-        """Errors of the times at which a criterion is reached (2,) [s]."""
+        """Errors of the times at which a criterion is reached or a way changes (2,) [s]."""
         return np.zeros(2)
 
 
@@ -199,13 +199,18 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
         end = _steps(life, method, margins, wearing.origin + wearing.range)
         if end is None:
             return life
-        if end < NO_CRITERION:
-            life.error = life.error + method.error_of_end(life)
+        is_over = end < NO_CRITERION
+        if not is_over and not wearing.passes(end - NO_CRITERION, life.last):
+            return life
+        life.error = life.error + method.error_of_end(life)
+        if is_over:
             life.ends_by(end)
             return life
-        if not wearing.passes(end, life.last):
+        node = method.begin(wearing, life.last)
+        if node.status != code.OK:
+            life.fails(node.status, node)
             return life
-        life.nodes.append(method.begin(wearing, life.last))
+        life.nodes.append(node)
 
 
 def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None:

@@ -135,7 +135,6 @@ def groove_values(side: Worn, states: Sequence[State]) -> dict:
         "history_approach_loss": np.array([side.approach_loss(p) for p in points]),
         "history_equivalent_loss": np.array([state.loss for state in states]),
         "history_deepest_groove": deepest,
-        "history_greatest_depth": deepest.max(axis=1),
         "history_groove_width": wide.sum(axis=2) * bearing.arc_step,
         "history_contact_half_length": np.array([half_lengths(p) for p in points]),
         "history_race_worn_volume": volume,

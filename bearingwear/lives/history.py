@@ -52,7 +52,7 @@ def film_values(scene: Scene, states: Sequence[State], times: np.ndarray) -> dic
         values |= history_values(states, ["friction_coefficient"])
     if not films.wear_through:
         return values
-    left = np.array([state["film_left"] for state in states])  # (steps, 3)
+    left = history_values(states, ["film_left"])["history_film_left"]  # (steps, 3)
     time = times[:, COUNTS.index(scene.wear.counts)]
     through = [_time_of_nothing(time, part) for part in left.T]
     left = np.maximum(left, 0.0)

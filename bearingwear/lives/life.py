@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from bearingwear.lives.ends import check_depth, check_end
+from bearingwear.lives.ends import check_end
 from bearingwear.lives.errors import surface_error
 from bearingwear.lives.groove_life import groove_life, grooves_followed
 from bearingwear.lives.history import joined, life_values
@@ -52,17 +52,14 @@ def life(
     check_end(scene)
     chosen = choice_for_life(scene, fidelity)
     started = time.perf_counter()
+    followed, why = grooves_followed(scene, chosen.fidelity)
     if chosen.fidelity == "dynamic":
         # its kernels take long to load, and the other models need none of them
         from bearingwear.lives.dynamic_life import motion_life
 
-        check_depth(scene)
         values, attrs = motion_life(chosen.reduced(scene), progress)
     else:
-        followed, why = grooves_followed(scene, chosen.fidelity)
         chosen = replace(chosen, grooves=why)
-        if followed is None:
-            check_depth(scene)
         with Interrupt():
             if followed is not None:
                 values, attrs = groove_life(followed)

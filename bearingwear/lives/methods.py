@@ -187,7 +187,8 @@ class InTime(Method):
 
     def step(self, life: Life, bound: float) -> LifeStep:
         if life.last is not self._from[-1]:
-            self._from, self._known = life.nodes[-2:], {}
+            before = [node for node in life.nodes[-2:-1] if node.x < life.last.x]
+            self._from, self._known = [*before, life.last], {}
             self._longest = self.longest(life.last)
         if math.isinf(self._longest):
             return LifeStep(end=math.inf, status=code.CRITERION_NOT_REACHED)
@@ -250,11 +251,20 @@ class Trapezoid(InTime):
         self.steps, self.most_steps = steps, most
         self._errors: dict[float, float] = {}  # of ends [s]
 
+    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
+        if node is None:
+            first = super().begin(wearing)
+        else:
+            first = node._replace(states=wearing.state(node.worn, node.states))
+        self.begun = first.x
+        return first
+
     def longest(self, now: Node) -> float:
         horizon: float = self.wearing.horizon(now)
-        if not math.isinf(horizon):
-            self.wearing.report_progress(now, horizon)
-        return horizon / self.steps
+        if math.isinf(horizon):
+            return horizon
+        self.wearing.report_progress(now, horizon)
+        return min((horizon - self.begun) / self.steps, self.wearing.longest_step(now))
 
     def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
         wearing, h = self.wearing, x - now.x

@@ -14,10 +14,13 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import largest_loss
 from bearingwear.lives.follow import Node, States
+from bearingwear.lives.surfaces import FilmWear
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
+from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.condition import Condition, SolvedBearing, Solver
 from bearingwear.solvers.dynamic.run import solve_dynamic
 from bearingwear.solvers.effects.choice import asymmetries
@@ -67,7 +70,10 @@ class Motion:
         self.parts = WornParts(scene)
         self.end = scene.wear.end_of_life or EndOfLife()
         self.start = self.parts.nothing
+        self.films = FilmWear(scene) if changes_as_it_wears(scene) else None
         self._mounted = parameters.static_place(scene)
+        self.gone: list[int] = []  # films, in the order in which they wore through
+        self._since = 0.0, self.start  # time [s] and wear when the way last changed
 
     def state(self, worn: np.ndarray, near: States = ()) -> States:
         """A run at that wear, from the end of one before or a start of its own."""
@@ -79,12 +85,12 @@ class Motion:
             scene = self.parts.worn_scene(worn)
         except SceneError:
             return Run(code.CRITERION_NOT_REACHED)
-        warm = warm_scene(scene)
+        warm = warm_scene(scene, self.bare)
         if warm.status != code.OK:
             return Run(warm.status, residual=warm.sentence)
         scene, warmth = warm.scene, warmth_of(scene, warm)
         if before is not None:
-            values, attrs = solve_dynamic(scene, restart=before.end)
+            values, attrs = solve_dynamic(scene, before.end, bare=self.bare)
         if before is None or values["status"] != code.OK:
             values, attrs = self.first_run(scene)
             before = None
@@ -97,8 +103,16 @@ class Motion:
             values=values,
             warmth=warmth,
             residual=attrs["residual"],
-            rates=self.parts.rates(values) if solved else np.empty(0),
         )
+
+    @property
+    def bare(self) -> Bare:
+        """The contacts without film."""
+        return COVERED if self.films is None else self.films.bare
+
+    def depths(self, worn: np.ndarray) -> np.ndarray:
+        """Wear as `FilmWear` has it: the balls have one film, worn as they are on the mean."""
+        return np.array([worn[self.parts.layout.diameter].mean(), *worn[self.parts.layout.groove]])
 
     def _quasistatic(self, scene: Scene) -> float:
         """Axial stiffness at some wear, which no run has: steady, or by race control [N/m].
@@ -107,9 +121,9 @@ class Motion:
         """
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)
-            return solver(solver.start).quasistatic
+            return solver(solver.start._replace(bare=self.bare)).quasistatic
         solver, loss = Steady(scene), float(np.mean(scene.wear.ball_diameter_loss_um))
-        found = solver(Condition(loss * parameters.UM))
+        found = solver(Condition(loss * parameters.UM, self.bare))
         return found.quasistatic if found.status == code.OK else math.nan
 
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
@@ -123,11 +137,11 @@ class Motion:
             run_in = replace(
                 self.parts.model, simulated_turns=turns, evaluated_turns=turns, settled_drift=0.0
             )
-            values, attrs = solve_dynamic(replace(scene, model=run_in))
+            values, attrs = solve_dynamic(replace(scene, model=run_in), bare=self.bare)
             if values["status"] != code.OK:
                 return values, attrs
             restart = {"state": values["final_state"], "time": values["final_time"]}
-        return solve_dynamic(scene, restart=restart)
+        return solve_dynamic(scene, restart, bare=self.bare)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
         """The state of a run at a wear close by, with the clearances of the cage."""
@@ -147,7 +161,28 @@ class Motion:
             )
             more |= half_of_pair(self.scene, self._mounted, solved).values
             more |= {"friction_power": power} | run.warmth
+            wearing = None
+            if self.films is not None:
+                wearing = self.films.wearing(run.values["semi_major_axis"], self.depths(worn))
+            run = replace(run, rates=self.parts.rates(run.values, wearing))
+            more |= self._of_wear(run, worn)
         return (replace(state.with_values(more), answer=run),)
+
+    def _of_wear(self, run: Run, worn: np.ndarray) -> dict[str, Any]:
+        """The deepest groove, and what films decide where there are any."""
+        p, rates = self.parts.layout, run.rates
+        deepest, ball = {"greatest_depth": worn[p.deepest].max()}, rates[p.diameter].mean()
+        if self.films is None:
+            return deepest
+        return (
+            deepest
+            | self.films.film_values(self.depths(worn))
+            | {
+                "ball_diameter_loss_rate": np.array([ball, ball + rates[p.groove].sum()]),
+                "ball_wear_rate": rates[p.ball].mean(),
+                "race_wear_rate": rates[p.race],
+            }
+        )
 
     def rates(self, node: Node) -> np.ndarray:
         return run_at(node).rates
@@ -156,10 +191,15 @@ class Motion:
         return bool(run_at(node).rates.any())
 
     def events(self, node: Node) -> np.ndarray:
-        return np.empty(0)
+        return np.empty(0) if self.films is None else self.films.film_left(self.depths(node.worn))
 
     def passes(self, event: int, node: Node) -> bool:
-        return False
+        """A film is gone."""
+        assert self.films is not None
+        self.films.wear_through(event, self.depths(node.worn))
+        self.gone.append(event)
+        self._since = node.x, node.worn
+        return True
 
     def clock(self, time: float) -> np.ndarray:
         """A time by the scene's way of counting wear, which decides what the runs see (2,) [s]."""
@@ -167,9 +207,16 @@ class Motion:
         times[self.parts.count] = time
         return times
 
-    def end_rate(self, node: Node, criterion: int) -> float:
-        """Rate of what the criterion looks at: a clearance, else the mean loss [m/s]."""
+    def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
+        """Rate of the wear of a film, else of what a criterion limits [m/s].
+
+        That is a clearance, the depth of a groove, or the mean loss.
+        """
         name, rates = CRITERIA[criterion], run_at(node).rates
+        if film is not None:
+            return float(FilmWear.depths(self.depths(rates))[film])
+        if name == "groove_depth_um":
+            return float(rates[self.parts.layout.deepest].max())
         if name not in OF_CAGE:
             return self.parts.mean_loss_rate(rates)
         k, nothing = OF_CAGE.index(name), self.parts.clearances(self.parts.nothing)
@@ -177,24 +224,37 @@ class Motion:
         return self.parts.clearances(rates)[k] - nothing[k]
 
     def horizon(self, node: Node) -> float:
-        """Estimated end of life [s]: by the steady life, or by the wear rate so far.
+        """Estimated end of life or of a film [s]: by the steady life, or the wear rate so far.
 
         Infinite where nothing that wears leads to an end.
         """
+        begun, worn = self._since
         # at the start, one second at its rates
-        time, worn = (node.x, node.worn) if node.x > 0.0 else (1.0, run_at(node).rates)
+        time, more = node.x - begun, node.worn - worn
+        if time == 0.0:
+            time, more = 1.0, run_at(node).rates
         um = self.end.ball_diameter_loss_um
         limits = [largest_loss(self.scene) if um is None else um * parameters.UM]
         given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
         limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
-        then, now = (
-            np.array([self.parts.loss(worn).mean(), *self.parts.clearances(worn)])
-            for worn in (self.parts.nothing, worn)
-        )
+        if self.films is not None:
+            limits += [*np.where(self.films.cover, self.films.thickness, math.nan)]
+        then, now = self._limited(worn), self._limited(worn + more)
         with np.errstate(divide="ignore", invalid="ignore"):
-            times = time * (np.array(limits) - then) / (now - then)
-        known = [time for time in (self.steady, *times[now > then]) if time > 0.0]
+            times = begun + time * (np.array(limits) - then) / (now - then)
+        known = [time for time in (self.steady, *times[now > then]) if time > begun]
         return float(min(known, default=math.inf))
+
+    def _limited(self, worn: np.ndarray) -> np.ndarray:
+        """Mean loss, clearances, and depths of films [m]."""
+        depths = () if self.films is None else self.films.depths(self.depths(worn))
+        return np.array([self.parts.loss(worn).mean(), *self.parts.clearances(worn), *depths])
+
+    def longest_step(self, node: Node) -> float:
+        """As `FilmWear.running_in_time`."""
+        if self.films is None:
+            return math.inf
+        return self.films.running_in_time(*map(self.depths, (node.worn, run_at(node).rates)))
 
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:

@@ -6,22 +6,31 @@ surface wears, on how deep that is.
 
 from collections.abc import Iterator, Sequence
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.ends import NO_CRITERION, Criteria, largest_loss
+from bearingwear.lives.ends import Criteria, largest_loss
 from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
-from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.solvers.bearing.films import Cover, Films, mean_pressure
+from bearingwear.solvers.bearing.films import (
+    Archard,
+    Bare,
+    Cover,
+    Films,
+    follows_depths,
+    limits_depth,
+    mean_pressure,
+)
 from bearingwear.solvers.bearing.mounted import MM, UM
 from bearingwear.solvers.compose import Remembered
 from bearingwear.solvers.condition import Condition
 from bearingwear.solvers.state import State
 
 FIRST_STEP = 2.5e-5  # of the ball diameter: 0.05 um on 2 mm
+RUNNING_IN_STEP = 0.25  # of the depth of running in, and of what has worn
 _LOOSER = 30.0  # tolerance of the run that shows how well the life is integrated
 _UNLIKE = 3.7  # times its first step: the same steps would hide an error far below the tolerance
 _LOOSEST = 1e-2
@@ -51,32 +60,51 @@ class EvenWear:
         """Wear rates [m/s]."""
         return state.rate[counts : counts + 1]
 
-    def film_left(self, worn: np.ndarray) -> list[float]:
+    def film_left(self, worn: np.ndarray) -> np.ndarray:
         """Share of each film that is left; infinite where there is none."""
-        return []
+        return np.empty(0)
 
-    def wear_through(self, film: int) -> None:
-        """A film is gone: of the inner race, the outer race, or the balls."""
+    def wear_through(self, film: int, worn: np.ndarray) -> None:
+        """A film is gone, of inner race, outer race or balls, and any other with nothing left."""
 
 
 class FilmWear(EvenWear):
-    """A bearing whose surfaces have films or run in: worn is (loss of a ball, both depths) [m]."""
+    """A bearing whose depths are followed: worn is (loss of a ball, both depths) [m].
+
+    Surfaces may have films or run in. Depths of grooves are means over the width of the track,
+    followed by the greatest ones where these may end the life.
+    """
 
     def __init__(self, scene: Scene):
         super().__init__(scene)
-        self.scene, self.n_balls = scene, scene.bearing.ball_count
+        self.scene = scene
         self.films = Films.of(scene)
         self.cover = self.films.cover
-        self.start = np.zeros(3)
+        self.start = np.zeros(5 if limits_depth(scene) else 3)
+
+    @property
+    def bare(self) -> Bare:
+        return self.films.bare(self.cover)
 
     def condition(self, worn: np.ndarray, counts: int) -> Condition:
         counted = worn[0] + (worn[1] + worn[2] if counts else 0.0)
-        return Condition(self.present + float(counted), self.films.bare(self.cover))
+        return Condition(self.present + float(counted), self.bare)
 
     @staticmethod
     def depths(worn: np.ndarray) -> np.ndarray:
         """Worn off the inner and the outer groove and the surface of a ball (3,) [m]."""
         return np.array([worn[1], worn[2], 0.5 * worn[0]])
+
+    def running_in_time(self, worn: np.ndarray, rates: np.ndarray) -> float:
+        """Time in which the coefficients of surfaces that run in change by a part [s]."""
+        parts = (self.films.race, self.films.race, self.films.ball)
+        each = zip(parts, self.cover, self.depths(worn), self.depths(rates), strict=True)
+        times = [
+            RUNNING_IN_STEP * (part.running_in + max(deep - part.thickness, 0.0)) / rate
+            for part, is_covered, deep, rate in each
+            if part.running_in and not is_covered and rate > 0.0
+        ]
+        return min(times, default=np.inf)
 
     @property
     def thickness(self) -> np.ndarray:
@@ -84,9 +112,20 @@ class FilmWear(EvenWear):
         race, ball = self.films.race.thickness, self.films.ball.thickness
         return np.where(self.cover, [race, race, ball], 0.0)
 
+    def wearing(self, major: np.ndarray, worn: np.ndarray) -> tuple[Archard, Archard]:
+        """Of balls and races, in contacts of these semi-major axes (..., 2) [m]."""
+        pressed = self.films.pressed(mean_pressure(self.scene, major))
+        return self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
+
+    def film_values(self, worn: np.ndarray) -> dict[str, Any]:
+        """What a state has of its films."""
+        return {
+            "film_left": np.maximum(self.thickness - self.depths(worn), 0.0),
+            "film_worn_share": np.array(self.bare, dtype=float),
+        }
+
     def state(self, state: State, worn: np.ndarray) -> State:
-        pressed = self.films.pressed(mean_pressure(self.scene, state["semi_major_axis"]))
-        wearing = self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
+        wearing = self.wearing(state["semi_major_axis"], worn)
         ball, race = (np.broadcast_to(part.K_s / part.H, 2) for part in wearing)
         of_ball, of_races = state["loss_per_wear"]
         off_ball, off_races = float(of_ball @ ball), of_races * race
@@ -94,25 +133,26 @@ class FilmWear(EvenWear):
             {
                 "ball_diameter_loss_rate": np.array([off_ball, off_ball + off_races.sum()]),
                 "ball_wear_rate": float(state["qv"] @ ball),
-                "race_wear_rate": self.n_balls * race * state["qv"],
+                "race_wear_rate": self.scene.bearing.ball_count * race * state["qv"],
                 "groove_depth_rate": off_races,
-                "film_left": np.maximum(self.thickness - self.depths(worn), 0.0),
-                "film_worn_share": np.array(self.films.bare(self.cover), dtype=float),
             }
+            | self.film_values(worn)
+            | ({"greatest_depth": worn[3:].max()} if worn.size > 3 else {})
         )
 
     def rates(self, state: State, counts: int) -> np.ndarray:
-        return np.array([state.rate[0], *state["groove_depth_rate"]])
+        grooves = state["groove_depth_rate"]
+        deepest = state["depth_peak"] * grooves if self.start.size > 3 else ()
+        return np.array([state.rate[0], *grooves, *deepest])
 
-    def film_left(self, worn: np.ndarray) -> list[float]:
+    def film_left(self, worn: np.ndarray) -> np.ndarray:
         covered = self.thickness > 0.0
         shares = self.depths(worn) / np.where(covered, self.thickness, 1.0)
-        return np.where(covered, 1.0 - shares, np.inf).tolist()
+        return np.where(covered, 1.0 - shares, np.inf)
 
-    def wear_through(self, film: int) -> None:
-        gone = [*self.cover]
-        gone[film] = False
-        self.cover = Cover(*gone)
+    def wear_through(self, film: int, worn: np.ndarray) -> None:
+        left = self.film_left(worn) > 0.0
+        self.cover = Cover(*(left & (np.arange(3) != film) & self.cover).tolist())
 
 
 class Surfaces:
@@ -121,7 +161,7 @@ class Surfaces:
     def __init__(self, scene: Scene, states: Remembered, counts: int):
         self.states, self.counts = states, counts
         self.each = [
-            FilmWear(side) if changes_as_it_wears(side) else EvenWear(side) for side in scene.sides
+            FilmWear(side) if follows_depths(side) else EvenWear(side) for side in scene.sides
         ]
         self.start = np.concatenate([one.start for one in self.each])
         ends = [0, *accumulate(one.start.size for one in self.each)]
@@ -147,21 +187,18 @@ class Surfaces:
         return min(one.rate.min() for one in node.states) > 0.0
 
     def events(self, node: Node) -> np.ndarray:
-        room, films = [], list[float]()
-        for wear, part in self.parts(node.worn):
-            room.append(1.0 - wear.condition(part, self.counts).loss / wear.largest)
-            films += wear.film_left(part)
-        return np.array([min(room), *films])
+        parts = [*self.parts(node.worn)]
+        room = (1.0 - one.condition(part, self.counts).loss / one.largest for one, part in parts)
+        return np.concatenate([[min(room)], *(one.film_left(part) for one, part in parts)])
 
     def passes(self, event: int, node: Node) -> bool:
-        """A film is gone, and with it any other of which nothing is left."""
-        film, first = event - NO_CRITERION - 1, 0
+        """A film is gone."""
+        if event < 1:
+            return False
         for wear, part in self.parts(node.worn):
-            left = np.array(wear.film_left(part))
-            for k in np.flatnonzero((left <= 0.0) | (first + np.arange(left.size) == film)):
-                wear.wear_through(int(k))
-            first += left.size
-        return film >= 0
+            wear.wear_through(event - 1, part)
+            event -= wear.film_left(part).size
+        return True
 
 
 def surface_life(
@@ -186,7 +223,7 @@ def surface_life(
     def along(k: int, tolerance: float, first: float) -> Life:
         return follow(Surfaces(scene, states, k), ends, RungeKutta(tolerance, first, k, between))
 
-    if len(scene.sides) == 1 and not changes_as_it_wears(scene):
+    if len(scene.sides) == 1 and not follows_depths(scene):
         wearing = Surfaces(scene, states, own)
         wearing.origin = float(wearing.start[0])
         method: Method = Simpson(tolerance, first)

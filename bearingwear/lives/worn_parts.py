@@ -8,6 +8,8 @@ import numpy as np
 
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import Archard
+from bearingwear.solvers.bearing.outputs import depth_peak, groove_depth_rates, wear_rates
 
 
 class WornLayout:
@@ -19,8 +21,9 @@ class WornLayout:
         self.pocket = slice(2 * n, 3 * n)  # and off the cage in its pocket
         self.race = slice(3 * n, 3 * n + 2)
         self.land = 3 * n + 2  # off the cage at its guiding land
-        self.groove = 3 * n + 3  # depth worn into both grooves [m]
-        self.size = 3 * n + 4
+        self.groove = slice(3 * n + 3, 3 * n + 5)  # depth, over the width of both tracks [m]
+        self.deepest = slice(3 * n + 5, 3 * n + 7)  # the same in their deepest places [m]
+        self.size = 3 * n + 7
 
 
 def cage_surfaces(scene: Scene) -> tuple[float, float]:
@@ -53,7 +56,7 @@ class WornParts:
     def loss(self, worn: np.ndarray) -> np.ndarray:
         """Loss of diameter of each ball that the fit sees (n,) [m]: grooves as counted."""
         p = self.layout
-        return self.fresh + worn[p.diameter] + (worn[p.groove] if self.count else 0.0)
+        return self.fresh + worn[p.diameter] + (worn[p.groove].sum() if self.count else 0.0)
 
     def clearances(self, worn: np.ndarray) -> tuple[float, float]:
         """Diametral clearances of pocket and most worn ball, and at the land [m]; or NaN.
@@ -79,7 +82,7 @@ class WornParts:
             pocket, guide = self.clearances(worn)
             # The motion adds each ball's loss to its pocket, the depth of the grooves with it.
             pocket -= (self.fresh + worn[self.layout.diameter]).max()
-            pocket -= worn[self.layout.groove] if self.count else 0.0
+            pocket -= worn[self.layout.groove].sum() if self.count else 0.0
             cage = replace(
                 cage,
                 pocket_clearance_mm=max(float(pocket), 0.0) / parameters.MM,
@@ -87,14 +90,21 @@ class WornParts:
             )
         return replace(self.scene, wear=wear, cage=cage, model=self.model)
 
-    def rates(self, values: dict[str, Any]) -> np.ndarray:
-        p, rates = self.layout, np.zeros(self.layout.size)
+    def rates(
+        self, values: dict[str, Any], wearing: tuple[Archard, Archard] | None = None
+    ) -> np.ndarray:
+        """Wear per second of a run, by the properties of balls and races, else those when new."""
+        p, rates, n = self.layout, np.zeros(self.layout.size), self.scene.bearing.ball_count
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
-        rates[p.ball] = values["ball_wear_rate"]
-        rates[p.diameter] = 2.0 * values["ball_wear_rate"] / (math.pi * D**2)
-        rates[p.race] = values["race_wear_rate"]
-        alone, both = values["ball_diameter_loss_rate"]
-        rates[p.groove] = both - alone
+        qv, a = values["qv"], values["semi_major_axis"]
+        (new, _), (ball, race) = (wear_rates(self.scene, qv, a, one) for one in (None, wearing))
+        rates[p.ball] = values["ball_wear_rate"] + (ball - new).sum(axis=1)  # pockets wear it too
+        rates[p.diameter] = 2.0 * rates[p.ball] / (math.pi * D**2)
+        rates[p.race] = n * race.mean(axis=0)
+        on, track = np.where(a > 0.0, a, np.inf), values["contact_track_radius"]
+        rates[p.groove] = groove_depth_rates(n, race, on, track).mean(axis=0)
+        slips = values["gyroscopic_slip"], values["rolling_slip"]
+        rates[p.deepest] = depth_peak(values, *slips) * rates[p.groove]
         rates[p.pocket] = values.get("pocket_wear_rate", 0.0)
         rates[p.land] = values.get("cage_land_wear_rate", 0.0)
         return rates
@@ -102,4 +112,4 @@ class WornParts:
     def mean_loss_rate(self, rates: np.ndarray) -> float:
         """Rate of the mean loss of ball diameter as counted [m/s]."""
         p = self.layout
-        return float(rates[p.diameter].mean() + (rates[p.groove] if self.count else 0.0))
+        return float(rates[p.diameter].mean() + (rates[p.groove].sum() if self.count else 0.0))

@@ -83,7 +83,7 @@ class FilmFriction:
     )
     pressure_exponent: float | None = setting(
         "Exponent of the film's wear over mean contact pressure, relative to "
-        "reference_pressure_GPa, not in dynamic lives (none if omitted)",
+        "reference_pressure_GPa (none if omitted)",
         "1",
         "[0, 10]",
         default=None,

@@ -18,8 +18,10 @@ from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.bearing.outputs import (
     contact_values,
+    depth_peak,
     loss_per_wear,
     stiffness_matrix,
     wear_values,
@@ -104,6 +106,7 @@ class RaceControl:
         more = {
             "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
             "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *worn_by),
+            "depth_peak": depth_peak(values, values["gyroscopic_slip"], values["rolling_slip"]),
         }
         return state.with_values(more)
 
@@ -121,9 +124,9 @@ def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
     return HeatFlow(inner, outer, drag=float(values["drag_power"]))
 
 
-def race_control_motion(scene: Scene) -> np.ndarray | None:
+def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None:
     """(w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None where there is no such solution."""
-    values, _ = solve_race_control(scene)
+    values, _ = solve_race_control(scene, RaceControlProblem.of(scene).where_bare(scene, bare))
     if "orbit_speed" not in values:
         return None
     return np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])

@@ -8,6 +8,7 @@ from bearingwear.kernels import status as code
 from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.condition import USABLE
 from bearingwear.solvers.race_control import race_control_motion
@@ -21,6 +22,7 @@ class Start:
     kind: str
     scales: dict[str, float]  # fast_time_scale, slow_time_scale [s], where known
     case: ThrustCase | None = None  # the steady state under the thrust alone, where there is one
+    bare: Bare = COVERED  # the contacts without film
 
 
 def thrust_alone(scene: Scene) -> Scene:
@@ -31,9 +33,9 @@ def thrust_alone(scene: Scene) -> Scene:
     return replace(scene, operation=operation)
 
 
-def start_of(scene: Scene) -> Start:
+def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
     """The steady state under the thrust alone, else the state of race control."""
-    problem = ThrustProblem.of(thrust_alone(scene))
+    problem = ThrustProblem.of(thrust_alone(scene)).where_bare(scene, bare)
     if problem.undetermined() == code.OK:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)
@@ -43,8 +45,9 @@ def start_of(scene: Scene) -> Start:
                 "fast_time_scale": 1.0 / np.abs(eigenvalues).max(),
                 "slow_time_scale": 1.0 / np.abs(eigenvalues.real).min(),
             }
-            return Start(case.u, "the steady state under the thrust alone", scales, case)
-    u = race_control_motion(scene)
+            return Start(case.u, "the steady state under the thrust alone", scales, case, bare)
+    u = race_control_motion(scene, bare)
     if u is not None:
-        return Start(u, "race control", {})
-    return Start(problem.kinematic_start(0), "race control at the free contact angle", {})
+        return Start(u, "race control", {}, bare=bare)
+    u = problem.kinematic_start(0)
+    return Start(u, "race control at the free contact angle", {}, bare=bare)

@@ -23,16 +23,18 @@ from bearingwear.kernels.contact.summary import (
 )
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, ThrustCase
-from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
+from bearingwear.solvers.bearing.films import follows_depths, limits_depth
 from bearingwear.solvers.bearing.outputs import (
     TURN,
     contact_values,
+    depth_peak,
     diameter_loss_rates,
     friction_used,
     loss_per_wear,
+    slips_across,
     stiffness_matrix,
     wear_rates,
     wear_values,
@@ -145,7 +147,11 @@ class Steady:
             "friction_used_by_gyroscopic_moment": float(used[0]),
             "friction_coefficient": c[:, FRICTION],
         }
-        if changes_as_it_wears(self.scene):
+        if limits_depth(self.scene):
+            motion = case.u[None], np.array([case.r]), c[None]
+            v1, v2 = slips_across(self.scene, g, problem.op, D, *motion)
+            values["depth_peak"] = depth_peak(values, v1, v2)
+        if follows_depths(self.scene):
             values["loss_per_wear"] = loss_per_wear(g.n_balls, D, *worn_by)
         return State(solution.status, values, solution)
 

@@ -8,6 +8,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.bearing.growth import part_temperatures
 from bearingwear.solvers.condition import CaseValues, Condition, SolvedBearing, Solver, Wrapper
 from bearingwear.solvers.race_control import RaceControl, heat_of_values
@@ -81,7 +82,7 @@ class Warm(Wrapper):
         return values, attrs
 
 
-def warm_scene(scene: Scene) -> Warmed:
+def warm_scene(scene: Scene, bare: Bare = COVERED) -> Warmed:
     """A scene at the temperatures that its motion is marched at: its own without a network.
 
     Else they are those of the steady state under the thrust alone, or of race control where there
@@ -90,10 +91,10 @@ def warm_scene(scene: Scene) -> Warmed:
     if scene.thermal is None:
         return Warmed(code.OK, scene, NOTHING, 0, np.zeros((3, 3)))
     loss = float(np.mean(scene.wear.ball_diameter_loss_um)) * parameters.UM
-    solution = Warm(Steady(thrust_alone(scene)))(Condition(loss))
+    solution = Warm(Steady(thrust_alone(scene)))(Condition(loss, bare))
     if solution.status not in (code.OK, code.WARM_SEIZURE, code.NO_HEAT_BALANCE):
         hot = Warm(RaceControl(scene))
-        solution = hot(hot.start)
+        solution = hot(hot.start._replace(bare=bare))
     found = solution.warmed
     assert found is not None
     given = found.scene.temperature

@@ -155,7 +155,7 @@ def test_wear_opens_pockets_and_land(scene):
     wall, surface = math.pi * 2.15e-3 * 1e-3, math.pi * 8.6e-3 * 3e-3
     worn[p.pocket] = 0.5 * wall * 5e-6
     worn[p.land] = 0.5 * surface * 2e-6
-    worn[p.diameter], worn[p.groove] = 0.2e-6, 0.3e-6
+    worn[p.diameter], worn[p.groove] = 0.2e-6, (0.1e-6, 0.2e-6)
     pocket, guide = parts.clearances(worn)
     assert_allclose([pocket, guide], [160.2e-6, 204e-6], rtol=1e-12)
     after = parts.worn_scene(worn)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bearingwear.scene.blocks import Material
-from bearingwear.scene.friction import FilmFriction
+from bearingwear.scene.friction import FilmFriction, changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, fitted_factors
 from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
@@ -138,6 +138,17 @@ class Films:
             worn_as(self.ball, self.race, ball_depth, cover.ball, races, pressed),
             worn_as(self.race, self.ball, race_depths, races, cover.ball, pressed),
         )
+
+
+def limits_depth(scene: Scene) -> bool:
+    """Whether the depth of a groove may end the life."""
+    end = scene.wear.end_of_life
+    return end is not None and end.groove_depth_um is not None
+
+
+def follows_depths(scene: Scene) -> bool:
+    """Whether a life needs the depth worn off each surface: for films, running in, or its end."""
+    return changes_as_it_wears(scene) or limits_depth(scene)
 
 
 def _surface(

@@ -1,6 +1,7 @@
 """Result variables that all models fill in the same way."""
 
 import functools
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from bearingwear.kernels.contact.summary import (
 from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.films import Films, mean_pressure
+from bearingwear.solvers.bearing.films import Archard, Films, mean_pressure
 
 TURN = 2.0 * np.pi
 
@@ -39,8 +40,7 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
-    v1, v2 = np.zeros((2, len(D), 2, scene.model.strips))
-    slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), v1, v2)
+    v1, v2 = slips_across(scene, g, op, D, u, r, rows)
     inertia = ball_inertia(ball_mass(g.rho, D), D)
     gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
     races = np.array([op.omega_i, op.omega_o])
@@ -75,6 +75,27 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
 
 
+def slips_across(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows) -> np.ndarray:
+    """Gyroscopic and rolling slip (2, n, 2, strips) [m/s], of what `contact_values` takes."""
+    v = np.zeros((2, len(D), 2, scene.model.strips))
+    slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), *v)
+    return v
+
+
+def depth_peak(values: Mapping[str, Any], v1: np.ndarray, v2: np.ndarray) -> np.ndarray:
+    """Greatest over mean depth that both tracks wear across their width, (2,) [1].
+
+    From QV and semi-major axes (..., 2) and slips (n, 2, strips) [m/s]: over equal strips wear goes
+    by the slip and by Hertz' load.
+    """
+    t = strip_centres(v1.shape[-1])
+    worn = (1.0 - t * t) * np.hypot(v1, v2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = values["qv"] / values["semi_major_axis"] / worn.mean(axis=-1)
+    track = (np.nan_to_num(share)[..., None] * worn).sum(axis=0)
+    return track.max(axis=-1) / track.mean(axis=-1)
+
+
 def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndarray:
     """Share M_g/((mu_i Q_i + mu_o Q_o) R) of friction that gyroscopic moments [N m] take up [1].
 
@@ -107,15 +128,22 @@ def stiffness_of_loads(
     return K
 
 
-def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: np.ndarray):
-    """Archard wear rates and the loss of ball diameter.
+def wear_values(
+    scene: Scene,
+    D: np.ndarray,
+    qv: np.ndarray,
+    a: np.ndarray,
+    track: np.ndarray,
+    parts: tuple[Archard, Archard] | None = None,
+) -> dict[str, np.ndarray]:
+    """Archard wear rates and the loss of ball diameter; without `parts` of films as when new.
 
     ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s], mean over
     the balls, counting the balls alone, and balls and races: from worn diameters (n,) [m], and QV
     [W], semi-major axis and track radius [m] of each contact (n, 2).
     """
     n = scene.bearing.ball_count
-    ball_rate, race_rate = wear_rates(scene, qv, a)
+    ball_rate, race_rate = wear_rates(scene, qv, a, parts)
     on = a.min(axis=1) > 0.0  # balls off a race loosen no fit
     each = D, ball_rate, race_rate, a, track
     losses = diameter_loss_rates(n, *(each if on.all() else (one[on] for one in each)))
@@ -126,15 +154,24 @@ def wear_values(scene: Scene, D: np.ndarray, qv: np.ndarray, a: np.ndarray, trac
     }
 
 
-def wear_rates(scene: Scene, qv: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def wear_rates(
+    scene: Scene, qv: np.ndarray, a: np.ndarray, parts: tuple[Archard, Archard] | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Volumes worn off ball and race per time [m3/s] by QV [W] and semi-major axis [m].
 
-    Of each contact (..., 2); films are new.
+    Of each contact (..., 2); without `parts` of films as when new.
     """
-    films = Films.of(scene)
-    pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves its time
-    ball, race = films.wearing(films.cover, pressed=pressed)
+    if parts is None:
+        films = Films.of(scene)
+        pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves time
+        parts = films.wearing(films.cover, pressed=pressed)
+    ball, race = parts
     return ball.rate(qv), race.rate(qv)
+
+
+def groove_depth_rates(n: int, race_rate: np.ndarray, a: np.ndarray, track: np.ndarray):
+    """Rates (k, 2) at which grooves deepen on the mean of their width [m/s] (theory.md Eq. 24)."""
+    return n * race_rate / (2.0 * np.pi * track * 2.0 * a)
 
 
 def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray:
@@ -145,8 +182,7 @@ def diameter_loss_rates(n: int, D, ball_rate, race_rate, a, track) -> np.ndarray
     """
     rates = np.empty((len(D), 2))
     rates[:, 0] = 2.0 * ball_rate.sum(axis=1) / (np.pi * D * D)
-    races = n * race_rate / (2.0 * np.pi * track * 2.0 * a)
-    rates[:, 1] = rates[:, 0] + races.sum(axis=1)
+    rates[:, 1] = rates[:, 0] + groove_depth_rates(n, race_rate, a, track).sum(axis=1)
     return rates
 
 

@@ -12,7 +12,7 @@ from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.solvers.bearing.films import MPA, Bare, Films
+from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
 from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
 from bearingwear.solvers.bearing.mounted import MM as MM
@@ -60,15 +60,15 @@ def geometry(scene: Scene) -> Geometry:
     return grown(g, growth, axial)
 
 
-def operating_point(scene: Scene) -> OperatingPoint:
-    """Speeds and friction of a scene, its films as they are when new."""
+def operating_point(scene: Scene, bare: Bare = COVERED) -> OperatingPoint:
+    """Speeds and friction of a scene, some of its contacts without film."""
     return OperatingPoint(
         omega_i=scene.operation.shaft_speed_rpm * RPM,
         omega_o=scene.operation.outer_speed_rpm * RPM,
         v_r=float(scene.friction.slip_regularisation_m_s),
         drag=float(scene.lubricant.drag_density_kg_m3),
-        law_i=friction_law(scene),
-        law_o=friction_law(scene),
+        law_i=friction_law(scene, bare[0]),
+        law_o=friction_law(scene, bare[1]),
     )
 
 

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels import status as code
-from bearingwear.kernels.steady.thrust import ThrustCase
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
@@ -76,7 +75,7 @@ def dynamic_error_estimates(
     if motion is not None:
         by_steps *= DOUBLED
     else:
-        by_half = np.maximum(by_half, thrust_part(scene, start.case))
+        by_half = np.maximum(by_half, thrust_part(scene, start))
     parts = [
         by_half,
         DOUBLED * changed(now, with_twice),
@@ -87,12 +86,14 @@ def dynamic_error_estimates(
     return summed([*parts, np.array([qv, preload, balls, both, torque, torque])])
 
 
-def thrust_part(scene: Scene, case: ThrustCase | None) -> np.ndarray:
+def thrust_part(scene: Scene, start: Start) -> np.ndarray:
     """Change of the steady state under the thrust alone by half the regularisation (6,)."""
+    case = start.case
     if case is None or case.status != code.OK:
         return np.zeros(MEASURED)
     thrust = thrust_alone(scene)
-    problem, D = ThrustProblem.of(thrust), float(parameters.ball_diameters(scene).mean())
+    problem = ThrustProblem.of(thrust).where_bare(scene, start.bare)
+    D = float(parameters.ball_diameters(scene).mean())
     halved, _ = problem.perturbed(thrust)
     other = halved.solve(D, start=case.u)
     if other.status != code.OK:

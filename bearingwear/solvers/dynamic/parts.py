@@ -14,6 +14,7 @@ from bearingwear.kernels.layout import state_layout
 from bearingwear.kernels.params import Geometry
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
 
 HERTZ_INTERVALS = 64
@@ -111,7 +112,7 @@ def hertz_table(g: Geometry, D: np.ndarray, factors_of=exact_factors) -> np.ndar
     return table
 
 
-def bearing_model(scene: Scene) -> BearingModel:
+def bearing_model(scene: Scene, bare: Bare = COVERED) -> BearingModel:
     g, operation = parameters.geometry(scene), scene.operation
     D = parameters.ball_diameters(scene)
     mass = ball_mass(g.rho, D)
@@ -119,7 +120,7 @@ def bearing_model(scene: Scene) -> BearingModel:
     cage = cage_of(scene)
     return BearingModel(
         g=g,
-        op=parameters.operating_point(scene),
+        op=parameters.operating_point(scene, bare),
         D=D,
         mass=mass,
         inertia=0.1 * mass * D**2,

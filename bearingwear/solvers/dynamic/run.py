@@ -10,6 +10,7 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK
 from bearingwear.scene.scene import Scene
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.dynamic.errors import TIGHTER, dynamic_error_estimates, found_periodic
 from bearingwear.solvers.dynamic.outputs import histories, window_values
 from bearingwear.solvers.dynamic.periodic import PeriodicMotion
@@ -31,14 +32,15 @@ def solve_dynamic(
     scene: Scene,
     restart: Mapping[str, Any] | None = None,
     progress: Callable[[str], None] | None = None,
+    bare: Bare = COVERED,
 ) -> tuple[dict, dict]:
-    """Values and attributes of a dynamic run.
+    """Values and attributes of a dynamic run, some of its contacts without film.
 
     Averages over the evaluated window under the names of the steady solution, histories of the
     whole run, checks. A restart is the `state` and `time` where another run of the scene ended (its
     `final_state`, `final_time`).
     """
-    start, tolerance, longest = start_of(scene), scene.model.dynamic_tolerance, 1.0
+    start, tolerance, longest = start_of(scene, bare), scene.model.dynamic_tolerance, 1.0
     while True:
         values, attrs = run_of(scene, start, restart, progress, tolerance, longest)
         open_account = not abs(values.get("energy_account_error", 0.0)) <= LARGEST_ACCOUNT
@@ -59,7 +61,7 @@ def begin(
     scene: Scene, start: Start, restart: Mapping[str, Any] | None
 ) -> tuple[DynamicSystem, str]:
     """The system as a run begins, and what that is in words."""
-    system = DynamicSystem.of(scene, start.u)
+    system = DynamicSystem.of(scene, start.u, start.bare)
     if restart is None:
         return system, start.kind
     try:

@@ -47,6 +47,7 @@ from bearingwear.kernels.layout import (
 )
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
+from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.bearing.race_control_problem import unseated
 from bearingwear.solvers.dynamic.parts import bearing_model
 
@@ -86,9 +87,9 @@ class DynamicSystem:
         self.cage_has_room = True
 
     @classmethod
-    def of(cls, scene: Scene, u: np.ndarray) -> "DynamicSystem":
+    def of(cls, scene: Scene, u: np.ndarray, bare: Bare = COVERED) -> "DynamicSystem":
         """Every ball of a scene moving as u = (w_x, w_y, w_z, Omega), evenly spaced."""
-        bearing = bearing_model(scene)
+        bearing = bearing_model(scene, bare)
         system = cls(bearing, np.zeros(bearing.layout.size))
         n = len(bearing.D)
         system.balls[:, W_X : OMEGA + 1] = u

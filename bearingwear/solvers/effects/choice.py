@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from bearingwear.kernels.build.folder import compile_time, is_compiled
 from bearingwear.scene.accuracy import FIDELITIES
 from bearingwear.scene.blocks import EndOfLife
-from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.stability import check_solution, is_found_periodic
 from bearingwear.solvers.errors import NotAvailable as NotAvailable
@@ -136,8 +135,6 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     life.
     """
     chosen = choice(scene, fidelity)
-    if refused := films_refused(scene, chosen.fidelity):
-        raise NotAvailable(f"{scene.name}: {refused}")
     unseen = unwatched(scene, chosen)
     end = scene.wear.end_of_life
     if unseen and end is not None and unseen.keys() == end.criteria.keys():
@@ -156,18 +153,6 @@ def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
     if chosen.fidelity == "race_control" and not stands_still(scene):
         blind |= NEEDS_SLIP
     return {name: limit for name, limit in end.criteria.items() if name in blind}
-
-
-def films_refused(scene: Scene, fidelity: str) -> str:
-    """Why a life cannot follow the films of a scene; nothing where it can."""
-    given = scene.friction.film
-    pressed = given is not None and given.pressure_exponent is not None
-    if not (changes_as_it_wears(scene) or pressed) or fidelity != "dynamic":
-        return ""
-    return (
-        "friction.film, materials: got films that wear through or by pressure, or running in, with "
-        "fidelity dynamic; expected, for a life, fidelity steady or race_control"
-    )
 
 
 def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
