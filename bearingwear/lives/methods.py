@@ -255,7 +255,7 @@ class Trapezoid(InTime):
         if node is None:
             first = super().begin(wearing)
         else:
-            first = node._replace(states=wearing.state(node.worn, node.states))
+            first = node._replace(states=self.wearing.state(node.worn, node.states))
         self.begun = first.x
         return first
 

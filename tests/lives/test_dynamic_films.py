@@ -7,7 +7,7 @@ import pytest
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.life import life
-from bearingwear.lives.motion import Motion
+from bearingwear.lives.motion import Motion, Run
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.state import State
@@ -144,7 +144,7 @@ def test_without_a_state_after_its_film_the_life_ends_there(scene, monkeypatch):
 
     def gone(self, worn, near=()):
         if any(self.bare):
-            return (State(code.NOT_CONVERGED, {}, self._run(worn, None)),)
+            return (State(code.NOT_CONVERGED, {}, Run(code.NOT_CONVERGED)),)
         return solved(self, worn, near)
 
     monkeypatch.setattr(Motion, "state", gone)
