@@ -27,7 +27,7 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.solvers.bearing.films import Cover, Films
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.compose import solver_of
-from bearingwear.solvers.effects.choice import NotAvailable, choice
+from bearingwear.solvers.effects.choice import choice
 from bearingwear.solvers.solve import solve
 from bearingwear.solvers.state import State
 
@@ -402,11 +402,6 @@ def test_sheets_show_the_film(capsys, tmp_path):
     for text in ("friction, inner", "film, outer", "track without film", "worn through after"):
         assert text in said, text
     assert "ended by" in said and "share of a track without film 100 %, limit 50 %" in said
-
-
-def test_refused_where_it_cannot_be_followed(scene):
-    with pytest.raises(NotAvailable, match=r"films that wear through.* with fidelity dynamic"):
-        life(scene("gyro_s1", THIN), "dynamic")
 
 
 UNLIKE = {
