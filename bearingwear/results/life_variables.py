@@ -80,15 +80,10 @@ LIFE = table(
         comment="a single bearing is half of a symmetric pair; for a dynamic "
             "life, that of the steady state at its wear, or of race control if balls differ"),
     Variable("history_rotor_axial_shift", _STEP, "m",
-<<<<<<< HEAD
         "axial shift of the rotor from its mounted position",
         comment="a single bearing is half of a symmetric pair"),
-=======
-        "axial shift of the rotor from where it was mounted",
-        comment="a single bearing is the half of a symmetric pair"),
     Variable("history_greatest_depth", _STEP, "m", "largest depth of both grooves",
         label="deepest groove"),
->>>>>>> cc003c1 (Dynamic lives follow films, running in and the deepest groove; so does race control)
     # of films alone
     Variable("history_friction_coefficient", _STEP_RACE, "1",
         "friction coefficient of the contact, mean over its load", label="friction"),
