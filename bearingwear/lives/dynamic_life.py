@@ -15,7 +15,6 @@ from bearingwear.lives.history import film_values
 from bearingwear.lives.methods import Trapezoid
 from bearingwear.lives.motion import Motion, run_at
 from bearingwear.lives.surfaces import surface_life
-from bearingwear.scene.blocks import CRITERIA, OF_CAGE
 from bearingwear.scene.scene import COUNTS, EndOfLife, Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.compose import solver_of
@@ -77,7 +76,7 @@ def ends(life: Life) -> dict:
             for node in life.nodes
         ]
         # No run estimates the error of a clearance's growth.
-        if CRITERIA[life.criterion] not in OF_CAGE:
+        if not wearing.is_of_cage(life.criterion):
             mean = np.trapezoid(by_runs, time) / last.x
             estimate[count] = ROUNDING + error[count] / last.x + mean
     factor, _ = parameters.wear_factors(wearing.scene)

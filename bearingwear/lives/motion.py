@@ -17,10 +17,8 @@ from bearingwear.lives.follow import Node, States
 from bearingwear.lives.surfaces import FilmWear
 from bearingwear.lives.worn_parts import WornParts
 from bearingwear.scene.blocks import CRITERIA, OF_CAGE
-from bearingwear.scene.friction import changes_as_it_wears
 from bearingwear.scene.scene import EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import COVERED, Bare
 from bearingwear.solvers.condition import Condition, SolvedBearing, Solver
 from bearingwear.solvers.dynamic.run import solve_dynamic
 from bearingwear.solvers.effects.choice import asymmetries
@@ -70,7 +68,7 @@ class Motion:
         self.parts = WornParts(scene)
         self.end = scene.wear.end_of_life or EndOfLife()
         self.start = self.parts.nothing
-        self.films = FilmWear(scene) if changes_as_it_wears(scene) else None
+        self.films = FilmWear(scene)
         self._mounted = parameters.static_place(scene)
         self.gone: list[int] = []  # films, in the order in which they wore through
         self._since = 0.0, self.start  # time [s] and wear when the way last changed
@@ -85,12 +83,12 @@ class Motion:
             scene = self.parts.worn_scene(worn)
         except SceneError:
             return Run(code.CRITERION_NOT_REACHED)
-        warm = warm_scene(scene, self.bare)
+        warm = warm_scene(scene, self.films.bare)
         if warm.status != code.OK:
             return Run(warm.status, residual=warm.sentence)
         scene, warmth = warm.scene, warmth_of(scene, warm)
         if before is not None:
-            values, attrs = solve_dynamic(scene, before.end, bare=self.bare)
+            values, attrs = solve_dynamic(scene, before.end, bare=self.films.bare)
         if before is None or values["status"] != code.OK:
             values, attrs = self.first_run(scene)
             before = None
@@ -105,11 +103,6 @@ class Motion:
             residual=attrs["residual"],
         )
 
-    @property
-    def bare(self) -> Bare:
-        """The contacts without film."""
-        return COVERED if self.films is None else self.films.bare
-
     def depths(self, worn: np.ndarray) -> np.ndarray:
         """Wear as `FilmWear` has it: the balls have one film, worn as they are on the mean."""
         return np.array([worn[self.parts.layout.diameter].mean(), *worn[self.parts.layout.groove]])
@@ -121,9 +114,9 @@ class Motion:
         """
         if asymmetries(self.scene):
             solver: Solver = RaceControl(scene)
-            return solver(solver.start._replace(bare=self.bare)).quasistatic
+            return solver(solver.start._replace(bare=self.films.bare)).quasistatic
         solver, loss = Steady(scene), float(np.mean(scene.wear.ball_diameter_loss_um))
-        found = solver(Condition(loss * parameters.UM, self.bare))
+        found = solver(Condition(loss * parameters.UM, self.films.bare))
         return found.quasistatic if found.status == code.OK else math.nan
 
     def first_run(self, scene: Scene) -> tuple[dict, dict]:
@@ -137,11 +130,11 @@ class Motion:
             run_in = replace(
                 self.parts.model, simulated_turns=turns, evaluated_turns=turns, settled_drift=0.0
             )
-            values, attrs = solve_dynamic(replace(scene, model=run_in), bare=self.bare)
+            values, attrs = solve_dynamic(replace(scene, model=run_in), bare=self.films.bare)
             if values["status"] != code.OK:
                 return values, attrs
             restart = {"state": values["final_state"], "time": values["final_time"]}
-        return solve_dynamic(scene, restart, bare=self.bare)
+        return solve_dynamic(scene, restart, bare=self.films.bare)
 
     def with_worn(self, states: States, worn: np.ndarray) -> States:
         """The state of a run at a wear close by, with the clearances of the cage."""
@@ -162,7 +155,7 @@ class Motion:
             more |= half_of_pair(self.scene, self._mounted, solved).values
             more |= {"friction_power": power} | run.warmth
             wearing = None
-            if self.films is not None:
+            if self.films.changes:
                 wearing = self.films.wearing(run.values["semi_major_axis"], self.depths(worn))
             run = replace(run, rates=self.parts.rates(run.values, wearing))
             more |= self._of_wear(run, worn)
@@ -172,7 +165,7 @@ class Motion:
         """The deepest groove, and what films decide where there are any."""
         p, rates = self.parts.layout, run.rates
         deepest, ball = {"greatest_depth": worn[p.deepest].max()}, rates[p.diameter].mean()
-        if self.films is None:
+        if not self.films.changes:
             return deepest
         return (
             deepest
@@ -191,11 +184,10 @@ class Motion:
         return bool(run_at(node).rates.any())
 
     def events(self, node: Node) -> np.ndarray:
-        return np.empty(0) if self.films is None else self.films.film_left(self.depths(node.worn))
+        return self.films.film_left(self.depths(node.worn))
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
-        assert self.films is not None
         self.films.wear_through(event, self.depths(node.worn))
         self.gone.append(event)
         self._since = node.x, node.worn
@@ -207,6 +199,10 @@ class Motion:
         times[self.parts.count] = time
         return times
 
+    @staticmethod
+    def is_of_cage(criterion: int) -> bool:
+        return CRITERIA[criterion] in OF_CAGE
+
     def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
         """Rate of the wear of a film, else of what a criterion limits [m/s].
 
@@ -217,7 +213,7 @@ class Motion:
             return float(FilmWear.depths(self.depths(rates))[film])
         if name == "groove_depth_um":
             return float(rates[self.parts.layout.deepest].max())
-        if name not in OF_CAGE:
+        if not self.is_of_cage(criterion):
             return self.parts.mean_loss_rate(rates)
         k, nothing = OF_CAGE.index(name), self.parts.clearances(self.parts.nothing)
         # clearances are linear in what has worn, but for which ball is the most worn
@@ -237,8 +233,7 @@ class Motion:
         limits = [largest_loss(self.scene) if um is None else um * parameters.UM]
         given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
         limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
-        if self.films is not None:
-            limits += [*np.where(self.films.cover, self.films.thickness, math.nan)]
+        limits += [*np.where(self.films.cover, self.films.thickness, math.nan)]
         then, now = self._limited(worn), self._limited(worn + more)
         with np.errstate(divide="ignore", invalid="ignore"):
             times = begun + time * (np.array(limits) - then) / (now - then)
@@ -247,13 +242,11 @@ class Motion:
 
     def _limited(self, worn: np.ndarray) -> np.ndarray:
         """Mean loss, clearances, and depths of films [m]."""
-        depths = () if self.films is None else self.films.depths(self.depths(worn))
+        depths = self.films.depths(self.depths(worn))
         return np.array([self.parts.loss(worn).mean(), *self.parts.clearances(worn), *depths])
 
     def longest_step(self, node: Node) -> float:
         """As `FilmWear.running_in_time`."""
-        if self.films is None:
-            return math.inf
         return self.films.running_in_time(*map(self.depths, (node.worn, run_at(node).rates)))
 
     def report_progress(self, node: Node, horizon: float) -> None:

@@ -79,6 +79,7 @@ class FilmWear(EvenWear):
         super().__init__(scene)
         self.scene = scene
         self.films = Films.of(scene)
+        self.changes = self.films.changes
         self.cover = self.films.cover
         self.start = np.zeros(5 if limits_depth(scene) else 3)
 

@@ -115,6 +115,11 @@ class Films:
         return any(0.0 < part.thickness < math.inf for part in (self.ball, self.race))
 
     @property
+    def changes(self) -> bool:
+        """Whether friction or wear depend on the worn depth."""
+        return self.wear_through or bool(self.ball.running_in or self.race.running_in)
+
+    @property
     def cover(self) -> Cover:
         """When new."""
         race = self.race.thickness > 0.0
