@@ -168,5 +168,6 @@ def _run(args: argparse.Namespace) -> int:
             problem = f"{args.scene}: {problem}"
         sys.stderr.write(one_line(problem))
     except (SceneError, CaseFileError, OutputError, UsageError) as error:
-        sys.stderr.write(one_line(str(error)))
+        for one in (error, *getattr(error, "further", ())):
+            sys.stderr.write(one_line(str(one)))
     return BAD_INPUT

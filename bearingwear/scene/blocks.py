@@ -45,18 +45,25 @@ class Bearing:
         default=None,
     )
     ball_count: int = setting(
-        "Number of balls, which must fit side by side on the pitch circle", "1", "[3, 1000]"
+        "Number of balls, which must fit side by side on the pitch circle",
+        "1",
+        "[3, 1000]",
+        example="15",
     )
-    ball_diameter_mm: float = setting("Nominal (unworn) ball diameter", "mm", "[0.1, 500]")
+    ball_diameter_mm: float = setting(
+        "Nominal (unworn) ball diameter", "mm", "[0.1, 500]", example="8.4"
+    )
     pitch_diameter_mm: float = setting(
-        "Pitch diameter, larger than the ball diameter", "mm", "[0.2, 10000]"
+        "Pitch diameter, larger than the ball diameter", "mm", "[0.2, 10000]", example="54"
     )
-    contact_angle_deg: float = setting("Free contact angle (unloaded, unworn)", "degree", "[0, 80]")
+    contact_angle_deg: float = setting(
+        "Free contact angle (unloaded, unworn)", "degree", "[0, 80]", example="15"
+    )
     inner_groove_factor: float = setting(
-        "Groove radius of the inner race over ball diameter", "1", "(0.5, 1]"
+        "Groove radius of the inner race over ball diameter", "1", "(0.5, 1]", example="0.52"
     )
     outer_groove_factor: float = setting(
-        "Groove radius of the outer race over ball diameter", "1", "(0.5, 1]"
+        "Groove radius of the outer race over ball diameter", "1", "(0.5, 1]", example="0.53"
     )
     ball_material: str = setting("Material of the balls", pattern=NAME, allowed=MATERIAL)
     race_material: str = setting("Material of both races", pattern=NAME, allowed=MATERIAL)
@@ -91,14 +98,17 @@ class Bearing:
 class Material:
     """Elastic, inertial and wear properties of one material."""
 
-    youngs_modulus_GPa: float = setting("Young's modulus", "GPa", "[0.001, 2000]")
-    poisson_ratio: float = setting("Poisson's ratio", "1", "[0, 0.5)")
-    density_kg_m3: float = setting("Density", "kg/m3", "[10, 30000]")
+    youngs_modulus_GPa: float = setting("Young's modulus", "GPa", "[0.001, 2000]", example="208")
+    poisson_ratio: float = setting("Poisson's ratio", "1", "[0, 0.5)", example="0.3")
+    density_kg_m3: float = setting("Density", "kg/m3", "[10, 30000]", example="7800")
     brinell_hardness_GPa: float = setting(
-        "Brinell hardness as a pressure, the H of Archard's law", "GPa", "[0.001, 100]"
+        "Brinell hardness as a pressure, the H of Archard's law",
+        "GPa",
+        "[0.001, 100]",
+        example="6.6",
     )
     wear_coefficient: float = setting(
-        "Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]"
+        "Dimensionless wear coefficient, the K_s of Archard's law", "1", "(0, 1]", example="5.0e-6"
     )
     yield_pressure_GPa: float | None = setting(
         "Largest contact pressure without a dent, for a warning (4.2 if omitted, from ISO 76 for "
@@ -175,14 +185,18 @@ class Cage:
 class Operation:
     """Speeds, preload and loads."""
 
-    shaft_speed_rpm: float = setting("Speed of the shaft and the inner race", "r/min", "[0, 1e7]")
+    shaft_speed_rpm: float = setting(
+        "Speed of the shaft and the inner race", "r/min", "[0, 1e7]", example="18000"
+    )
     outer_speed_rpm: float = setting(
         "Speed of the outer race, in either direction", "r/min", "[-1e7, 1e7]", default=0.0
     )
     preload_method: str = setting(
         "Application of the preload: by a spring, or at a fixed position", choices=PRELOAD_METHODS
     )
-    preload_N: float = setting("Initial (static, unworn) axial preload", "N", "[0, 1e7]")
+    preload_N: float = setting(
+        "Initial (static, unworn) axial preload", "N", "[0, 1e7]", example="140"
+    )
     radial_load_N: tuple[float, float] = setting(
         "Radial load along Y and Z, fixed in space",
         "N",

@@ -99,7 +99,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "scene") -> Scene:
         if scene.cases:
             _ = scene.in_cases  # refuses what is no scene
     except SceneError as error:
-        raise SceneError(error.key, error.problem, error.involved, source) from None
+        raise error.in_source(source) from None
     scene.__dict__[_CHECKED] = True
     return scene
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from bearingwear.cli import main
+from bearingwear.scene.checking import MOST_FAULTS
 from bearingwear.scene.read import SceneError, load_scene
 
 SCENES = Path(__file__).parents[2] / "config" / "scenes"
@@ -185,15 +186,16 @@ BROKEN: dict[str, tuple[str | bytes, str, tuple[str, ...]]] = {
 
 
 def refused(capsys, argv: list[str]) -> str:
-    """The one line with which a command refuses its input."""
+    """With what a command refuses its input: a line for each fault."""
     assert main(argv) == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert err.count("\n") == 1 and err.endswith("\n"), err
+    assert 1 <= err.count("\n") <= MOST_FAULTS and err.endswith("\n"), err
     assert "Traceback" not in err
-    assert re.search("got |set |stands ", err), err
-    assert re.search("expected|allowed|did you mean", err), err
-    assert len(err) < 500
+    for line in err.splitlines():
+        assert re.search("got |set |stands ", line), err
+        assert re.search("expected|allowed|did you mean", line), err
+        assert len(line) < 500
     return err
 
 
@@ -207,6 +209,30 @@ def test_refuses_broken_scene(name, tmp_path, capsys):
     for text in texts:
         assert text in line, line
     assert os.listdir(tmp_path) == ["broken.yaml"]
+
+
+def test_every_fault_has_its_line(tmp_path, capsys):
+    """The gravest first; a mistyped key is not missing as well, and a missing one has an example."""
+    scene = tmp_path / "broken.yaml"
+    scene.write_text(
+        edited(
+            ("ball_count: 9", "ball_cout: 9"),
+            ("preload_N: 7.0", "preload_N: many"),
+            ("contact_angle_deg: 20.0", "contact_angle_deg: 200"),
+            ("brinell_hardness_GPa: 6.6, ", ""),
+        )
+    )
+    found = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")]).splitlines()
+    assert [line.partition(": ")[2].partition(":")[0] for line in found] == [
+        "bearing.ball_cout",
+        "operation.preload_N",
+        "bearing.contact_angle_deg",
+        "materials.bearing_steel.brinell_hardness_GPa",
+    ]
+    assert found[-1].endswith("got nothing, expected a number from 0.001 to 100, such as 6.6")
+    scene.write_text(GOOD + "".join(f"k{i}: 1\n" for i in range(99)))
+    found = refused(capsys, ["solve", str(scene), "-o", str(tmp_path / "x.nc")])
+    assert found.count("\n") == MOST_FAULTS
 
 
 @pytest.mark.parametrize("command", ["life", "check"])

@@ -2,8 +2,8 @@
 
     plan = record(Sampling, {"samples": -1}, "config/design.yaml")
 
-raises a SceneError for the first thing that is wrong, in one line:
-`config/design.yaml: samples: got -1, expected a whole number >= 1`.
+raises a SceneError of one line, `config/design.yaml: samples: got -1, expected a whole number >= 1`;
+what else is wrong is `further` in it.
 
 What several fields must fulfil together is checked in the record's `__post_init__`, which raises
 a ValueError, or a `SceneError` that names the field.
@@ -25,6 +25,9 @@ from bearingwear.scene.checking.records import NAME, Key, Part, R, part_at, whol
 DEEPEST = 20
 """Limit of blocks within blocks; a scene has three."""
 
+MOST_FAULTS = 10
+"""Faults of one file that are reported together."""
+
 
 def record(record_type: type[R], data: Any, source: str = "scene") -> R:
     """Check plain nested data and build the record of it.
@@ -41,12 +44,12 @@ def record(record_type: type[R], data: Any, source: str = "scene") -> R:
     Raises
     ------
     SceneError
-        For the first thing that is wrong.
+        Whatever is wrong.
     """
     try:
         return built(record_type, checked_data(record_type, data))
     except SceneError as error:
-        raise SceneError(error.key, error.problem, error.involved, source) from None
+        raise error.in_source(source) from None
 
 
 def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
@@ -55,7 +58,7 @@ def read_record(record_type: type[R], path: str | os.PathLike[str]) -> R:
     Raises
     ------
     SceneError
-        For the first thing that is wrong.
+        Whatever is wrong.
     """
     from bearingwear.scene.checking.strict_yaml import data_of, text_of
 
@@ -76,10 +79,28 @@ def checked_data(record_type: type, data: Any) -> dict[str, Any]:
     file = whole(record_type)
     plain = _copied(data, "", 0, file)
     if faults := list(_faults(plain, file, "", ())):
-        fault = min(faults, key=lambda f: (f.rank, f.place))
-        meant = _meant(fault.path, file) if fault.rank == _UNKNOWN else ""
-        raise SceneError(fault.path, meant or fault.problem)
+        raise _refused(faults, file)
     return plain
+
+
+def _refused(faults: list[Fault], file: Part) -> SceneError:
+    """The gravest fault, with the others that do not follow from it.
+
+    Paths below an impossible name hold it, and a mistyped key is missing as well.
+    """
+    gravest, *others = sorted(faults, key=lambda f: (f.rank, f.place))
+    mistyped = {fault.place for fault in faults if fault.rank == _UNKNOWN}
+    errors = [
+        SceneError(
+            fault.path,
+            (fault.rank == _UNKNOWN and _meant(fault.path, file)) or fault.problem,
+        )
+        for fault in (gravest, *others)
+        if not (fault.rank == _NOTHING and fault.place in mistyped)
+        and (gravest.rank != _IMPOSSIBLE_NAME or fault.rank == _IMPOSSIBLE_NAME)
+    ]
+    first, *further = errors[:MOST_FAULTS]
+    return SceneError(first.key, first.problem, further=tuple(further))
 
 
 def _copied(value: Any, path: str, depth: int, file: Part) -> Any:
@@ -159,8 +180,7 @@ def _block_faults(
     given: Mapping[str, Any], part: Part, path: str, place: tuple[int, ...]
 ) -> Iterator[Fault]:
     known = part.below
-    unknown = next((key for key in given if key not in known), None)
-    if unknown is not None:
+    for unknown in (key for key in given if key not in known):
         near = difflib.get_close_matches(unknown, known, n=2, cutoff=0.6)
         free = [key for key in known if key not in given] or list(known)
         names = (
@@ -170,7 +190,8 @@ def _block_faults(
         yield Fault(_UNKNOWN, place, where, f"got an unknown key; {names}")
     for name, below in known.items():
         if below.required and name not in given:
-            problem = f"got nothing, expected {below.allowed}"
+            such = f", such as {below.key.example}" if below.key.example else ""
+            problem = f"got nothing, expected {below.allowed}{such}"
             yield Fault(_NOTHING, place, _joined(path, name), problem)
     for i, (name, value) in enumerate(given.items()):
         if name in known:

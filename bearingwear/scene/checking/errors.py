@@ -23,20 +23,33 @@ class SceneError(ValueError):
         Further keys that take part in the contradiction.
     source : str
         Where the data came from: a file, or `scene` for one built in Python.
+    further : tuple of SceneError
+        What else is wrong with the same input.
     """
 
     def __init__(
-        self, key: str, problem: str, involved: tuple[str, ...] = (), source: str = "scene"
+        self,
+        key: str,
+        problem: str,
+        involved: tuple[str, ...] = (),
+        source: str = "scene",
+        further: tuple[SceneError, ...] = (),
     ) -> None:
         self.key = key
         self.problem = problem
         self.involved = involved
         self.source = source
+        self.further = further
         text = ": ".join(part for part in (source, key, problem) if part)
         super().__init__("".join(c if c.isprintable() else "?" for c in text))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SceneError, (self.key, self.problem, self.involved, self.source)
+        return SceneError, (self.key, self.problem, self.involved, self.source, self.further)
+
+    def in_source(self, source: str) -> SceneError:
+        """All that is wrong, as of another source."""
+        further = tuple(one.in_source(source) for one in self.further)
+        return SceneError(self.key, self.problem, self.involved, source, further)
 
 
 def yaml_number(value: float) -> str:

@@ -73,6 +73,8 @@ class Key:
         Key that decides the default.
     allowed : str
         In words, where the range and the choices do not say it.
+    example : str
+        A value that a message suggests where a required one is missing.
     name : str
         In the file, where it cannot be a name in Python.
     """
@@ -94,6 +96,7 @@ class Key:
     single: bool = False
     default_by: str = ""
     allowed: str = ""
+    example: str = ""
     name: str = ""
 
     def __post_init__(self) -> None:

@@ -175,7 +175,7 @@ def effort(scene: Scene, chosen: Choice) -> str:
     compiled = is_compiled(LARGEST_KERNEL[chosen.fidelity])
     before = "" if compiled else f"up to {compile_time()} to compile the solver, once; then "
     if chosen.fidelity != "dynamic":
-        return f"effort: {before}milliseconds"
+        return f"effort: {before}milliseconds, at any accuracy"
     if is_found_periodic(chosen.reduced(scene)):
         return f"effort: {before}a tenth of a second"
     turns = scene.model.simulated_turns

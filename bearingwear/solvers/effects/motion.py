@@ -90,7 +90,7 @@ def traction_borne(chosen: Choice) -> Iterator[str]:
         why = "model.normal_balance" if model.normal_balance else "model.contact: paper"
         where = f"left out of the balance of normal forces ({why})"
     yield (
-        f"traction: {where}; up to about {share_of} of a ball's axial load carry the gyroscopic "
+        f"traction: {where}; up to about {share_of} of a ball's axial load carries the gyroscopic "
         "moment"
     )
 
