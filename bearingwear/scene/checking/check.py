@@ -2,8 +2,8 @@
 
     plan = record(Sampling, {"samples": -1}, "config/design.yaml")
 
-raises a SceneError of one line, `config/design.yaml: samples: got -1, expected a whole number >= 1`;
-what else is wrong is `further` in it.
+raises a SceneError for the gravest fault, in one line:
+`config/design.yaml: samples: got -1, expected a whole number >= 1`; the others are `further` in it.
 
 What several fields must fulfil together is checked in the record's `__post_init__`, which raises
 a ValueError, or a `SceneError` that names the field.

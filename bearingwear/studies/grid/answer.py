@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -196,8 +197,8 @@ def _compared(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
     if len(worn) > 1:
         grooves += " where the loss is large"
     return (
-        f"Both methods at the {scene['operation']['preload_N']:g} N of the scene, {grooves}; at a "
-        "preload recommended for each of them the order may differ."
+        f"At the {scene['operation']['preload_N']:g} N of the scene, {grooves}; at the preloads "
+        "recommended for each method the order may differ."
     )
 
 
@@ -205,17 +206,32 @@ def _distinct(lives: Iterable[MethodLife], what: str) -> list[str]:
     return list(dict.fromkeys(in_words(str(getattr(life, what))) for life in lives))
 
 
+def _grouped(pairs: Iterable[tuple[str, float]]) -> list[tuple[str, str]]:
+    """Each text once, with the frictions that it belongs to: neighbours as a range."""
+    known = sorted(pairs, key=lambda pair: pair[1])
+    runs = [
+        (text, [mu for _, mu in members]) for text, members in groupby(known, lambda pair: pair[0])
+    ]
+    ends: dict[str, list[str]] = {}
+    for text, mus in runs:
+        last = f" to {mus[-1]:g}" if len(mus) > 1 else ""
+        ends.setdefault(text, []).append(f"{mu_is(mus[0])}{last}")
+    return [(text, ", ".join(where)) for text, where in ends.items()]
+
+
 def _verdicts(contests: Sequence[_Contest]) -> list[str]:
     said = []
+    of_frictions = _grouped((str(contest.longest), contest.friction) for contest in contests)
     for winner in dict.fromkeys(contest.longest for contest in contests):
         won = [contest for contest in contests if contest.longest == winner]
         if not winner:
-            at = ", ".join(mu_is(contest.friction) for contest in won)
+            at = dict(of_frictions)[str(winner)]
             equal = f"No difference beyond the numerical error at {at}."
             none = f"Neither can be used at {at}: both are beyond a limit when new."
             said.append(equal if winner is None else none)
             continue
-        margins = ", ".join(f"{_margin(c.ratio)} at {mu_is(c.friction)}" for c in won)
+        by_margin = _grouped((_margin(c.ratio), c.friction) for c in won)
+        margins = ", ".join(f"{margin} at {at}" for margin, at in by_margin)
         said.append(_sentence(f"{in_words(winner)} outlasts {in_words(won[0].other)}: {margins}"))
     return said
 
@@ -231,11 +247,12 @@ def _margin(ratio: float) -> str:
 def _at_once(lives: Sequence[MethodLife]) -> str:
     """Of which lives one in twenty is beyond a limit when new; nothing where there is none."""
     found = [
-        f"{in_words(life.method)} at {mu_is(life.friction)}"
+        (in_words(life.method), life.friction)
         for life in lives
         if life.spread and life.spread.bearings.low == 0.0
     ]
-    text = f"one bearing in twenty or more is beyond a limit when new: {', '.join(found)}"
+    where = ", ".join(f"{method} at {at}" for method, at in _grouped(found))
+    text = f"one bearing in twenty or more is beyond a limit when new: {where}"
     return _sentence(text) if found else ""
 
 
@@ -252,18 +269,13 @@ def _note(lives: Sequence[MethodLife], scene: Mapping[str, Any]) -> str:
 
 
 def _what_ends(lives: Sequence[MethodLife]) -> list[str]:
-    said = []
+    """What ends the lives of each method; of both at once where it is the same."""
+    texts: dict[str, list[str]] = {}
     for method in dict.fromkeys(life.method for life in lives):
-        of_method = [life for life in lives if life.method == method]
-        ends: dict[str, list[str]] = {}
-        for life in of_method:
-            ends.setdefault(life.end, []).append(mu_is(life.friction))
-        text = "; ".join(
-            end + (f" at {', '.join(where)}" if len(ends) > 1 else "")
-            for end, where in ends.items()
-        )
-        said.append(_sentence(f"{in_words(method)}: {text}"))
-    return said
+        ends = _grouped((life.end, life.friction) for life in lives if life.method == method)
+        text = "; ".join(end + (f" at {at}" if len(ends) > 1 else "") for end, at in ends)
+        texts.setdefault(text, []).append(in_words(method))
+    return [_sentence(f"{' and '.join(names)}: {text}") for text, names in texts.items()]
 
 
 def _elsewhere(lives: Sequence[MethodLife]) -> list[str]:
@@ -307,7 +319,7 @@ def lives_block(
             Row("at a loss of", "um", tuple(life.loss for life in known), "loss_at_end"),
             Row("interpolated against solved", "%", routes, "life_route_difference"),
         )
-    return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2, place="lead")
+    return Block(title, rows=rows, lines=(_note(lives, scene),), axes=2)
 
 
 def _hours(values: Iterable[float]) -> str:

@@ -54,6 +54,9 @@ NO_CLOCK = (
     "magnitude at best."
 )
 
+NEAREST = 3
+"""Reversals of the choice that a sentence names; the table has all of them."""
+
 CALIBRATED = (
     "Wear and friction come from {rows} tests ({tests}): the interval of the hours covers the "
     "remaining uncertainty and the scatter between bearings."
@@ -175,22 +178,23 @@ def what_would_change_it(found: xr.Dataset) -> str:
     lives = by_life(found)
     if len(lives) < 2:
         return "The other method has no preload within the limits."
-    said = []
+    near = []
     for row in room_rows(found):
         low, now, high = row.values
-        ends = [
-            f"{way} {digits(end)}"
-            for way, end in (("below", low), ("above", high))
-            if math.isfinite(end)
-        ]
-        if ends:
+        known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
+        if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
             label = row.label.replace("end: ", "an end of life by ")
-            said.append(f"{label} {' or '.join(ends)}{unit} (now {digits(now)})")
-    if not said:
+            ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
+            away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
+            near.append((away, f"{label} {ends}{unit} (now {digits(now)})"))
+    if not near:
         return "No limit, end of life or friction tried makes the other method better."
     other = method_words(scene_of(found), lives[1][0]).capitalize()
-    return f"{other} becomes the better method for {'; '.join(said)}."
+    near.sort(key=lambda one: one[0])
+    more = f"; {len(near) - NEAREST} more, farther off" if len(near) > NEAREST else ""
+    said = "; ".join(text for _, text in near[:NEAREST])
+    return f"{other} becomes the better method for {said}{more}."
 
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
@@ -216,16 +220,14 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
         ("No life was found with {}.", unknown),
     )
     exceptions = [text.format("; ".join(each)) for text, each in said if each]
-    rest = "every other" if exceptions else "every"
-    hold = [f"{name} stays the better method within its limits under {rest} assumption below."]
+    hold = [f"{name} stays the better method, within its limits, with {'; '.join(same)}."]
     return [*exceptions, *(hold if same else [])]
 
 
 def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str]:
-    """Sentences on the verdict, the spread of the life and its numerical error."""
+    """Sentences on the verdict and the spread of the life."""
     scene = scene_of(found)
-    method, one, life = by_life(found)[0]
-    error = float(one["life_error_estimate"].isel(loss_basis=counted(found)))
+    method, _, life = by_life(found)[0]
     said = []
     if int(found["verdict"]) == NEITHER_LONGER:
         said.append(
@@ -240,10 +242,7 @@ def how_sure(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> list[str
             by_table = f" ({taken})" if taken else ""
             said.append(f"{BEARINGS_BETWEEN} last {band.text} h by wear alone{by_table}.")
     by = scene.get("calibrated")
-    said += [CALIBRATED.format(**by) if by else NO_CLOCK, *by_ball_track(found)]
-    if math.isfinite(error):
-        said.append(f"The numerical error of the life is about {percent_in_text(error)}.")
-    return said
+    return [*said, CALIBRATED.format(**by) if by else NO_CLOCK]
 
 
 def by_ball_track(found: xr.Dataset) -> list[str]:
@@ -251,10 +250,11 @@ def by_ball_track(found: xr.Dataset) -> list[str]:
     lives = found["life_by_ball_track"].values
     if len(lives) < 2 or not np.isfinite(lives).all():
         return []
-    told = [
-        f"{' and '.join(map(digits, column))} h with balls that wear {TRACK_WORDS[track]}"
-        for track, column in zip(flag_names(found["ball_track"]), lives.T.tolist(), strict=True)
-    ]
+    told = []
+    tracks = flag_names(found["ball_track"])
+    for track, column in zip(tracks, lives.T.tolist(), strict=True):
+        hours = " and ".join(Rough(life).text for life in column)
+        told.append(f"{hours} h with balls that wear {TRACK_WORDS[track]}")
     return [f"{' and '.join(method_names(found))} last {', '.join(told)}.".capitalize()]
 
 

@@ -38,6 +38,7 @@ from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
 from bearingwear.studies.design.choice import ACTIVE, limits_of
 from bearingwear.studies.design.document.sentences import (
+    by_ball_track,
     by_life,
     headline,
     how_sure,
@@ -197,7 +198,7 @@ def preload_document(
         facts,
         tuple(blocks),
         ("design", "map", "uncertainty"),
-        subject="The preload to take",
+        subject="Recommended preload",
     )
 
 
@@ -268,8 +269,9 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
         if name in found and np.isfinite(found[name]).any():
             rows.append(quantity_row(label, found[name].attrs["units"], found[name], name, shown))
     rows = [row._replace(note=_worst_case(found, row.name)) for row in rows]
-    notes = (causes_told(scene_of(found)),) if any(spread.values()) else ()
-    return Block("recommended", tuple(method_names(found)), tuple(rows), notes, place="lead")
+    notes = [causes_told(scene_of(found))] if any(spread.values()) else []
+    notes += by_ball_track(found)
+    return Block("recommended", tuple(method_names(found)), tuple(rows), tuple(notes), place="lead")
 
 
 def _in_cases(found: xr.Dataset, held: list[str]) -> tuple[str, ...]:
@@ -360,7 +362,7 @@ def _beside(beside: xr.Dataset, found: xr.Dataset, basis: int) -> Block:
         *brief_rows([one for _, _, one in points], basis),
     ]
     title = "What other assumptions change, at these preloads"
-    return Block(title, rows=tuple(rows), axes=2, place="open")
+    return Block(title, rows=tuple(rows), axes=2)
 
 
 def _room(found: xr.Dataset) -> list[Block]:
