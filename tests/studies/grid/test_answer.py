@@ -86,7 +86,7 @@ CONSTANT, FIXED = PRELOAD_METHODS
         (
             [life(CONSTANT, 0.1, math.nan), life(FIXED, 0.1, 1.0)],
             "a at 7 N: life with constant force and fixed position",
-            "Fixed position: x.",
+            "Constant force and fixed position: x.",
         ),
         ([life(FIXED, 0.1, math.nan)], "a at 7 N: no end of life was found", "Fixed position: x."),
         (
@@ -119,8 +119,8 @@ def test_lives_of_zero_are_no_contest():
     both, one = answer(lives(0.0, 0.0), SCENE), answer(lives(0.0, 2.0), SCENE)
     assert both.title == "s at 7 N: neither preload method can be used"
     assert [plain(text) for text in points(one)[0][1]] == [
-        "Both methods at the 7 N of the scene, with Hertzian grooves; at a preload recommended for "
-        "each of them the order may differ.",
+        "At the 7 N of the scene, with Hertzian grooves; at the preloads recommended for each "
+        "method the order may differ.",
         "Fixed position outlasts constant force: it alone is within the limits when new at "
         "µ = 0.04.",
     ]
