@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from bearingwear.cli import main
-from bearingwear.scene.checking import MOST_FAULTS
+from bearingwear.scene.checking.check import MOST_FAULTS
 from bearingwear.scene.read import SceneError, load_scene
 
 SCENES = Path(__file__).parents[2] / "config" / "scenes"
@@ -212,7 +212,7 @@ def test_refuses_broken_scene(name, tmp_path, capsys):
 
 
 def test_every_fault_has_its_line(tmp_path, capsys):
-    """The gravest first; a mistyped key is not missing as well, and a missing one has an example."""
+    """The gravest first; a mistyped key is not missing too, and a missing one has an example."""
     scene = tmp_path / "broken.yaml"
     scene.write_text(
         edited(
