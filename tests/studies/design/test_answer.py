@@ -192,7 +192,10 @@ def test_what_stands_beside_another_scene_is_refused(files, small_project, tmp_p
     scene["operation"]["preload_N"] += 1.0
     path = tmp_path / "other.nc"
     other.assign_attrs(scene=json.dumps(scene)).to_netcdf(path)
-    for given, why in ((path, "not of the scene"), (files["design"], "not a file of the kind")):
+    for given, why in (
+        (path, "belongs to another scene"),
+        (files["design"], "not a file of the kind"),
+    ):
         out = tmp_path / "answer.json"
         run = "studies.design.document.sheets.design_answer"
         assert step(run, out, **files | {"beside": given}) == 2
