@@ -185,7 +185,9 @@ def named(page):
     return page.relative_to(ROOT).as_posix()
 
 
-SLOW = ("docs/cage.md", "docs/calibrate.md", "docs/dynamic.md", "docs/gallery/mos2-film.md")
+GALLERY = ("dental-drill", "mos2-film", "spindle-pair", "sweep")
+SLOW = ("docs/cage.md", "docs/calibrate.md", "docs/dynamic.md")
+SLOW += tuple(f"docs/gallery/{name}.md" for name in GALLERY)
 """Pages whose quick blocks take many seconds, too: `make test-long` runs them."""
 
 SLOW_PYTHON = ("docs/tutorial.md",)

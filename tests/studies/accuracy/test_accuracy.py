@@ -1,4 +1,7 @@
-"""The study of accuracy: its plan, errors, front, table and docs, with numbers made up here."""
+"""The study of accuracy: its plan, errors, front, table and docs, with numbers made up here.
+
+What gathers and draws a whole study takes 40 s of a core: `make test-long`.
+"""
 
 import json
 import math
@@ -194,6 +197,7 @@ def test_settings_of_a_sweep_change_with_what_decides_it(plan):
 # errors and front
 
 
+@pytest.mark.long
 def test_errors_are_against_the_reference_of_the_scene(trade, plan):
     found = load(trade)
     assert found.sizes["point"] == sum(len(plan.points(name)) for _, name in plan.jobs())
@@ -209,6 +213,7 @@ def test_errors_are_against_the_reference_of_the_scene(trade, plan):
     assert np.isnan(gauss["error_total_qv"][0]) and np.isnan(gauss["error_contact_qv"][0])
 
 
+@pytest.mark.long
 def test_a_sweep_against_its_own_first_point(trade):
     found = load(trade)
     hertz = found.isel(point=found["sweep"].values == "hertz")
@@ -216,6 +221,7 @@ def test_a_sweep_against_its_own_first_point(trade):
     assert_allclose(hertz["error_total_qv"][1::2], 1.01 / 1.1 - 1.0, rtol=1e-12)
 
 
+@pytest.mark.long
 def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
     without = [path for path in files if path.name != "turbine-long.nc"]
     with pytest.raises(CaseFileError, match="turbine, .*: its reference long is missing"):
@@ -231,6 +237,7 @@ def test_gathering_refuses_what_does_not_belong_together(files, tmp_path):
 # figures, tables, docs
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("which", FIGURE_NAMES)
 def test_figures(trade, which, tmp_path):
@@ -241,11 +248,13 @@ def test_figures(trade, which, tmp_path):
     assert outputs[0].read_bytes() == outputs[-1].read_bytes()
 
 
+@pytest.mark.long
 def test_unknown_figure(trade, capsys, tmp_path):
     assert step("figures.figure", f"trade={trade}", outputs=[tmp_path / "a.svg"], which="x") == 2
     assert "got x, expected overview" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_titles_say_what_the_data_show(trade):
     """With times made up the other way round, the title turns round as well."""
     found = load(trade)
@@ -257,6 +266,7 @@ def test_titles_say_what_the_data_show(trade):
     assert "Runge-Kutta takes up to 40 times as long, Rosenbrock up to 8 times" in title
 
 
+@pytest.mark.long
 def test_figure_marks_front_and_presets(trade):
     figure = steady_figure(load(trade))
     axes = figure.axes[0]
@@ -269,6 +279,7 @@ def test_figure_marks_front_and_presets(trade):
     assert axes.get_xscale() == axes.get_yscale() == "log"
 
 
+@pytest.mark.long
 def test_tables_docs_and_their_check(trade, plan, tmp_path, capsys):
     docs = tmp_path / "accuracy.md"
     parts = [f"<!-- {name}: begin -->\n<!-- {name}: end -->\n" for name in ("effects", "grooves")]
@@ -347,6 +358,7 @@ def test_the_docs_hold_every_row_of_the_plan(plan):
     assert all(len(said[row]) == 8 for row in rows)
 
 
+@pytest.mark.long
 def test_the_docs_hold_every_effect_of_the_plan(trade, plan):
     """Each row, on each scene; of the numbers made up here the docs say others."""
     for differences in (effect_differences, groove_differences):
@@ -354,6 +366,7 @@ def test_the_docs_hold_every_effect_of_the_plan(trade, plan):
         assert found and not [line for line in found if line.endswith("missing")]
 
 
+@pytest.mark.long
 def test_effects_are_factors_over_the_first_point(trade, plan):
     rows = list(effect_rows(load(trade), plan))
     assert len(rows) == 5 * len(plan.effects) and len(plan.effects) == 14
@@ -367,6 +380,7 @@ def test_effects_are_factors_over_the_first_point(trade, plan):
     assert cell_texts([0.012345, math.nan, 1.0], kinds) == ["1.2 %", "–", "yes"]
 
 
+@pytest.mark.long
 def test_lives_below_the_limit_of_auto_are_named(trade, plan):
     said = what_auto_saves(load(trade), plan)
     assert (

@@ -112,6 +112,7 @@ def test_a_scene_without_what_tests_tell_of_is_refused(tmp_path):
             calibrated(scene_from_dict(unknown | {"uncertainty": spread}), path)
 
 
+@pytest.mark.long
 def test_each_kind_of_test_finds_what_made_it(tmp_path):
     """A batch of 0.4 times the wear and mu 0.095, seen without error in every way."""
     scene, K, mu = (
@@ -201,6 +202,7 @@ def test_the_calibrated_scene_carries_it_all(tmp_path, capsys):
     bearingwear.plot(data)
 
 
+@pytest.mark.long
 def test_the_calibrated_scene_knows_what_goes_with_friction(tmp_path):
     """Where friction decides a life, lives tell K_s/H and friction together alone.
 
