@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bearingwear.scene.new import write_scene
+from bearingwear.scene.new.scene_file import write_scene
 from bearingwear.scene.scene import WORN, Scene
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import Sampling
