@@ -213,7 +213,7 @@ def test_lives_stand_with_their_spread(small_project, sure, capsys):
 
     drawn = quasistatic.life_figure(load(lives), [0.02, 0.08], [load(spread)]).get_suptitle()
     drawn = drawn.replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-    assert drawn.endswith("; 90 % of bearings, over what is uncertain: 2 to 30 h")
+    assert drawn.endswith("; 90 % of bearings, including all uncertain values: 2 to 30 h")
     assert (
         quasistatic.life_figure(load(lives), [0.02]).get_suptitle().endswith("no spread computed")
     )
