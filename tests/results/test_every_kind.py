@@ -124,9 +124,11 @@ def test_show_scene(capsys):
 
 
 def test_show_bad_scene(tmp_path, capsys):
-    (tmp_path / "a.yaml").write_text("name: a\n", encoding="utf-8")
-    assert main(["show", str(tmp_path / "a.yaml")]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    file = tmp_path / "a.yaml"
+    file.write_text("name: a\n", encoding="utf-8")
+    assert main(["show", str(file)]) == 2
+    faults = capsys.readouterr().err.splitlines()
+    assert faults and all(line.startswith(f"{file}: ") for line in faults)
 
 
 # compare

@@ -131,7 +131,7 @@ def test_a_chunk_is_named_by_its_points():
         (first, _) = plan.chunks("gyro_s1")
         assert plan.refused(first) is None
     assert len(names) == 4
-    assert "has not" in str(plan.refused("results/gyro_s1/chunks/99999-01234567.nc"))
+    assert "not in config.yaml" in str(plan.refused("results/gyro_s1/chunks/99999-01234567.nc"))
 
 
 def test_jobs_of_scenes_have_names_of_their_own():
