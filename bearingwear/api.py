@@ -384,8 +384,7 @@ def new(
     try:
         written, assumed = scene_text(name, given=given, **others)
     except SceneError as error:
-        source = _argument(error.source)
-        raise SceneError(error.key, error.problem, error.involved, source) from None
+        raise error.in_source(_argument(error.source)) from None
     made = scene_from_dict(data_of(written, name), name)
     more = f"Not given: {'; '.join(assumed)}."
     return replace(made, description=f"{made.description} {more}")

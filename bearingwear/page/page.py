@@ -26,7 +26,7 @@ from bearingwear.page.sketch import sketch
 from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.chart import Chart, load_charts
 from bearingwear.results.netcdf import CaseFileError, load
-from bearingwear.results.units import digits, unbroken
+from bearingwear.results.units import Rough, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
 
 _TEMPLATE, _STYLE, _SCRIPT = (
@@ -329,7 +329,7 @@ def _largest_errors(datasets: Sequence[xr.Dataset]) -> Iterator[tuple[str, str]]
         known = [float(abs(one[name]).max()) for one in datasets if name in one]
         known = [error for error in known if np.isfinite(error)]
         if known:
-            yield words, f"{digits(float(f'{100.0 * max(known):.2g}'), '%')} %"
+            yield words, f"{Rough(100.0 * max(known)).in_unit('%')} %"
 
 
 def _versions(datasets: Iterable[xr.Dataset]) -> list[dict[str, str]]:

@@ -7,6 +7,7 @@ is solved in a millisecond should not wait half a second for xarray to be import
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -106,10 +107,10 @@ def dataset(result: Result, by_name: bool = False) -> xr.Dataset:
     return made
 
 
-def _unchecked(dims: Any, data: Any, attrs: Any, encoding: Any) -> xr.Variable:
-    import xarray as xr
-
-    made = object.__new__(xr.Variable)
+def _unchecked(
+    kind: type[xr.Variable], dims: Any, data: Any, attrs: Any, encoding: Any
+) -> xr.Variable:
+    made = object.__new__(kind)
     made._dims, made._data, made._attrs, made._encoding = dims, data, attrs, encoding
     return made
 
@@ -118,7 +119,8 @@ def _variables(entries: Mapping[str, Entry], by_name: bool) -> dict[str, xr.Vari
     """Variables of entries, which are known to be right: xarray would check each again."""
     import xarray as xr
 
-    make = _unchecked if set(xr.Variable.__slots__) == _SLOTS else xr.Variable
+    is_known = set(xr.Variable.__slots__) == _SLOTS
+    make = functools.partial(_unchecked, xr.Variable) if is_known else xr.Variable
     made = {}
     for name, (dims, data, attrs, fill) in entries.items():
         attrs.pop("coordinates", None)

@@ -126,7 +126,10 @@ class Rough(float):
 
     @property
     def text(self) -> str:
-        return digits(float(f"{self:.2g}"))
+        return self.in_unit("")
+
+    def in_unit(self, unit: str) -> str:
+        return digits(float(f"{self:.2g}"), unit)
 
 
 class Interval(NamedTuple):

@@ -262,8 +262,7 @@ class Scene:
         try:
             return variant(self, changes)
         except SceneError as error:  # its text is for the command line
-            where = error.source.removeprefix("--set ")
-            raise SceneError(error.key, error.problem, error.involved, where) from None
+            raise error.in_source(error.source.removeprefix("--set ")) from None
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as plain nested data, in the order of a scene file, all defaults filled in.

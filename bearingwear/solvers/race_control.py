@@ -18,7 +18,7 @@ from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, MOST_ROUNDING
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.at_rest import Mechanics
-from bearingwear.solvers.bearing.films import COVERED, Bare
+from bearingwear.solvers.bearing.films import COVERED, Bare, limits_depth
 from bearingwear.solvers.bearing.outputs import (
     contact_values,
     depth_peak,
@@ -106,8 +106,10 @@ class RaceControl:
         more = {
             "friction_power": float(values["shaft_torque"]) * abs(op.omega_i - op.omega_o),
             "loss_per_wear": loss_per_wear(problem.g.n_balls, problem.D, *worn_by),
-            "depth_peak": depth_peak(values, values["gyroscopic_slip"], values["rolling_slip"]),
         }
+        if limits_depth(self.scene):
+            slips = values["gyroscopic_slip"], values["rolling_slip"]
+            more["depth_peak"] = depth_peak(values, *slips)
         return state.with_values(more)
 
     def case(self, solution: SolvedBearing) -> CaseValues:

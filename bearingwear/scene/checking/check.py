@@ -88,16 +88,16 @@ def _refused(faults: list[Fault], file: Part) -> SceneError:
 
     Paths below an impossible name hold it, and a mistyped key is missing as well.
     """
-    gravest, *others = sorted(faults, key=lambda f: (f.rank, f.place))
+    faults = sorted(faults, key=lambda f: (f.rank, f.place))
+    if faults[0].rank == _IMPOSSIBLE_NAME:
+        faults = [fault for fault in faults if fault.rank == _IMPOSSIBLE_NAME]
     mistyped = {fault.place for fault in faults if fault.rank == _UNKNOWN}
     errors = [
         SceneError(
-            fault.path,
-            (fault.rank == _UNKNOWN and _meant(fault.path, file)) or fault.problem,
+            fault.path, (fault.rank == _UNKNOWN and _meant(fault.path, file)) or fault.problem
         )
-        for fault in (gravest, *others)
+        for fault in faults
         if not (fault.rank == _NOTHING and fault.place in mistyped)
-        and (gravest.rank != _IMPOSSIBLE_NAME or fault.rank == _IMPOSSIBLE_NAME)
     ]
     first, *further = errors[:MOST_FAULTS]
     return SceneError(first.key, first.problem, further=tuple(further))

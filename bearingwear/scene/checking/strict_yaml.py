@@ -106,7 +106,7 @@ def data_of(text: str, source: str, anchors: bool = False) -> Any:
         finally:
             loader.dispose()
     except SceneError as error:
-        raise SceneError(error.key, error.problem, source=source) from None
+        raise error.in_source(source) from None
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f" in line {mark.line + 1}, column {mark.column + 1}" if mark else ""
