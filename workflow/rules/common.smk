@@ -15,6 +15,7 @@ from bearingwear.provenance import contents_hash, result_hash, sources_hash, tex
 from bearingwear.document.document import load_document
 from bearingwear.scene.checking.keys import leaves
 from bearingwear.scene.read import as_data
+from bearingwear.studies import fork_server
 from bearingwear.studies.protocol import flat_files
 from bearingwear.studies.progress import JobLines
 from bearingwear.studies.repair import off_grid, survey
@@ -58,9 +59,8 @@ if workflow.is_main_process:
         sys.exit(f"{error.filename}: cannot be set aside or dated ({error.strerror})")
 
 # The command of this very environment, whether or not it is activated.
-shell.prefix(
-    f'bearingwear() ( exec {shlex.quote(sys.executable)} -m bearingwear "$@" ); '
-)
+client = shlex.join([sys.executable, "-I", "-S", fork_server.__file__])
+shell.prefix(f'bearingwear() ( exec {client} "$@" ); ')
 
 
 MADE = set()  # what this run is about to make
@@ -80,18 +80,23 @@ if workflow.is_main_process and not VERBOSE & {*sys.argv}:
 
 onstart:
     MADE.update(path for job in workflow.dag.needrun_jobs() for path in job.output)
-    if LINES:
-        tasks = {
-            f"{name}_{job.name}": job
-            for name, study in STUDIES.items()
-            for job in study.jobs
+    tasks = {
+        f"{name}_{job.name}": job
+        for name, study in STUDIES.items()
+        for job in study.jobs
+    }
+    todo = {
+        job.jobid: tasks.get(job.rule.name) for job in workflow.dag.needrun_jobs()
+    }
+    if workflow.local_exec:
+        modules = {
+            step.module
+            for task in filter(None, todo.values())
+            for step in task.steps
         }
-        LINES.begin(
-            {
-                job.jobid: tasks.get(job.rule.name)
-                for job in workflow.dag.needrun_jobs()
-            }
-        )
+        fork_server.started(sorted(modules))
+    if LINES:
+        LINES.begin(todo)
     # A group of jobs that a cluster ends early is recorded as if each of them had ended, and an
     # outdated result of one that never began would then pass for new. A local run has no groups.
     if not (workflow.local_exec or workflow.touch):
@@ -152,9 +157,9 @@ def shown(step):
     ]
 
 
-def log_of(study, job):
+def beside_log(study, job, suffix):
     stem = job.outputs[0].removeprefix("results/").rpartition(".")[0]
-    return f"logs/{study.name}/{job.name}/{stem}.log"
+    return f"logs/{study.name}/{job.name}/{stem}{suffix}"
 
 
 @functools.cache

@@ -13,7 +13,9 @@ for study in STUDIES.values():
             output:
                 *outputs_of(job),
             log:
-                log_of(study, job),
+                beside_log(study, job, ".log"),
+            benchmark:
+                beside_log(study, job, ".tsv")
             wildcard_constraints:
                 **job.matches,
             priority: job.priority
