@@ -49,15 +49,15 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
 
 
 def follow_motion(wearing: Motion) -> Life:
-    steps = wearing.scene.model.life_steps
-    return follow(wearing, Criteria(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps))
+    steps, counts = wearing.scene.model.life_steps, wearing.parts.count
+    return follow(wearing, Criteria(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps, counts))
 
 
 def ends(life: Life) -> dict:
     """Life and its errors; the life is a lower bound where no criterion was met."""
     wearing: Motion = life.wearing
     last, count = life.last, wearing.parts.count
-    error, estimate = wearing.clock(math.nan), wearing.clock(math.nan)
+    error, estimate = np.full(2, math.nan), np.full(2, math.nan)
     values: dict[str, Any] = {"loss_at_end": float(wearing.parts.loss(last.worn).mean())}
     if life.status == code.OK and last.x > 0.0:
         time = np.array([node.x for node in life.nodes])
@@ -80,8 +80,8 @@ def ends(life: Life) -> dict:
             mean = np.trapezoid(by_runs, time) / last.x
             estimate[count] = ROUNDING + error[count] / last.x + mean
     factor, _ = parameters.wear_factors(wearing.scene)
-    length = wearing.clock(last.x)
-    values |= {"life": length, "normalised_life": length * factor, "life_error_bound": error}
+    values |= {"life": last.time, "normalised_life": last.time * factor}
+    values["life_error_bound"] = error
     return values | ({"life_error_estimate": estimate} if np.isfinite(estimate).any() else {})
 
 
@@ -95,7 +95,7 @@ def life_histories(life: Life) -> dict:
     missing = np.full(p.size, math.nan)
     rates = np.array([run.rates if run.status == code.OK else missing for run in runs])
     states = [node.states[0] for node in nodes]
-    times = np.array([wearing.clock(node.x) for node in nodes])
+    times = np.array([node.time for node in nodes])
     values = history_values(states) | {
         "history_time": times,
         "history_status": [run.status for run in runs],

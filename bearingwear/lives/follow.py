@@ -70,29 +70,46 @@ class LifeStep:
 
     end: float
     nodes: Sequence[Node] = ()
-    status: int = code.OK
-    failed: Node | None = None  # where it says more than its status
+    failed: Node | None = None
     error: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the times [s]
     is_rough: bool = False  # and has to be shorter
+
+    @classmethod
+    def through(cls, nodes: Iterable[Node], end: float) -> "LifeStep":
+        solved: list[Node] = []
+        for node in nodes:
+            if node.status != code.OK:
+                return cls(end=end, nodes=solved, failed=node)
+            solved.append(node)
+        return cls(end=end, nodes=solved)
 
 
 class Method:
     """Integration method of a life."""
 
     most_steps = 2000
-    shortest = 0.0
-    """What may be left of the way to an end."""
-    root = 1e-9
-    """Of the step in which an end is met."""
+    counts: Any = slice(None)  # ways of counting wear whose times are followed
+    root = 1e-9  # of the step in which an end is met
+    shorter = 0.0  # a step after one that failed, over that; 0 where there is none
+    shortest = 0.0  # step, and what may be left of the way to an end
+    length = tried = 0.0  # of the next step, and of the last one
     wearing: Any
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
         """The first node, or the last one again where the way has changed."""
         self.wearing = wearing
         if node is None:
-            start = wearing.start
-            return Node(wearing.origin, start, wearing.state(start), np.zeros(2))
+            return self.node(wearing.origin, wearing.start, 0.0)
         return node._replace(states=wearing.state(node.worn))
+
+    def node(self, x: float, worn: Any, time: float) -> Node:
+        return Node(x, worn, self.wearing.state(worn), self.clock(time))
+
+    def clock(self, time: float) -> np.ndarray:
+        """A time by the ways of counting that are followed (2,) [s]."""
+        times = np.full(2, np.nan)
+        times[self.counts] = time
+        return times
 
     def step(self, life: "Life", bound: float) -> LifeStep:
         """A step from the end of a life, not beyond a bound."""
@@ -107,7 +124,8 @@ class Method:
 
     def shorten(self) -> bool:
         """Take a shorter step next; False where it would be too short."""
-        return False
+        self.length = self.shorter * min(self.length, self.tried)
+        return self.length > self.shortest
 
     def zero(self, value: Any, a: Node, b: Node) -> float:
         """Root of a margin between two nodes."""
@@ -172,11 +190,11 @@ class Life:
     def ends_by(self, criterion: int) -> None:
         self.criterion, self.status = criterion, code.OK
 
-    def fails(self, status: int, beyond: Node | None) -> None:
+    def fails(self, beyond: Node) -> None:
         """What ends the range of a solver; a physical reason says more than rounding does."""
         self.beyond = beyond
         if self.status in REASONLESS:
-            self.status = status
+            self.status = beyond.status
 
 
 def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
@@ -208,7 +226,7 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
             return life
         node = method.begin(wearing, life.last)
         if node.status != code.OK:
-            life.fails(node.status, node)
+            life.fails(node)
             return life
         life.nodes.append(node)
 
@@ -226,10 +244,10 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
                 bound, met = found  # up to there and no further
                 if bound < step.end:
                     continue
-        kept = [] if step.status != code.OK or step.is_rough else method.kept(step)
-        lost = next((node.status for node in kept if node.status != code.OK), step.status)
-        if lost != code.OK:
-            life.fails(lost, step.failed)
+        kept = [] if step.failed or step.is_rough else method.kept(step)
+        failed = next((node for node in kept if node.status != code.OK), step.failed)
+        if failed:
+            life.fails(failed)
         elif kept:
             life.nodes += kept
             life.error = life.error + step.error

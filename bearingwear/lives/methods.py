@@ -16,9 +16,19 @@ WELL_WITHIN = 0.02  # share of the allowed error below which the next step is tw
 ENOUGH = 1e3  # shortest steps; a step as short as this is taken whatever its error
 TINY_TIME = 1e-300  # [s], so that nothing is no scale
 QUARTERS = (0.25, 0.5, 0.75)
+SIMPSON = (5, 8, -1, 0, 0), (4, 16, 4, 0, 0), (4, 16, 9, 8, -1), (4, 16, 8, 16, 4), (8, 0, 32, 0, 8)
+"""Integrals [1/48 of a step] by its five nodes: up to each, and to the end by every other one."""
 _SHORTENINGS = 6  # of a step by Heun that fails, each by half
 _MOST_TRIALS = 8  # runs to find an end
 _END_OF_RUNS = 1e-3  # of a step
+
+
+class Unsolved(ArithmeticError):
+    """A node within a step that was not solved."""
+
+    def __init__(self, node: Node):
+        super().__init__(node.status)
+        self.node = node
 
 
 class Simpson(Method):
@@ -27,38 +37,32 @@ class Simpson(Method):
     Both ways of counting wear (ball, ball and races) share the states and differ in the clock.
     """
 
+    shorter = 0.5
+
     def __init__(self, tolerance: float, first: float):
         self.tolerance, self.length, self.shortest = tolerance, first, SHORTEST_STEP * first
 
     def at(self, x: float) -> Node:
-        worn = np.array([x])
-        return Node(x, worn, self.wearing.state(worn), np.full(2, np.nan))
+        return self.node(x, np.array([x]), math.nan)
 
     def step(self, life: Life, bound: float) -> LifeStep:
         start = life.last
-        x, h = start.x, min(self.length, bound - start.x)
-        self._tried, end = h, x + h
-        nodes = [start, *(self.at(x + share * h) for share in QUARTERS), self.at(end)]
-        failed = [node.status for node in nodes if node.status != code.OK]
+        self.tried = h = min(self.length, bound - start.x)
+        places = [*(start.x + share * h for share in QUARTERS), start.x + h]
+        nodes = [self.at(x) for x in places]
+        failed = [node for node in nodes if node.status != code.OK]
         if failed:
             solved = [*takewhile(lambda node: node.status == code.OK, nodes)]
-            return LifeStep(end=end, nodes=solved[1:], status=failed[-1])
-        y, q = np.array([1.0 / node.states[0].rate for node in nodes]), 0.25 * h
-        first, second = q / 3.0 * (y[0] + 4 * y[1] + y[2]), q / 3.0 * (y[2] + 4 * y[3] + y[4])
-        whole = 2.0 * q / 3.0 * (y[0] + 4 * y[2] + y[4])
-        times = [
-            q / 12.0 * (5 * y[0] + 8 * y[1] - y[2]),
-            first,
-            first + q / 12.0 * (5 * y[2] + 8 * y[3] - y[4]),
-            first + second,
-        ]
+            return LifeStep(end=places[-1], nodes=solved, failed=failed[-1])
+        y = np.array([1.0 / node.states[0].rate for node in (start, *nodes)])
+        *times, whole = h / 48.0 * np.dot(SIMPSON, y)
         # The finer rule is about 15 times better than this difference of the two.
-        error = np.abs(first + second - whole)
+        error = np.abs(times[-1] - whole)
         allowed = self.tolerance * np.maximum(start.time + times[-1], TINY_TIME)
         self._well_within = bool(np.all(error < WELL_WITHIN * allowed))
-        reached = zip(nodes[1:], times, strict=True)
+        reached = zip(nodes, times, strict=True)
         return LifeStep(
-            end=end,
+            end=places[-1],
             nodes=[node._replace(time=start.time + passed) for node, passed in reached],
             error=error,
             is_rough=bool(np.any(error > allowed)) and h > ENOUGH * self.shortest,
@@ -66,24 +70,12 @@ class Simpson(Method):
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
         if self._well_within:
-            self.length = 2.0 * self._tried
+            self.length = 2.0 * self.tried
         return step.nodes
-
-    def shorten(self) -> bool:
-        self.length = 0.5 * self._tried
-        return self.length > self.shortest
 
     def error_of_end(self, life: Life) -> np.ndarray:
         passed = life.last.x - life.nodes[0].x
         return self.root * passed / life.last.states[0].rate
-
-
-class Unsolved(ArithmeticError):
-    """A state within a step that was not found."""
-
-    def __init__(self, status: int):
-        super().__init__(status)
-        self.status = status
 
 
 class RungeKutta(Method):
@@ -95,35 +87,28 @@ class RungeKutta(Method):
     is followed. After shares `between` of each step a node is kept, too.
     """
 
+    shorter = 0.25
+
     def __init__(
         self, tolerance: float, first: float, counts: int, between: Sequence[float] = QUARTERS
     ):
-        self.tolerance, self.first, self.length = tolerance, first, first
-        self.shortest, self.counts, self.between = SHORTEST_STEP * first, counts, between
+        self.tolerance, self.first, self.shortest = tolerance, first, SHORTEST_STEP * first
+        self.counts, self.between = counts, between
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
         self.solver: RK45 | None = None
         self.length = self.first
-        found = super().begin(wearing, node)
-        return found if node is not None else found._replace(time=self._clock(0.0))
-
-    def _clock(self, time: float) -> np.ndarray:
-        times = np.full(2, np.nan)
-        times[self.counts] = time
-        return times
-
-    def _node(self, x: float, y: np.ndarray) -> Node:
-        return Node(x, y[:-1], self.wearing.state(y[:-1]), self._clock(float(y[-1])))
+        return super().begin(wearing, node)
 
     def at(self, x: float) -> Node:
         assert self.solver is not None
-        at_end = x == self.solver.t
-        return self._node(x, self.solver.y.copy() if at_end else self.solver.dense_output()(x))
+        y = self.solver.y.copy() if x == self.solver.t else self.solver.dense_output()(x)
+        return self.node(x, y[:-1], float(y[-1]))
 
     def _derivative(self, s: float, y: np.ndarray) -> np.ndarray:
-        node = self._node(s, y)
+        node = self.node(s, y[:-1], float(y[-1]))
         if node.status != code.OK:
-            raise Unsolved(node.status)
+            raise Unsolved(node)
         return np.append(self.wearing.rates(node), 1.0) / self._counted(node)
 
     def _counted(self, node: Node) -> float:
@@ -141,15 +126,9 @@ class RungeKutta(Method):
                 self.solver = RK45(self._derivative, start.x, y, bound, **how)
             self.solver.step()
         except Unsolved as failure:
-            return LifeStep(end=bound, status=failure.status)
+            return LifeStep(end=bound, failed=failure.node)
         end = self.solver.t
-        nodes: list[Node] = []
-        for x in (start.x + 0.5 * (end - start.x), end):
-            node = self.at(x)
-            if node.status != code.OK:
-                return LifeStep(end=end, nodes=nodes, status=node.status)
-            nodes.append(node)
-        return LifeStep(end=end, nodes=nodes)
+        return LifeStep.through(map(self.at, (start.x + 0.5 * (end - start.x), end)), end)
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
         assert self.solver is not None
@@ -160,9 +139,9 @@ class RungeKutta(Method):
         return [*nodes, step.nodes[-1]]
 
     def shorten(self) -> bool:
-        tried = math.inf if self.solver is None else self.solver.h_abs
-        self.length, self.solver = 0.25 * min(self.length, tried), None
-        return self.length >= self.shortest
+        if self.solver is not None:
+            self.tried, self.solver = self.solver.h_abs, None
+        return super().shorten()
 
 
 class InTime(Method):
@@ -191,21 +170,17 @@ class InTime(Method):
             self._from, self._known = [*before, life.last], {}
             self._longest = self.longest(life.last)
         if math.isinf(self._longest):
-            return LifeStep(end=math.inf, status=code.CRITERION_NOT_REACHED)
-        return self.tried(min(life.last.x + self._longest, bound))
+            return LifeStep(end=math.inf)
+        return self.step_to(min(life.last.x + self._longest, bound))
 
-    def tried(self, end: float) -> LifeStep:
-        node = self.at(end)
-        if node.status != code.OK:
-            return LifeStep(end=end, status=node.status, failed=node)
-        return LifeStep(end=end, nodes=[node])
+    def step_to(self, end: float) -> LifeStep:
+        return LifeStep.through([self.at(end)], end)
 
 
 class Heun(InTime):
     """Heun's steps, as long as the deepest place may wear in one."""
 
-    most_steps = 1000
-    root = 1e-3
+    most_steps, counts, root = 1000, 1, 1e-3
 
     def longest(self, now: Node) -> float:
         self._rates = self.wearing.rates(now)
@@ -213,23 +188,23 @@ class Heun(InTime):
         self.shortest = 0.1 * self.root * longest
         return longest
 
-    def tried(self, end: float) -> LifeStep:
+    def step_to(self, end: float) -> LifeStep:
         now = self._from[-1]
         for k in range(_SHORTENINGS + 1):
-            step = super().tried(now.x + 0.5**k * (end - now.x) if k else end)
+            step = super().step_to(now.x + 0.5**k * (end - now.x) if k else end)
             if step.nodes and not self.wearing.is_too_deep(now, step.nodes[0]):
                 break
         return step
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
         first = super().begin(wearing, node)
-        return self.wearing.completed(first._replace(time=np.array([np.nan, 0.0])))
+        return self.wearing.completed(first)
 
     def kept(self, step: LifeStep) -> Sequence[Node]:
         return [self.wearing.completed(node) for node in step.nodes]
 
     def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
-        wearing, h, time = self.wearing, x - now.x, np.array([np.nan, x])
+        wearing, h, time = self.wearing, x - now.x, self.clock(x)
         for earlier in before:
             wearing.start_ahead(earlier, now, h / (now.x - earlier.x))
         worn, states = wearing.moved(now.worn, h, self._rates, on_the_way=True)
@@ -247,8 +222,8 @@ class Trapezoid(InTime):
     The life is followed in `steps` as long as it seems to be, in `most` where rates fall.
     """
 
-    def __init__(self, steps: int, most: int):
-        self.steps, self.most_steps = steps, most
+    def __init__(self, steps: int, most: int, counts: int):
+        self.steps, self.most_steps, self.counts = steps, most, counts
         self._errors: dict[float, float] = {}  # of ends [s]
 
     def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
@@ -273,7 +248,7 @@ class Trapezoid(InTime):
             slope = (rates - wearing.rates(earlier)) / (now.x - earlier.x)
             ahead = np.maximum(rates + 0.5 * h * slope, 0.0)  # nothing grows back
         worn = now.worn + h * ahead
-        found = Node(x, worn, wearing.state(worn, now.states), wearing.clock(x))
+        found = Node(x, worn, wearing.state(worn, now.states), self.clock(x))
         if found.status != code.OK:
             return found
         worn = now.worn + 0.5 * h * (rates + wearing.rates(found))
@@ -300,4 +275,4 @@ class Trapezoid(InTime):
         return best
 
     def error_of_end(self, life: Life) -> np.ndarray:
-        return self.wearing.clock(self._errors[life.last.x])
+        return self.clock(self._errors[life.last.x])

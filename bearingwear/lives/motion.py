@@ -193,12 +193,6 @@ class Motion:
         self._since = node.x, node.worn
         return True
 
-    def clock(self, time: float) -> np.ndarray:
-        """A time by the scene's way of counting wear, which decides what the runs see (2,) [s]."""
-        times = np.full(2, math.nan)
-        times[self.parts.count] = time
-        return times
-
     @staticmethod
     def is_of_cage(criterion: int) -> bool:
         return CRITERIA[criterion] in OF_CAGE
