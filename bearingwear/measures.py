@@ -208,6 +208,10 @@ class Measure:
         side = "at" if self.margin(value, limit) == 0.0 else "below" if self.falls else "above"
         return f"{self.words_of(name)} {self.text(value)} {side} {self.limit_text(limit)}"
 
+    def reached(self, value: float, limit: float, name: str) -> str:
+        """A value [SI] of one of its variables and its limit, in words."""
+        return f"{self.words_of(name)} {self.text(value)}, limit {self.limit_text(limit)}"
+
     def text(self, value: float) -> str:
         """A value [SI] with its unit."""
         return f"{self.shown(value):.3g} {self.unit}"
@@ -296,6 +300,11 @@ MEASURES = (
     Measure(key="groove_depth_um", words="depth of a groove", unit="um",
         variables=("greatest_depth",), advice="less preload, lower speed, or raise the limit",
         end=("Depth of the deepest groove at which life ends", "(0, 50000]"), mark=">"),
+    Measure(key="cage_film_worn_share", words="film worn off the cage",
+        variables=("pocket_film_worn_share", "land_film_worn_share"), kinds=("pocket", "land"),
+        advice="a thicker film, or less clearance at the land",
+        end=("Share of the thickness of cage.film worn off pockets or land at which life ends, "
+            "requires a dynamic life or `bearingwear cage`", "(0, 1]"), mark="X"),
     Measure(key="lowest_frequency_Hz", words="lowest natural frequency of the rotor",
         label="frequency of the rotor", unit="Hz", variables=("lowest_frequency",), falls=True,
         advice="more preload, or a rigid pair",

@@ -22,6 +22,7 @@ from bearingwear.results.life_variables import LIFE
 from bearingwear.results.variables import CASE
 from bearingwear.scene.blocks import CRITERIA, EndOfLife
 from bearingwear.scene.checking.records import parts
+from bearingwear.scene.friction import Film
 from bearingwear.scene.read import load_scene
 from bearingwear.solvers.effects.criterion import criteria_of_case, end_attribute
 from bearingwear.solvers.state import OF_EACH_CONTACT, State
@@ -65,6 +66,8 @@ def ended_by(name: str):
     """A scene whose life has one end."""
     made = load_scene(scene_file("mos2_gyro" if name == "film_worn_share" else "gyro_s1"))
     made = replace(made, operation=replace(made.operation, preload_N=PRELOAD))
+    if name == "cage_film_worn_share":
+        made = replace(made, cage=replace(made.cage, film=Film(thickness_um=10.0)))
     return replace(made, wear=replace(made.wear, end_of_life=EndOfLife(**{name: LIMIT})))
 
 

@@ -38,6 +38,8 @@ WORN_WHOLE = (
     "history_groove_depth",
     "history_pocket_clearance",
     "history_guide_clearance",
+    "history_pocket_film_worn_share",
+    "history_land_film_worn_share",
 )
 MET = 1e-3
 """Share of a limit within which the bearing of a pair that ends a life meets it."""

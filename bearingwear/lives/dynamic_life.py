@@ -113,14 +113,14 @@ def life_histories(life: Life) -> dict:
             values[f"history_{name}"] = [run.values.get(name, math.nan) for run in runs]
     if wearing.scene.cage is None:
         return values
-    pocket, guide = np.array([parts.clearances(row) for row in worn]).T
+    of_cage = [parts.of_cage(row) for row in worn]
+    cage = {name: np.array([one[name] for one in of_cage]) for name in of_cage[0]}
     return values | {
         "history_pocket_worn_volume": worn[:, p.pocket],
         "history_land_worn_volume": worn[:, p.land],
         "history_pocket_wear_rate": rates[:, p.pocket],
         "history_land_wear_rate": rates[:, p.land],
-        "history_pocket_clearance": pocket,
-        "history_guide_clearance": guide,
+        **{f"history_{name}": values for name, values in cage.items()},
     }
 
 

@@ -28,8 +28,8 @@ from bearingwear.solvers.state import State, case_state
 from bearingwear.solvers.steady import Steady
 from bearingwear.solvers.warm import warm_scene, warmth_of
 
-_CLEARANCES = ("pocket_clearance", "guide_clearance")
-"""Of a cage, as `WornParts.clearances` gives them."""
+BEARING_FILMS = 3
+"""Those of the inner and the outer race, and of the balls; those of the cage follow."""
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class Motion:
         run: Run = states[0].answer
         loss = float(self.parts.loss(worn).mean())
         state = case_state(loss, {**run.values, "status": run.status})
-        more = dict(zip(_CLEARANCES, self.parts.clearances(worn), strict=True))
+        more: dict[str, Any] = self.parts.of_cage(worn)
         if state.is_solved:
             power = float(run.values["friction_heat"].sum()) + float(run.values["drag_power"])
             solved = SolvedBearing(
@@ -184,11 +184,15 @@ class Motion:
         return bool(run_at(node).rates.any())
 
     def events(self, node: Node) -> np.ndarray:
-        return self.films.film_left(self.depths(node.worn))
+        left = self.films.film_left(self.depths(node.worn))
+        return np.append(left, self.parts.film_left(node.worn))
 
     def passes(self, event: int, node: Node) -> bool:
         """A film is gone."""
-        self.films.wear_through(event, self.depths(node.worn))
+        if event < BEARING_FILMS:
+            self.films.wear_through(event, self.depths(node.worn))
+        else:
+            self.parts.wear_through(event - BEARING_FILMS, node.worn)
         self.gone.append(event)
         self._since = node.x, node.worn
         return True
@@ -200,18 +204,16 @@ class Motion:
     def end_rate(self, node: Node, criterion: int, film: int | None = None) -> float:
         """Rate of the wear of a film, else of what a criterion limits [m/s].
 
-        That is a clearance, the depth of a groove, or the mean loss.
+        That is of the cage, the depth of a groove, or the mean loss.
         """
         name, rates = CRITERIA[criterion], run_at(node).rates
         if film is not None:
-            return float(FilmWear.depths(self.depths(rates))[film])
+            return float(self._film_depths(rates)[film])
         if name == "groove_depth_um":
             return float(rates[self.parts.layout.deepest].max())
         if not self.is_of_cage(criterion):
             return self.parts.mean_loss_rate(rates)
-        k, nothing = OF_CAGE.index(name), self.parts.clearances(self.parts.nothing)
-        # clearances are linear in what has worn, but for which ball is the most worn
-        return self.parts.clearances(rates)[k] - nothing[k]
+        return self.parts.cage_rate(name, rates)
 
     def horizon(self, node: Node) -> float:
         """Estimated end of life or of a film [s]: by the steady life, or the wear rate so far.
@@ -222,12 +224,14 @@ class Motion:
         # at the start, one second at its rates
         time, more = node.x - begun, node.worn - worn
         if time == 0.0:
-            time, more = 1.0, run_at(node).rates
+            time, more = 1.0, self.rates(node)
         um = self.end.ball_diameter_loss_um
         limits = [largest_loss(self.scene) if um is None else um * parameters.UM]
         given = (self.end.pocket_clearance_mm, self.end.guide_clearance_mm)
         limits += [math.nan if mm is None else mm * parameters.MM for mm in given]
         limits += [*np.where(self.films.cover, self.films.thickness, math.nan)]
+        share = self.end.cage_film_worn_share or 1.0
+        limits += [*np.where(self.parts.covered, share * self.parts.film, math.nan)]
         then, now = self._limited(worn), self._limited(worn + more)
         with np.errstate(divide="ignore", invalid="ignore"):
             times = begun + time * (np.array(limits) - then) / (now - then)
@@ -236,12 +240,16 @@ class Motion:
 
     def _limited(self, worn: np.ndarray) -> np.ndarray:
         """Mean loss, clearances, and depths of films [m]."""
-        depths = self.films.depths(self.depths(worn))
-        return np.array([self.parts.loss(worn).mean(), *self.parts.clearances(worn), *depths])
+        loss, clearances = self.parts.loss(worn).mean(), self.parts.clearances(worn)
+        return np.array([loss, *clearances, *self._film_depths(worn)])
+
+    def _film_depths(self, worn: np.ndarray) -> np.ndarray:
+        """Depths of whatever may have a film: races, balls, pockets, land (5,) [m]."""
+        return np.append(self.films.depths(self.depths(worn)), self.parts.cage_depths(worn))
 
     def longest_step(self, node: Node) -> float:
         """As `FilmWear.running_in_time`."""
-        return self.films.running_in_time(*map(self.depths, (node.worn, run_at(node).rates)))
+        return self.films.running_in_time(*map(self.depths, (node.worn, self.rates(node))))
 
     def report_progress(self, node: Node, horizon: float) -> None:
         if self.progress is not None:

@@ -1,11 +1,13 @@
 """Wear of a bearing as a vector, and the worn scene."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from bearingwear.measures import ENDS
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Archard
@@ -36,8 +38,23 @@ def cage_surfaces(scene: Scene) -> tuple[float, float]:
     return math.pi * pocket * (r_o - r_i), 2.0 * math.pi * guiding * cage.width_mm * MM
 
 
+def film_wear_ratio(scene: Scene) -> float:
+    """K_s/H of a cage's film over that of the cage; 1 without a film."""
+    if scene.cage is None or scene.cage.film is None:
+        return 1.0
+    film, own = scene.cage.film, scene.materials[scene.cage.material]
+    K_s = (film.wear_coefficient or own.wear_coefficient) / own.wear_coefficient
+    return K_s * own.brinell_hardness_GPa / (film.brinell_hardness_GPa or own.brinell_hardness_GPa)
+
+
+CAGE_PARTS = ("pocket", "land")
+
+
 class WornParts:
-    """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved."""
+    """Wear of the balls, grooves and cage of a scene: without its cage where it is not solved.
+
+    `covered` says on which of `CAGE_PARTS` the film of the cage is left.
+    """
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -48,6 +65,9 @@ class WornParts:
         self.fresh = np.broadcast_to(loss, (n,))
         # Per-run histories are not needed.
         self.model = replace(scene.model, history_points_per_turn=0)
+        film = None if scene.cage is None else scene.cage.film
+        self.film = math.inf if film is None else film.thickness_um * parameters.UM
+        self.covered = np.full(len(CAGE_PARTS), film is not None)
 
     @property
     def nothing(self) -> np.ndarray:
@@ -58,19 +78,61 @@ class WornParts:
         p = self.layout
         return self.fresh + worn[p.diameter] + (worn[p.groove].sum() if self.count else 0.0)
 
-    def clearances(self, worn: np.ndarray) -> tuple[float, float]:
-        """Diametral clearances of pocket and most worn ball, and at the land [m]; or NaN.
+    def cage_depths(self, worn: np.ndarray) -> np.ndarray:
+        """Worn off the walls of the pockets and off the guiding surface (2,) [m]; NaN without.
 
         The wear of all pockets and of the land is spread evenly over `worn_share` of the surface.
         """
         cage, p = self.scene.cage, self.layout
         if cage is None:
+            return np.full(len(CAGE_PARTS), math.nan)
+        volumes = np.array([worn[p.pocket].mean(), worn[p.land]])
+        return volumes / (cage.worn_share * np.array(cage_surfaces(self.scene)))
+
+    def clearances(self, worn: np.ndarray) -> tuple[float, float]:
+        """Diametral clearances of pocket and most worn ball, and at the land [m]; or NaN."""
+        cage = self.scene.cage
+        if cage is None:
             return math.nan, math.nan
-        MM, (wall, surface) = parameters.MM, cage_surfaces(self.scene)
-        pocket = 2.0 * worn[p.pocket].mean() / (cage.worn_share * wall)
-        land = 2.0 * worn[p.land] / (cage.worn_share * surface)
-        ball = (self.fresh + worn[p.diameter]).max()
+        MM, (pocket, land) = parameters.MM, 2.0 * self.cage_depths(worn)
+        ball = (self.fresh + worn[self.layout.diameter]).max()
         return cage.pocket_clearance_mm * MM + pocket + ball, cage.guide_clearance_mm * MM + land
+
+    def of_cage(self, worn: np.ndarray) -> dict[str, float]:
+        """Result variables of the cage at that wear."""
+        pocket, guide = self.clearances(worn)
+        found = {"pocket_clearance": pocket, "guide_clearance": guide}
+        if math.isfinite(self.film):
+            shares = self.cage_depths(worn) / self.film
+            found |= dict(zip(ENDS["cage_film_worn_share"].variables, shares, strict=True))
+        return found
+
+    def cage_rate(self, criterion: str, rates: np.ndarray) -> float:
+        """Rate of what a criterion of the cage limits."""
+        # linear in what has worn, but for which ball is the most worn
+        then, now = self.of_cage(self.nothing), self.of_cage(rates)
+        return max(now[name] - then[name] for name in ENDS[criterion].variables)
+
+    def film_left(self, worn: np.ndarray) -> np.ndarray:
+        """Share of the cage's film that is left (2,); infinite where there is none."""
+        left = 1.0 - self.cage_depths(worn) / self.film
+        return np.where(self.covered, left, math.inf)
+
+    def wear_through(self, part: int, worn: np.ndarray) -> None:
+        """The film of a part of the cage is gone, and that of the other with nothing left."""
+        self.covered[part] = False
+        self.covered &= self.film_left(worn) > 0.0
+
+    def cage_rates(self, values: Mapping[str, Any]) -> np.ndarray:
+        """What wears off the cage alone per second, of a run's or an ensemble's values.
+
+        Those are of the material of the cage; while its film is left, that wears instead.
+        """
+        p, rates = self.layout, np.zeros(self.layout.size)
+        pocket, land = np.where(self.covered, film_wear_ratio(self.scene), 1.0)
+        rates[p.pocket] = values.get("pocket_wear_rate", 0.0) * pocket
+        rates[p.land] = values.get("cage_land_wear_rate", 0.0) * land
+        return rates
 
     def worn_scene(self, worn: np.ndarray) -> Scene:
         """The scene at that wear; SceneError where too much has worn to make sense."""
@@ -94,7 +156,7 @@ class WornParts:
         self, values: dict[str, Any], wearing: tuple[Archard, Archard] | None = None
     ) -> np.ndarray:
         """Wear per second of a run, by the properties of balls and races, else those when new."""
-        p, rates, n = self.layout, np.zeros(self.layout.size), self.scene.bearing.ball_count
+        p, rates, n = self.layout, self.cage_rates(values), self.scene.bearing.ball_count
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]
         qv, a = values["qv"], values["semi_major_axis"]
         (new, _), (ball, race) = (wear_rates(self.scene, qv, a, one) for one in (None, wearing))
@@ -105,8 +167,6 @@ class WornParts:
         rates[p.groove] = groove_depth_rates(n, race, on, track).mean(axis=0)
         slips = values["gyroscopic_slip"], values["rolling_slip"]
         rates[p.deepest] = depth_peak(values, *slips) * rates[p.groove]
-        rates[p.pocket] = values.get("pocket_wear_rate", 0.0)
-        rates[p.land] = values.get("cage_land_wear_rate", 0.0)
         return rates
 
     def mean_loss_rate(self, rates: np.ndarray) -> float:

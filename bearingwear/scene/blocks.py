@@ -175,8 +175,8 @@ class Cage:
         default=1.0,
     )
     film: Film | None = setting(
-        "A solid film on pocket walls and guiding surface, used only by `bearingwear cage`, none "
-        "if omitted",
+        "A solid film on pocket walls and guiding surface, used only by lives of cages, none if "
+        "omitted",
         default=None,
     )
 
@@ -232,7 +232,7 @@ class Lubricant:
     )
 
 
-OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm")
+OF_CAGE = ("pocket_clearance_mm", "guide_clearance_mm", "cage_film_worn_share")
 """Criteria that a cage alone has."""
 
 _CRITERIA: Any = optional_numbers(
@@ -244,8 +244,8 @@ _CRITERIA: Any = optional_numbers(
 class EndOfLife(_CRITERIA):
     """Criteria of which the first that is met ends the life; None where one does not apply.
 
-    Its keys are those of `bearingwear.measures.ENDS`. The clearances are limits of the cage, which
-    a dynamic life alone sees wearing.
+    Its keys are those of `bearingwear.measures.ENDS`. Those of `OF_CAGE` limit the cage, whose wear
+    a dynamic life and `bearingwear cage` alone follow.
     """
 
     @functools.cached_property

@@ -13,9 +13,12 @@ import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bearingwear.scene.checking.errors import yaml_number
+
+if TYPE_CHECKING:
+    from bearingwear.scene.scene import Scene
 
 M2_PER_N = 1e-9
 """One mm3/(N m), as papers have K_s/H, in m2/N."""
@@ -288,6 +291,14 @@ def usual_spread(scene: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     said += f", friction by {text[key]}" if key in text else ""
     spread = {name: {"distribution": "lognormal", "factor": float(f)} for name, f in text.items()}
     return spread, f"{said}; within a batch by {text['wear_scatter']} (assumed)"
+
+
+def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
+    """A scene with distributions, and what they are; empty where they are its own."""
+    if scene.uncertainty:
+        return scene, ""
+    spread, said = usual_spread(scene.to_dict())
+    return scene.with_({"uncertainty": spread}), said
 
 
 def _is_steel(material: Mapping[str, float]) -> bool:

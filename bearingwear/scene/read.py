@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from bearingwear.scene.accuracy import Model, accuracy_preset, slip_is_over
+from bearingwear.scene.blocks import OF_CAGE
 from bearingwear.scene.changes import KEY, blamed, changes_of, with_changes
 from bearingwear.scene.checking.check import DEEPEST, built, checked_data, fits, record
 from bearingwear.scene.checking.errors import SceneError, shown
@@ -211,9 +212,8 @@ def _undecided(scene: Scene) -> dict[str, Any]:
 def _cage_wears(plain: Mapping[str, Any]) -> bool:
     """Whether motion and wear of the cage are asked for."""
     end = (plain.get("wear") or {}).get("end_of_life") or {}
-    limits = ("pocket_clearance_mm", "guide_clearance_mm")
     asked = (plain.get("model") or {}).get("cage_results", Model.cage_results)
-    return bool(asked) or any(end.get(name) is not None for name in limits)
+    return bool(asked) or any(end.get(name) is not None for name in OF_CAGE)
 
 
 def _with_accuracy(plain: dict[str, Any]) -> dict[str, Any]:

@@ -408,6 +408,7 @@ def _check_cage_limits(scene: Scene) -> None:
     for name, there, needed in (
         ("pocket_clearance_mm", cage is not None, "with a cage"),
         ("guide_clearance_mm", guided, "with a cage guided by a race"),
+        ("cage_film_worn_share", cage is not None and cage.film is not None, "with cage.film"),
     ):
         value = getattr(end, name)
         if value is not None and not there:

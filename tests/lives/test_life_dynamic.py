@@ -128,6 +128,23 @@ def test_the_cage_ends_the_life(cage_ends):
     assert_allclose(v["history_pocket_worn_volume"][-1], worn, rtol=1e-12)
 
 
+def test_a_film_of_the_cage_wears_through(scene):
+    """The film, which wears a fifth as fast, then the cage itself, in the same motion."""
+    made = scene("gyro_s1", CAGE)
+    material = made.materials[made.cage.material]
+    film = {"thickness_um": 0.5, "wear_coefficient": 0.2 * material.wear_coefficient}
+    limit = {"cage.film": film, "wear.end_of_life": {"pocket_clearance_mm": 0.153}}
+    v = life(made.with_(limit), "dynamic").values
+    assert v["status"] == code.OK and CRITERIA[v["end_criterion"]] == "pocket_clearance_mm"
+    time, share = v["history_time"][:, BOTH], v["history_pocket_film_worn_share"]
+    gone = np.flatnonzero(np.diff(time) == 0.0)[0]
+    assert share[gone] == share[gone + 1] == pytest.approx(1.0, rel=1e-4)
+    # 0.153 mm are three times the film
+    assert share[-1] == pytest.approx(3.0, rel=1e-3)
+    before, after = v["history_pocket_wear_rate"][gone : gone + 2].sum(axis=1)
+    assert after / before == pytest.approx(5.0, rel=0.05)
+
+
 def test_a_cage_with_a_weight_lives_longer(scene, cage_ends):
     """It hangs on its balls for these few turns, where the weightless one goes round in them."""
     changes = {"operation.gravity_m_s2": [0.0, 0.0, -9.81]}

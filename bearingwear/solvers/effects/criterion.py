@@ -85,5 +85,4 @@ def end_attribute(scene: Scene, values: Mapping[str, Any]) -> dict[str, str]:
         return {}
     measure, limit = met
     value, name = value_along(measure, values, -1, scene)
-    said = f"{measure.words_of(name)} {measure.text(value)}"
-    return {"ended_by": f"{said}, limit {measure.limit_text(limit)}"}
+    return {"ended_by": measure.reached(value, limit, name)}

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bearingwear.scene.scene import Scene
 from bearingwear.studies.cage.ensemble import ensemble_of, kept_in
-from bearingwear.studies.cage.life import cage_life, followed, parts_of
+from bearingwear.studies.cage.life import cage_life, followed, with_cage_end
 from bearingwear.studies.cage.plan import Ensemble
 from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.pool import Tell
@@ -39,7 +39,7 @@ def cage_found(
         One line.
     """
     if life:
-        parts_of(scene)  # refused before anything is solved
+        with_cage_end(scene)  # refused before anything is solved
     with contextlib.ExitStack() as kept:
         first: list[xr.Dataset] = []
 
@@ -57,8 +57,8 @@ def cage_found(
 
         if not life:
             return found(0, np.zeros(2))
-        of_life = cage_life(scene, followed(scene, found, tell))
-        whole = xr.merge([first[0], of_life], combine_attrs="override")
+        of_life = cage_life(followed(scene, found, tell))
+        whole = xr.merge([first[0], of_life]).assign_attrs(of_life.attrs | first[0].attrs)
         if path is not None:
             write_dataset(whole, path)
         return whole

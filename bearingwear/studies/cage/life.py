@@ -9,35 +9,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.lives.dynamic_life import steady_life
-from bearingwear.lives.worn_parts import cage_surfaces
+from bearingwear.lives.ends import Criteria, with_end
+from bearingwear.lives.follow import Life, Node, States, Wearing, follow
+from bearingwear.lives.methods import Trapezoid
+from bearingwear.lives.motion import Motion
+from bearingwear.lives.worn_parts import CAGE_PARTS
+from bearingwear.measures import ENDS
 from bearingwear.results.quantiles import INTERVAL
 from bearingwear.results.variable import HOURS_PER_SECOND, Variable, table
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.scene.distributions import quantile
-from bearingwear.scene.scene import COUNTS, Scene, SceneError
+from bearingwear.scene.coefficients import with_usual_spread
+from bearingwear.scene.distributions import quantile, values_at
+from bearingwear.scene.scene import COUNTS, WORN, EndOfLife, Scene, SceneError
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.dynamic.windows import wear_per_joule
 from bearingwear.solvers.effects.choice import NotAvailable
+from bearingwear.solvers.state import State
 from bearingwear.studies.cage.draws import WEAR, cage_spread
 from bearingwear.studies.cage.ensemble import END, OF_MOTION
 from bearingwear.studies.dataset import filled
 
 WEARING = ("pockets", "land")
-ENDS_OF_CAGE = ("pocket_film", "land_film", "pocket_clearance", "guide_clearance", "none")
-"""What may end the life of a cage; films first, in the order of `WEARING`."""
-
 LIFE_STEPS = 4
-"""Ensembles from new to the end, besides the first."""
+"""Ensembles from new to the end, or from one film to the next, besides the first."""
 
 _MOST_STEPS = 4 * LIFE_STEPS
+_BEYOND = 1.02  # of a step, so that the last one reaches the end
+_SAMPLES = 4096
 
 PART = Variable("part", ("part",), "", "part of the cage", "i1", flags=WEARING)
 NODE = Variable("node", ("node",), "1", "number of the ensemble", "i8")
@@ -48,7 +54,7 @@ CAGE_LIFE = table(
     Variable("cage_life_interval_with_wear", END.dims, "1",
         "90 % interval of the life with that of the cage's wear coefficient"),
     Variable("cage_hours", (), "h", "duration of the life", scale=HOURS_PER_SECOND),
-    Variable("cage_end", (), "", "the part that ends the life", "i1", flags=ENDS_OF_CAGE),
+    Variable("cage_end", (), "", "what ends the life", "i1", flags=CRITERIA),
     Variable("film_gone", PART.dims, "1", "shaft turns until a film is worn through"),
     Variable("motion_changes", END.dims, "1", "shaft turns of a change of the main motion"),
     Variable("node_turns", NODE.dims, "1", "shaft turns at an ensemble"),
@@ -56,208 +62,166 @@ CAGE_LIFE = table(
     Variable("node_work", (*NODE.dims, *PART.dims), "J", "mean work in a shaft turn"),
     Variable("node_share", (*NODE.dims, *OF_MOTION.dims), "1", "share of each motion"),
     Variable("other_hours", (), "h", "life of balls and races, steady", scale=HOURS_PER_SECOND),
+    Variable("other_hours_interval", END.dims, "h",
+        "90 % interval of that by wear coefficient and hardness", scale=HOURS_PER_SECOND),
     Variable("other_end", (), "", "what ends that", "i1", flags=CRITERIA),
 )  # fmt: skip
-
-
-def revolutions(volume: float, wear_over_hardness: float, work: float) -> float:
-    """Revolutions in which a volume [m3] wears away, by K_s/H [m2/N] and work a revolution [J]."""
-    lost = wear_over_hardness * work
-    return volume / lost if lost > 0.0 else math.inf
-
-
-@dataclass(frozen=True)
-class CagePart:
-    """Pockets or land of a cage as they wear.
-
-    Attributes
-    ----------
-    area : float
-        Over which wear spreads [m2].
-    film, below : float
-        K_s/H of the film and of what lies below [m2/N].
-    thickness : float
-        Of the film, 0 without one [m].
-    end : float
-        Depth at which the life ends, infinite where it does not [m].
-    """
-
-    area: float
-    film: float
-    below: float
-    thickness: float
-    end: float
-
-    def rate(self, depth: float, work: float) -> float:
-        """Depth worn off in a turn, by the work in it [m]."""
-        return (self.film if depth < self.thickness else self.below) * work / self.area
-
-    def next_depth(self, depth: float) -> float:
-        """Depth of what comes next: the end of the film, or of the life."""
-        return self.thickness if depth < self.thickness else self.end
-
-
-def parts_of(scene: Scene) -> tuple[CagePart, CagePart]:
-    """Pockets and land of a scene's cage.
-
-    Raises
-    ------
-    SceneError
-        Nothing ends its life.
-    """
-    cage, end = scene.cage, scene.wear.end_of_life
-    assert cage is not None
-    below = film = wear_per_joule(scene, cage.material)
-    if cage.film is not None:
-        own = scene.materials[cage.material]
-        K_s = cage.film.wear_coefficient or own.wear_coefficient
-        film = K_s / ((cage.film.brinell_hardness_GPa or own.brinell_hardness_GPa) * parameters.GPA)
-    thickness = 0.0 if cage.film is None else cage.film.thickness_um * parameters.UM
-    wall, surface = cage_surfaces(scene)
-    found = []
-    for area, name in ((scene.bearing.ball_count * wall, "pocket"), (surface, "guide")):
-        own_room, limit = (getattr(one, f"{name}_clearance_mm", None) for one in (cage, end))
-        last = thickness or math.inf
-        if limit is not None:
-            last = 0.5 * (limit - own_room) * parameters.MM
-            if last <= 0.0:
-                problem = f"got {limit:g}, expected more than the cage has new, {own_room:g}"
-                raise SceneError(f"wear.end_of_life.{name}_clearance_mm", problem)
-        found.append(CagePart(cage.worn_share * area, film, below, thickness, last))
-    if not any(math.isfinite(part.end) for part in found):
-        problem = (
-            "got neither a film nor a clearance limit, expected one that ends the life of the cage"
-        )
-        raise SceneError("cage.film", problem)
-    return found[0], found[1]
-
-
-class WornEnsemble(NamedTuple):
-    """An ensemble along a life."""
-
-    turns: float
-    depth: np.ndarray  # (2,) [m]
-    work: np.ndarray  # (2,) [J]
-    error: np.ndarray  # (2,) half of its interval, over it
-    share: np.ndarray
 
 
 WornEnsembles = Callable[[int, np.ndarray], xr.Dataset]
 """The ensemble of a number along a life, with so much worn off pockets and land (2,) [m]."""
 
 
-def node_of(found: xr.Dataset, turns: float, depth: np.ndarray) -> WornEnsemble:
-    """Data of an ensemble for a life."""
-    names = ("mean_pocket_work", "mean_land_work")
-    work = np.array([float(found[name][0]) for name in names])
-    ends = np.array([found[f"{name}_interval"].values[0] for name in names])
-    half = 0.5 * (ends[:, 1] - ends[:, 0])
-    error = np.divide(half, work, out=np.zeros(2), where=work > 0.0)
-    return WornEnsemble(turns, depth, work, error, found["share"].values)
+def with_cage_end(scene: Scene) -> Scene:
+    """The scene with an end for its cage: a film that is worn through, if it has no other.
 
-
-def followed(
-    scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None
-) -> list[WornEnsemble]:
-    """Ensembles from a new cage to its end; the last one is there, if the end was reached.
-
-    Depths step to what comes next for the part that is there first, or by a share of its way. The
-    work over a step is the mean of both its ends (trapezoidal rule), the first guess that at its
-    beginning.
+    Raises
+    ------
+    SceneError
+        Nothing ends the life of the cage, or it has ended.
     """
-    parts = parts_of(scene)
-    nodes = [node_of(found(0, np.zeros(2)), 0.0, np.zeros(2))]
-    while len(nodes) <= _MOST_STEPS:
-        last = nodes[-1]
-        rates = _rates(parts, last.depth, last.work)
-        first, goal = _next(parts, last.depth, rates)
-        if not math.isfinite(goal) or not np.isfinite(last.work).all():
-            break
-        ahead = (goal - last.depth[first]) / rates[first]
-        guess = last.depth + rates * ahead
-        guess[first] = goal
-        there = node_of(found(len(nodes), guess), 0.0, guess)
-        if not np.isfinite(there.work).all():
-            break
-        mean = _rates(parts, last.depth, 0.5 * (last.work + there.work))
-        turns = (goal - last.depth[first]) / mean[first]
-        depth = last.depth + mean * turns
-        depth[first] = goal
-        nodes.append(there._replace(turns=last.turns + turns, depth=depth))
-        if tell:
-            tell(f"cage: {nodes[-1].turns:.3g} turns, {1e6 * depth[0]:.3g} and "
-                 f"{1e6 * depth[1]:.3g} um of wear on pockets and land")  # fmt: skip
-        if any(d >= part.end for d, part in zip(depth, parts, strict=True)):
-            break
-    return nodes
+    cage, end = scene.cage, scene.wear.end_of_life or EndOfLife()
+    assert cage is not None
+    if end == end.without_cage:
+        if cage.film is None:
+            problem = "got neither a film nor a limit, expected one that ends the life of the cage"
+            raise SceneError("cage.film", problem)
+        end = replace(end, **{"cage_film_worn_share": 1.0})
+    for name in ("pocket_clearance_mm", "guide_clearance_mm"):
+        limit, own = getattr(end, name), getattr(cage, name)
+        if limit is not None and limit <= own:
+            problem = f"got {limit:g}, expected more than the cage has new, {own:g}"
+            raise SceneError(f"wear.end_of_life.{name}", problem)
+    return with_end(scene, end)
 
 
-def _rates(parts: Sequence[CagePart], depth: np.ndarray, work: np.ndarray) -> np.ndarray:
-    each = zip(parts, depth, work, strict=True)
-    return np.array([part.rate(float(d), float(w)) for part, d, w in each])
+class EnsembleWear(Motion):
+    """The wear of a cage by ensembles; balls and races do not wear.
+
+    A state has the mean work in pockets and at the land (2,) [J], half of its interval over it, and
+    the share of each motion.
+    """
+
+    def __init__(
+        self, scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None
+    ) -> None:
+        super().__init__(with_cage_end(scene), progress=tell)
+        self.found, self.made, operation = found, 0, scene.operation
+        self.turn = 60.0 / max(abs(operation.shaft_speed_rpm), abs(operation.outer_speed_rpm))
+        assert scene.cage is not None
+        self.per_second = wear_per_joule(scene, scene.cage.material) / self.turn
+
+    def state(self, worn: np.ndarray, near: States = ()) -> States:
+        """The ensemble at that wear."""
+        ensemble = self.found(self.made, self.parts.cage_depths(worn))
+        self.made += 1
+        work = np.array([float(ensemble[f"mean_{part}_work"][0]) for part in CAGE_PARTS])
+        status = OK if np.isfinite(work).all() else int(ensemble["status"].values[0])
+        ends = [ensemble[f"mean_{part}_work_interval"].values[0] for part in CAGE_PARTS]
+        half = 0.5 * np.diff(ends)[:, 0]
+        error = np.divide(half, work, out=np.zeros(work.size), where=work > 0.0)
+        values = {"work": work, "work_error": error, "share": ensemble["share"].values}
+        return self.with_worn((State(status, values),), worn)
+
+    def with_worn(self, states: States, worn: np.ndarray) -> States:
+        return (states[0].with_values(self.parts.of_cage(worn)),)
+
+    def rates(self, node: Node) -> np.ndarray:
+        pockets, land = self.per_second * node.states[0]["work"]
+        each = pockets / self.scene.bearing.ball_count
+        return self.parts.cage_rates({"pocket_wear_rate": each, "cage_land_wear_rate": land})
+
+    def wears(self, node: Node) -> bool:
+        return bool(self.rates(node).any())
+
+    def report_progress(self, node: Node, horizon: float) -> None:
+        if self.progress is not None:
+            pocket, land = self.parts.cage_depths(node.worn) / parameters.UM
+            self.progress(f"cage: {node.x / self.turn:.3g} of about {horizon / self.turn:.3g} "
+                f"turns, {pocket:.3g} and {land:.3g} um of wear on pockets and land")  # fmt: skip
 
 
-def _next(parts: Sequence[CagePart], depth: np.ndarray, rates: np.ndarray) -> tuple[int, float]:
-    """The part that decides a step, and the depth to which it goes."""
-    goals = []
-    for part, d, rate in zip(parts, depth, rates, strict=True):
-        upto = part.next_depth(float(d))
-        step = (part.end if math.isfinite(part.end) else upto) / LIFE_STEPS
-        goal = min(upto, d + step) if math.isfinite(upto) and upto - d > 1e-3 * step else upto
-        goals.append(((goal - d) / rate if rate > 0.0 else math.inf, float(goal)))
-    times = [time for time, _ in goals]
-    first = int(np.argmin(times))
-    return first, goals[first][1] if math.isfinite(times[first]) else math.inf
+class BetweenEnsembles(Trapezoid):
+    """The trapezoidal rule with work that is linear in time between two ensembles.
+
+    So an end or a film that is worn through within a step requires no further ensemble.
+    """
+
+    def begin(self, wearing: Wearing, node: Node | None = None) -> Node:
+        if node is None:
+            return super().begin(wearing)
+        self.begun = node.x
+        return node
+
+    def longest(self, now: Node) -> float:
+        return _BEYOND * super().longest(now)
+
+    def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
+        end = max(self._known.values(), key=lambda node: node.x, default=None)
+        if end is None:
+            return super().after(x, before, now)
+        wearing, h, share = self.wearing, x - now.x, (x - now.x) / (end.x - now.x)
+        first, last = wearing.rates(now), wearing.rates(end)
+        worn = now.worn + h * (first + 0.5 * share * (last - first))
+        both = now.states[0].values, end.states[0].values
+        mixed = {
+            name: (1.0 - share) * value + share * both[1][name] for name, value in both[0].items()
+        }
+        states = wearing.with_worn((State(OK, mixed),), worn)
+        return Node(x, worn, states, self.clock(x))
 
 
-def cage_life(scene: Scene, nodes: Sequence[WornEnsemble], other: bool = True) -> xr.Dataset:
+def followed(scene: Scene, found: WornEnsembles, tell: Callable[[str], None] | None = None) -> Life:
+    """The life of a cage by ensembles along it."""
+    wearing = EnsembleWear(scene, found, tell)
+    method = BetweenEnsembles(LIFE_STEPS, _MOST_STEPS, wearing.parts.count)
+    return follow(wearing, Criteria(wearing.scene), method)
+
+
+def cage_life(life: Life, other: bool = True) -> xr.Dataset:
     """Life of a cage by the ensembles along it, beside that of balls and races."""
-    parts = parts_of(scene)
-    turn = 60.0 / max(abs(scene.operation.shaft_speed_rpm), abs(scene.operation.outer_speed_rpm))
-    depths = np.array([node.depth for node in nodes])
-    turns = np.array([node.turns for node in nodes])
-    over = [k for k, part in enumerate(parts) if depths[-1, k] >= part.end]
-    reached = [float(np.interp(parts[k].end, depths[:, k], turns)) for k in over]
-    ended = min(zip(reached, over, strict=True), default=None)
-    end = len(ENDS_OF_CAGE) - 1
-    values: dict[str, Any] = {}
-    if ended is not None:
-        life, part = ended
-        end = part if parts[part].end == parts[part].thickness else len(WEARING) + part
-        error = _error(nodes, part, life)
-        both = np.array([1.0 - error, 1.0 + error])
-        values = {
-            "cage_life": life,
-            "cage_life_interval": life * both,
-            "cage_life_interval_with_wear": life * both / _wear_quantiles(scene)[::-1],
-            "cage_hours": life * turn,
+    wearing: EnsembleWear = life.wearing
+    scene, parts = wearing.scene, wearing.parts
+    depths = np.array([parts.cage_depths(node.worn) for node in life.nodes])
+    turns = np.array([node.x for node in life.nodes]) / wearing.turn
+    share, error = (
+        np.array([one[name] for one in life.states]) for name in ("share", "work_error")
+    )
+    values: dict[str, Any] = {"cage_end": life.criterion}
+    attrs = {}
+    if life.status == OK:
+        criterion = CRITERIA[life.criterion]
+        measure, limit = ENDS[criterion], getattr(wearing.end, criterion)
+        worst, name = measure.critical(life.states[-1].__getitem__)
+        attrs = {"cage_ended_by": measure.reached(worst, limit, name)}
+        # Runs along the life draw alike, so errors add.
+        half = np.trapezoid(error[:, int(not name.startswith(CAGE_PARTS[0]))], turns) / turns[-1]
+        both = turns[-1] * np.array([1.0 - half, 1.0 + half])
+        values |= {
+            "cage_life": turns[-1],
+            "cage_life_interval": both,
+            "cage_life_interval_with_wear": both / _wear_quantiles(scene)[::-1],
+            "cage_hours": life.last.x,
         }
     values |= {
-        "cage_end": end,
-        "film_gone": [
-            float(np.interp(part.thickness, depths[:, k], turns, right=math.inf))
-            if part.thickness
-            else math.nan
-            for k, part in enumerate(parts)
-        ],
-        "motion_changes": _change(nodes),
+        "film_gone": [_gone(parts.film, depth, turns) for depth in depths.T],
+        "motion_changes": _change(share, turns),
         "node_turns": turns,
         "node_depth": depths,
-        "node_work": [node.work for node in nodes],
-        "node_share": [node.share for node in nodes],
+        "node_work": [one["work"] for one in life.states],
+        "node_share": share,
     }
     values |= _of_balls_and_races(scene) if other else {}
-    axes = {END: None, PART: None, NODE: range(len(nodes)), OF_MOTION: None}
-    return filled(CAGE_LIFE, axes, [values])
+    axes = {END: None, PART: None, NODE: range(len(turns)), OF_MOTION: None}
+    return filled(CAGE_LIFE, axes, [values], **attrs)
 
 
-def _error(nodes: Sequence[WornEnsemble], part: int, life: float) -> float:
-    """Half of the interval of a life over it; runs along it draw alike, so errors add."""
-    if len(nodes) == 1 or life <= 0.0:
-        return 0.0
-    steps = np.diff([min(node.turns, life) for node in nodes])
-    errors = np.array([node.error[part] for node in nodes])
-    return float(np.sum(steps * 0.5 * (errors[1:] + errors[:-1])) / life)
+def _gone(film: float, depth: np.ndarray, turns: np.ndarray) -> float:
+    """When a film is worn through; infinite if it is not, NaN without one."""
+    if math.isinf(film):
+        return math.nan
+    is_gone = depth[-1] >= (1.0 - 1e-9) * film
+    return float(np.interp(film, depth, turns)) if is_gone else math.inf
 
 
 def _wear_quantiles(scene: Scene) -> np.ndarray:
@@ -271,13 +235,11 @@ def _wear_quantiles(scene: Scene) -> np.ndarray:
     return quantile(spread[WEAR], own, (0.0, 1.0), np.array(INTERVAL)) / own
 
 
-def _change(nodes: Sequence[WornEnsemble]) -> tuple[float, float]:
+def _change(share: np.ndarray, turns: np.ndarray) -> tuple[float, float]:
     """Between which turns another motion than that of the new cage begins to prevail."""
-    motions = [int(np.argmax(node.share)) for node in nodes]
-    for k, motion in enumerate(motions):
-        if motion != motions[0]:
-            return nodes[k - 1].turns, nodes[k].turns
-    return math.nan, math.nan
+    motions = share.argmax(axis=1)
+    other = np.flatnonzero(motions != motions[0])
+    return (turns[other[0] - 1], turns[other[0]]) if other.size else (math.nan, math.nan)
 
 
 def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
@@ -291,5 +253,16 @@ def _of_balls_and_races(scene: Scene) -> dict[str, Any]:
         return {}
     if life.status != OK:
         return {}
-    hours = float(life.last.time[COUNTS.index(scene.wear.counts)])
-    return {"other_hours": hours, "other_end": life.criterion}
+    time, spread = (
+        float(life.last.time[COUNTS.index(scene.wear.counts)]),
+        with_usual_spread(scene)[0],
+    )
+    names = [name for name in WORN if name in (spread.uncertainty or {})]
+    sampled = values_at(spread, names, np.random.default_rng(0).random((_SAMPLES, len(names))))
+    relative = dict(zip(names, (sampled / [spread.nominal(name) for name in names]).T, strict=True))
+    faster = np.ones(_SAMPLES) / relative.pop(WORN[0], 1.0) * math.prod(relative.values())
+    return {
+        "other_hours": time,
+        "other_hours_interval": time / np.quantile(faster, INTERVAL)[::-1],
+        "other_end": life.criterion,
+    }

@@ -16,7 +16,7 @@ from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
 from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
 from bearingwear.scene.blocks import CRITERIA
-from bearingwear.studies.cage.life import ENDS_OF_CAGE, WEARING
+from bearingwear.studies.cage.life import WEARING
 from bearingwear.studies.cage.motion import HANGS, JAMS, MOTIONS
 
 MOTION_COLOURS = dict(enumerate(("0.85", "C2", "C5", "0.4", "C4", "C3")))
@@ -66,7 +66,7 @@ def ensemble_sheet(file: Any) -> Document:
     if share[HANGS] > 0.0 and plan["least_turns"] < LONG_RUN:
         lines.append(
             "a cage that hangs may change its motion after hundreds of turns: use --least-turns "
-            "{LONG_RUN} --turns {LONG_RUN}"
+            f"{LONG_RUN} --turns {LONG_RUN}"
         )
     if not any(scene["operation"].get("gravity_m_s2") or [0.0]):
         lines.append("weightless: operation.gravity_m_s2 is 0")
@@ -116,10 +116,9 @@ def _life(file: Any) -> Iterator[Block]:
     """The life of the cage, if that was followed."""
     if "cage_end" not in file.variables:
         return
-    end = in_words(ENDS_OF_CAGE[int(values(file, "cage_end"))])
     life, hours = (float(values(file, f"cage_{name}")) for name in ("life", "hours"))
     rows = []
-    lines = ["no end was reached" if math.isnan(life) else f"ended by: {end}"]
+    lines = ["no end was reached" if math.isnan(life) else f"ended by: {file.cage_ended_by}"]
     if not math.isnan(life):
         rows.append(Row("life of the cage", "", (f"{life:.2g}", Rough(hours)), "cage_life"))
         for name, label in (
@@ -143,8 +142,10 @@ def _life(file: Any) -> Iterator[Block]:
     )
     if "other_hours" in file.variables and math.isfinite(other := values(file, "other_hours")):
         words = key_in_words(CRITERIA[int(values(file, "other_end"))])[0]
-        first = "the cage ends first" if hours < other else "balls and races end first"
-        lines.append(f"balls and races: {Rough(float(other)).text} h, ended by {words}; {first}")
+        first = "balls and races end first" if not hours <= other else "the cage ends first"
+        ends = Interval(*values(file, "other_hours_interval").tolist())
+        lines.append(f"balls and races: {Rough(float(other)).text} h, 90 % by their K_s/H "
+            f"{ends.text}, ended by {words}; {first}")  # fmt: skip
     yield Block("cage", ("turns", "h"), tuple(rows), tuple(lines))
 
 

@@ -27,6 +27,7 @@ from bearingwear.scene.calibrated import SEEN_RUN_OUT, SEEN_TORQUE, Calibrated
 from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.checking.records import SCENE_SUFFIXES
 from bearingwear.scene.checking.strict_yaml import yaml_of
+from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.distributions import value_at
 from bearingwear.scene.read import for_life
 from bearingwear.scene.scene import COUNTS, WORN, Distribution, Scene
@@ -38,7 +39,6 @@ from bearingwear.studies.dataset import write_dataset
 from bearingwear.studies.sampling import perturbed, with_wear
 from bearingwear.studies.uncertainty.calibration_file import calibration_dataset
 from bearingwear.studies.uncertainty.calibration_tests import BearingTest, bearing_tests
-from bearingwear.studies.uncertainty.plan import with_usual_spread
 from bearingwear.studies.uncertainty.posterior import (
     LogModel,
     Normal,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bearingwear.scene.checking.records import keyed, setting
-from bearingwear.scene.coefficients import usual_spread
+from bearingwear.scene.coefficients import with_usual_spread
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene, SceneError
 from bearingwear.studies.life_scene import life_scene
 from bearingwear.studies.pool import Tell
@@ -77,14 +77,6 @@ class UncertaintyPlan:
         """
         for name in self.scenes:
             uncertain_scene(Path(folder) / f"{name}.yaml")
-
-
-def with_usual_spread(scene: Scene) -> tuple[Scene, str]:
-    """A scene with distributions, and what they are; empty where they are its own."""
-    if scene.uncertainty:
-        return scene, ""
-    spread, said = usual_spread(scene.to_dict())
-    return scene.with_({"uncertainty": spread}), said
 
 
 def uncertain_scene(

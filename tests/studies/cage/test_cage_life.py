@@ -8,15 +8,10 @@ import xarray as xr
 from support import ROOT
 
 from bearingwear.lives.worn_parts import cage_surfaces
+from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import SceneError
 from bearingwear.scene.variant import variant
-from bearingwear.studies.cage.life import (
-    ENDS_OF_CAGE,
-    cage_life,
-    followed,
-    parts_of,
-    revolutions,
-)
+from bearingwear.studies.cage.life import cage_life, followed, with_cage_end
 from bearingwear.studies.cage.motion import MOTIONS, WHIRLS, WITH_BALLS
 
 S1 = ROOT / "config/scenes/gyro_s1.yaml"
@@ -37,16 +32,28 @@ def made_up(work, motion=WITH_BALLS, error=0.1):
     return xr.Dataset(data)
 
 
-def life_of(changes, found=lambda number, depth: made_up(WORK)):
-    scene = variant(S1, changes)
-    return cage_life(scene, followed(scene, found), other=False), scene
+def life_of(changes, found=None):
+    """By one ensemble, or those of a function of number and depths."""
+    scene, one = variant(S1, changes), made_up(WORK) if found is None else found
+    by = one if callable(one) else lambda number, depth: one
+    return cage_life(followed(scene, by), other=False), scene
+
+
+def revolutions(volume, wear_over_hardness, work):
+    """The plain ratio: revolutions in which a volume [m3] wears away."""
+    return volume / (wear_over_hardness * work)
+
+
+def end_of(found):
+    return CRITERIA[int(found["cage_end"])]
 
 
 def test_the_example_of_a_handbook():
-    """6e-8 m3 by K_s/H 4e-15 m2/N and 0.033 N m a revolution: 4.5e8; the handbook prints 4.29e8."""
-    assert revolutions(6e-8, 4e-15, 0.033) == pytest.approx(4.545e8, rel=1e-3)
-    assert revolutions(6e-8, 4e-15, 0.033) / 4.29e8 == pytest.approx(1.06, abs=0.005)
-    assert revolutions(1.0, 1.0, 0.0) == math.inf
+    """6e-8 m3 by K_s/H 4e-15 m2/N and 0.033 N m a revolution: 4.545e8; ESA's prints 4.29e8."""
+    _, surface = cage_surfaces(variant(S1, {}))
+    film = {"thickness_um": 6e-8 / surface * 1e6, "wear_coefficient": 4e-15 * 1e9}
+    found, _ = life_of({"cage.film": film | {"brinell_hardness_GPa": 1.0}}, made_up((0.0, 0.033)))
+    assert float(found["cage_life"]) == pytest.approx(4.545e8, rel=1e-3)
 
 
 def test_a_film_lasts_by_the_plain_ratio():
@@ -59,7 +66,10 @@ def test_a_film_lasts_by_the_plain_ratio():
     )
     assert float(found["cage_life"]) == pytest.approx(min(pockets, land), rel=1e-9)
     first = int(land < pockets)
-    assert ENDS_OF_CAGE[int(found["cage_end"])] == ("pocket_film", "land_film")[first]
+    assert end_of(found) == "cage_film_worn_share"
+    assert found.attrs["cage_ended_by"] == (
+        f"{('pocket', 'land')[first]} film worn off the cage 100 %, limit 100 %"
+    )
     assert float(found["film_gone"][first]) == pytest.approx(float(found["cage_life"]))
     assert float(found["cage_hours"]) == pytest.approx(float(found["cage_life"]) / 30000 / 60)
     assert found["cage_life_interval"].values == pytest.approx(
@@ -72,18 +82,17 @@ def test_a_film_lasts_by_the_plain_ratio():
 def test_a_limit_lies_below_the_film():
     """The land's limit: the film first, then the cage's own material."""
     limit = {"wear.end_of_life": {"guide_clearance_mm": 0.3}}
-    found, scene = life_of(FILM | limit, lambda n, d: made_up((1e-9, 5e-5)))
+    found, scene = life_of(FILM | limit, made_up((1e-9, 5e-5)))
     _, surface = cage_surfaces(scene)
     of_film = revolutions(10e-6 * surface, FILM_K, 5e-5)
     below = revolutions(40e-6 * surface, CAGE_K, 5e-5)
     assert float(found["cage_life"]) == pytest.approx(of_film + below, rel=1e-9)
     assert float(found["film_gone"][1]) == pytest.approx(of_film, rel=1e-9)
-    assert ENDS_OF_CAGE[int(found["cage_end"])] == "guide_clearance"
+    assert end_of(found) == "guide_clearance_mm"
 
 
-def test_work_that_rises_as_the_clearance_opens():
-    """alpha = alpha_0 exp(d/L): the turns are an integral in closed form; the error of steps of
-    h = L/4 is h^2/6."""
+def test_work_that_rises_as_the_clearance_opens(monkeypatch):
+    """alpha = alpha_0 exp(d/L): the turns are an integral in closed form."""
     limit = {"wear.end_of_life": {"guide_clearance_mm": 0.3}}
     scale = 50e-6
 
@@ -93,8 +102,10 @@ def test_work_that_rises_as_the_clearance_opens():
     found, scene = life_of(limit, rising)
     _, surface = cage_surfaces(scene)
     exact = surface * scale * (1.0 - math.exp(-50e-6 / scale)) / (CAGE_K * 5e-5)
-    assert float(found["cage_life"]) == pytest.approx(exact * (1.0 - 0.25**2 / 6.0), rel=1e-3)
-    assert found.sizes["node"] == 5
+    assert float(found["cage_life"]) == pytest.approx(exact, rel=0.01)  # four steps: 0.0096
+    monkeypatch.setattr("bearingwear.studies.cage.life.LIFE_STEPS", 8)
+    finer, _ = life_of(limit, rising)
+    assert float(finer["cage_life"]) == pytest.approx(exact, rel=5e-4)
 
 
 def test_another_motion_on_the_way():
@@ -112,18 +123,18 @@ def test_another_motion_on_the_way():
 
 
 def test_a_cage_that_does_not_wear_has_no_end():
-    found, _ = life_of(FILM, lambda n, d: made_up((0.0, 0.0)))
-    assert ENDS_OF_CAGE[int(found["cage_end"])] == "none" and found["cage_life"].isnull()
+    found, _ = life_of(FILM, made_up((0.0, 0.0)))
+    assert end_of(found) == "none" and found["cage_life"].isnull()
 
 
 def test_balls_and_races_beside_it():
     scene = variant(S1, FILM)
-    found = cage_life(scene, followed(scene, lambda n, d: made_up(WORK)))
+    found = cage_life(followed(scene, lambda n, d: made_up(WORK)))
     assert float(found["other_hours"]) == pytest.approx(1.3265, rel=1e-3)
 
 
 def test_nothing_that_ends_it_is_refused():
     with pytest.raises(SceneError, match="expected one that ends the life of the cage"):
-        parts_of(variant(S1, {}))
+        with_cage_end(variant(S1, {}))
     with pytest.raises(SceneError, match="got 0.1, expected more than the cage has new, 0.2"):
-        parts_of(variant(S1, {"wear.end_of_life": {"guide_clearance_mm": 0.1}}))
+        with_cage_end(variant(S1, {"wear.end_of_life": {"guide_clearance_mm": 0.1}}))

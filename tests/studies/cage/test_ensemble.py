@@ -247,7 +247,7 @@ def test_what_is_refused_takes_one_line(tmp_path, capsys):
         (["--runs", "5"], "runs: got 5, expected a whole number >= 20"),
         (["--turns", "35"], "most_turns: got 35, expected a multiple of 10"),
         (["--set", "cage=null"], "cage: got nothing, expected a cage"),
-        (["--life"], "cage.film: got neither a film nor a clearance limit"),
+        (["--life"], "cage.film: got neither a film nor a limit"),
     ):
         assert main(["cage", str(S1), *options, *out]) == 2
         text = capsys.readouterr().err
