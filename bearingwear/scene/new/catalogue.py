@@ -158,6 +158,7 @@ def makers_with(designation: str) -> list[str]:
     return [maker for maker in MAKERS if _found(maker, designation)[0]]
 
 
+@functools.cache
 def _named(maker: str) -> dict[str, list[CatalogueBearing]]:
     """Bearings of a maker by their plain designations."""
     known: dict[str, list[CatalogueBearing]] = {}
