@@ -25,7 +25,7 @@ from bearingwear.kernels.equilibrium.thrust_loaded import (
     thrust_equilibrium,
 )
 from bearingwear.kernels.params import Geometry
-from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save
+from bearingwear.plotting.drawing import Figure, frame, key, lines_of_a_title, new_figure, save
 from bearingwear.scene.scene import Scene
 from bearingwear.scene.variant import variant
 from bearingwear.solvers.bearing.mounted import groove_geometry
@@ -236,13 +236,14 @@ def ticked(axis: Axis, values: Sequence[float]) -> None:
 
 def drawn() -> Figure:
     """What has few rows: rigidity and deflection as curves, and how far off each row is."""
-    figure, panels = new_figure(1, 3, 7.2, 3.0)
+    figure, panels = new_figure(1, 3, 8.4, 3.2, width_ratios=(1, 1, 1.1))
     stiffness, deflection, off = panels[0]
     F = np.geomspace(100.0, 1500.0, 40)
     stiffness.plot(F, [2e-6 * axial_stiffness_at(S6208C, one) for one in F], color="C2")
     stiffness.plot(list(GMN), list(GMN.values()), color="C3", marker="o", linestyle="none")
     stiffness.set_xlabel("preload (N)")
-    stiffness.set_title("GMN pair (N/µm)", loc="left")
+    stiffness.set_ylabel("axial rigidity (N/µm)")
+    stiffness.set_title("S6208C pair, GMN", loc="left")
     F = np.geomspace(SNFA_LOADS[0], SNFA_LOADS[-1], 30)
     for angle in SNFA_ANGLES:
         deflection.plot(F, [snfa_deflection(angle, one) for one in F], color="C2")
@@ -250,7 +251,8 @@ def drawn() -> Figure:
         deflection.plot(SNFA_LOADS, expected, color="C3", marker="o", linestyle="none")
         deflection.text(22.0, 0.75 * snfa_deflection(angle, 20.0), f"{angle:g}°")
     deflection.set_xlabel("thrust (N)")
-    deflection.set_title("axial deflection (µm)", loc="left")
+    deflection.set_ylabel("axial deflection (µm)")
+    deflection.set_title("one bearing, SNFA", loc="left")
     for axes in (stiffness, deflection):
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -263,24 +265,24 @@ def drawn() -> Figure:
         off.plot(100 * np.maximum(np.abs(group.differences), 1e-5), np.full(len(group.rows), k),
                  color="C2", marker="o", linestyle="none")  # fmt: skip
         off.plot(100 * group.allowed, k, color="C3", marker="|", markersize=12)
-        off.text(1e-3, k + 0.22, f"{group.name}, {group.source}")
-    off.set_yticks([])
-    off.set_ylim(-0.5, len(kinds) - 0.4)
+    labels = [f"{group.name}, {group.source}" for group in reversed(kinds)]
+    off.set_yticks(range(len(kinds)), ["\n".join(lines_of_a_title(one, 24)) for one in labels])
+    off.set_ylim(-0.5, len(kinds) - 0.5)
     off.set_xscale("log")
     off.set_xlim(8e-4, 12.0)
     ticked(off.xaxis, (0.001, 0.01, 0.1, 1, 10))
-    off.set_xlabel("difference of a row (%)")
-    off.set_title("all others", loc="left")
+    off.set_xlabel("difference from the source (%)")
+    off.set_title("each comparison", loc="left")
     stiff, bent = kinds[0], kinds[3]
     title = (
-        f"Rigidity of a pair is within {100 * np.abs(stiff.differences).max():.1f} % of GMN's, "
-        f"deflection within {100 * np.abs(bent.differences).max():.0f} % of Palmgren's formula"
+        f"Axial rigidity agrees with GMN within {100 * np.abs(stiff.differences).max():.1f} %, "
+        f"deflection with Palmgren's formula within {100 * np.abs(bent.differences).max():.0f} %"
     )
     handles = [
-        key("program", color="C2"),
-        key("theirs", color="C3", marker="o", linestyle="none"),
-        key("a row", color="C2", marker="o", linestyle="none"),
-        key("rms allowed", color="C3", marker="|", linestyle="none"),
+        key("computed", color="C2"),
+        key("catalogue or formula", color="C3", marker="o", linestyle="none"),
+        key("one difference", color="C2", marker="o", linestyle="none"),
+        key("rms allowed", color="C3", marker="|", linestyle="none", markersize=9),
     ]
     frame(figure, title, handles, 4)
     return figure

@@ -109,7 +109,7 @@ def with_block(text: str, name: str, block: str) -> str:
 
 
 def scatter(axes: Any, rows: Sequence[Row], log: bool) -> None:
-    """Theirs against the program's, with the line of equality."""
+    """Computed values over those of a maker, with the line of equality."""
     theirs, ours = [row.expected for row in rows], [row.found for row in rows]
     ends = min(theirs + ours), max(theirs + ours)
     axes.plot(ends, ends, color="0.4", linewidth=0.8)
@@ -123,5 +123,5 @@ def histogram(axes: Any, values: np.ndarray, step: float) -> None:
     """How often differences of a size are, zero in the middle of a bar."""
     reach = step * (np.ceil(np.abs(values).max() / step) + 0.5)
     axes.hist(values, bins=np.arange(-reach, reach + step, step), color="C2")
-    axes.set_ylabel("rows")
+    axes.set_ylabel("number of values")
     axes.axvline(0.0, color="0.4", linewidth=0.8)

@@ -53,39 +53,39 @@ def page() -> str:
 
 <!-- made by `python benchmarks/film_tests.py docs` -->
 
-What tests of films were found in the open, beside the program, with one set of sourced coefficients
-([table](coefficients.md)) and nothing tuned for a test. Two of six can be predicted at all. Both
-fail with the middle of the table.
+This page compares the program with published tests of solid-lubricant films. It uses one set of
+sourced coefficients ([table](coefficients.md)), not tuned for any test. Only two of the six tests
+can be predicted at all; with median coefficients, both predictions fail.
 
 ![Revolutions until a film is worn through; life against load](figures/film_tests.svg)
 
 | sputtered MoS2, 0.6 µm, angular-contact bearing, 1750 r/min, 137.9 N, vacuum [1] | more than \
-{SEEN:.3g} revolutions | {rev:.2g}, 90 % between {low:.1g} and {high:.1g} | {SEEN / rev:.2g} or \
+{SEEN:.3g} revolutions | {rev:.2g}, 90 % interval {low:.1g} to {high:.1g} | {SEEN / rev:.2g} or \
 more | **fails** |
 | sputtered MoS2, 0.2 to 0.65 µm, pin on disc: load four times as high [2] | life falls \
 {LIVES[0] / LIVES[1]:.3g}-fold or more | {archard:.2g}-fold (Archard's law) | \
 {LIVES[0] / LIVES[1] / archard:.2g} or more | **fails** |
 | lead on a retainer, 40 mm bore, 30 000 r/min, 1780 N, liquid hydrogen [3] | 50 µm lasted 15 h, \
-others 2 to 6 h | – | | not predicted: no coefficient of lead was found |
-| lead alloys, the same [4] | 22.5 and 19.3 h | – | | not predicted: as above |
-| PTFE transfer film, 40 mm bore, liquid hydrogen [5] | holds 2000 N/mm² at 5 m/s of spin | – | | \
-not predicted: the model has no rupture of a film |
+others 2 to 6 h | – | | not predicted: no coefficient for lead was found |
+| lead alloys, same conditions [4] | 22.5 and 19.3 h | – | | not predicted: as above |
+| PTFE transfer film, 40 mm bore, liquid hydrogen [5] | withstands 2000 N/mm² at a spin velocity \
+of 5 m/s | – | | not predicted: the model does not include film rupture |
 | SR4, self-lubricating | more than 3.7e9 revolutions | – | | not compared: no open source found |
 
-The size of the bearing of [1] is not in its abstract; a 7204C with NSK's balls is assumed, and a
-life to half of a track bare. The run-out bounds K_s/H to {bound:.2g} m²/N or less, where two discs
-of [6] had 4e-15 while they ran in: a factor of {4e-15 / bound:.2g}. The table's 90 % reach from the
-one to the other, so the run-out lies at their end.
+The abstract of [1] does not state the bearing size; a 7204C with NSK's balls is assumed, and a life
+that ends when half of a track is bare. The test ended without failure (run-out), which limits K_s/H
+to at most {bound:.2g} m²/N. Two discs of [6] had 4e-15 during running-in, {4e-15 / bound:.2g} times
+as much. The 90 % interval of the table extends from one to the other, so the run-out is at its end.
 
-**Why.** A film that has transferred and compacted wears by patches that go back and forth, and much
-slower than in its first thousand cycles; one K_s/H knows nothing of it. Worn through in the model
-is not the end of lubrication in a bearing, where the debris goes on.
+**Cause.** A transferred and compacted film wears by material that moves back and forth in patches,
+much more slowly than in its first thousand cycles. A single K_s/H cannot describe this. A film that
+is worn through in the model need not end lubrication in a bearing, where its debris continues to
+lubricate.
 
-**Load.** Under Archard's law a track as wide as Hertz's contact lasts as F^(-2/3), so
-{archard:.2g} times shorter. To have [2] K_s must rise with pressure to the power of
-{exponent():.2g} or more. `friction.film.pressure_exponent` does so
-([theory](theory/23-films.md)); it is off unless a scene has it, since one pair of loads is behind
-it.
+**Load.** Under Archard's law the life of a track as wide as the Hertzian contact is proportional to
+F^(-2/3): {archard:.2g} times shorter at four times the load. To match [2], K_s must increase with
+pressure to the power of {exponent():.2g} or more. `friction.film.pressure_exponent` provides this
+([theory](theory/23-films.md)). It is off by default, because it is based on a single pair of loads.
 
 1. [NASA, bearing endurance tests in vacuum](https://core.ac.uk/works/24927645)
 2. [Spalvins, 1971](https://ntrs.nasa.gov/citations/19720029182)
@@ -94,18 +94,21 @@ it.
 5. [Nosaka and others, 1993](https://www.scilit.net/publications/d14c1a0a71f25a93674a469b727af1f5)
 6. [Seynstahl and others, 2023](https://www.mdpi.com/2075-4442/11/8/335)
 
-Of 1, 2, 3, 4 and 5 the abstracts were read.
+Of references 1 to 5, only the abstracts were read.
 """
     return "\n".join(_wrapped(line) for line in text.split("\n"))
 
 
 def _wrapped(line: str) -> str:
-    """A row `| test | seen | program | off by | verdict |` as an item of a list."""
+    """A row `| test | measured | computed | off by | verdict |` as an item of a list."""
     if not line.startswith("| "):
         return line
     test, seen, program, off, verdict = (cell.strip() for cell in line.strip("|").split(" |"))
-    said = f"{test}: {seen}. Program: {program}{f', off by {off}' if off else ''}: {verdict}."
-    return textwrap.fill(said, 100, initial_indent="- ", subsequent_indent="  ")
+    if program == "–":
+        text = f"{test}: {seen}; {verdict}."
+    else:
+        text = f"{test}: {seen}. Computed: {program}{f', off by {off}' if off else ''}; {verdict}."
+    return textwrap.fill(text, 100, initial_indent="- ", subsequent_indent="  ")
 
 
 def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
@@ -114,25 +117,25 @@ def _draw(rev: float, ends: tuple[float, float], archard: float) -> None:
     left.plot(rev, 0, "o", color="C2")
     left.plot(SEEN, 1, ">", color="C3")
     left.set_xscale("log")
-    left.set_yticks((0, 1), ("program", "NASA"))
+    left.set_yticks((0, 1), ("computed", "NASA"))
     left.set_ylim(-0.6, 1.6)
-    left.set_xlabel("revolutions")
+    left.set_xlabel("revolutions until the film is worn through")
     lives = [LIVES[1] * archard, LIVES[1]]
     right.plot(LOADS, LIVES, ">-", color="C3")
     right.plot(LOADS, lives, "o-", color="C2")
     right.set_xscale("log")
     right.set_yscale("log")
     right.set_xticks(LOADS, [f"{load:g}" for load in LOADS])
-    right.set_yticks((4e4, 1e5, 4e5), ("4e+04", "1e+05", "4e+05"))
+    right.set_yticks((4e4, 1e5, 4e5))
     right.minorticks_off()
-    right.set_xlabel("load (g)")
-    right.set_ylabel("cycles")
+    right.set_xlabel("load (g, as in the test)")
+    right.set_ylabel("life (cycles)")
     handles = [
-        key("program, 90 % of the table", color="C2", marker="o"),
-        key("test: at least", color="C3", linestyle="none", marker=">"),
+        key("computed, bar: 90 % interval of the wear coefficient", color="C2", marker="o"),
+        key("measured lower bound", color="C3", linestyle="none", marker=">"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
-    figure.suptitle(f"A film of MoS2 lasted {SEEN / rev:.0f} times longer than the program has it")
+    figure.suptitle(f"An MoS₂ film lasted at least {SEEN / rev:.0f} times as long as computed")
     save(figure, ["docs/figures/film_tests.svg"])
 
 

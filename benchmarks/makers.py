@@ -20,7 +20,7 @@ from comparison import Group, Row, histogram, row_table, scatter, totals
 from identify import PRINTED
 
 import bearingwear
-from bearingwear.plotting.drawing import Figure, frame, key, new_figure
+from bearingwear.plotting.drawing import Figure, frame, from_zero, key, mu_is, new_figure
 from bearingwear.scene.new.catalogue import MAKERS, bearings
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.at_rest import RestingPair
@@ -244,11 +244,11 @@ def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: 
         spread.set_title(f"difference, rms {said}", loc="left")
     rigid.set_title("axial rigidity of a pair (N/µm)", loc="left")
     clear.set_title("axial clearance of a pair (µm)", loc="left")
-    off.set_xlabel("program - NSK (%)")
-    away.set_xlabel("program - NSK (µm)")
+    off.set_xlabel("computed − NSK (%)")
+    away.set_xlabel("computed − NSK (µm)")
     for axes in (rigid, clear):
         axes.set_xlabel("NSK")
-        axes.set_ylabel("program")
+        axes.set_ylabel("computed")
     classes = MAKERS["NSK"].classes
     for angle in (15.0, 25.0, 30.0):
         values = [ratios["NSK", angle, name] for name in classes]
@@ -257,21 +257,22 @@ def drawn(groups: Sequence[Group], ratios: Mapping, torques: Sequence[Row], mu: 
         radial.vlines(classes, *np.transpose(ends), color="C2", linewidth=3.0, alpha=0.4)
         theirs = [RADIAL_FACTORS.get(("NSK", angle, name)) or RADIAL_FACTORS["NSK", angle, ""]
                   for name in classes]  # fmt: skip
-        radial.plot(classes, theirs, color="C3", marker="_", markersize=12, linestyle="none")
-        radial.text(3.15, np.mean(values[-1]), f"{angle:g}°", va="center")
-    radial.set_ylim(0.0)
+        radial.plot(classes, theirs, color="C3", marker="_", markersize=12, linestyle="none",
+                    clip_on=False)  # fmt: skip
+        radial.text(3.25, np.mean(values[-1]), f"{angle:g}°", va="center")
+    from_zero(radial)
     radial.set_xlabel("preload class")
-    radial.set_title("radial over axial rigidity", loc="left")
+    radial.set_title("radial / axial rigidity", loc="left")
     scatter(slow, torques, True)
-    slow.set_title(f"slow torque (N m), mu {mu:.3f}", loc="left")
+    slow.set_title(f"slow torque (N m), {mu_is(round(mu, 3))}", loc="left")
     slow.set_xlabel("SNFA, ball-screw bearings")
-    slow.set_ylabel("program")
+    slow.set_ylabel("computed")
     title = (
         f"{len(groups[0].rows)} rigidities within {100 * groups[0].rms:.1f} % rms, clearances "
         f"within {groups[1].rms:.2f} µm, balls identified from load ratings"
     )
     handles = [
-        key("program (bar: all sizes)", color="C2", marker="o"),
+        key("computed (bar: all sizes)", color="C2", marker="o"),
         key("catalogue", color="C3", marker="_", markersize=12, linestyle="none"),
         key("equal", color="0.4"),
     ]

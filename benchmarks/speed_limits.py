@@ -17,7 +17,7 @@ import numpy as np
 from comparison import FIGURES, PAGE, table, with_block
 
 import bearingwear
-from bearingwear.plotting.drawing import Figure, frame, key, new_figure, save
+from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure, save
 from bearingwear.scene.new.catalogue import MAKERS, CatalogueBearing, entry_of
 
 SIZES = [f"70{code:02d}C" for code in range(2, 22)]
@@ -100,27 +100,37 @@ def shares() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     return pv, made
 
 
+TITLES = {
+    "own p v": "p v of each bearing",
+    "one p v": "p v, one limit for all",
+    "own heat": "heat of each bearing",
+}
+
+
 def drawn(own: np.ndarray, made: Mapping[str, np.ndarray]) -> Figure:
-    figure, panels = new_figure(1, 4, 7.2, 2.9)
+    figure, panels = new_figure(1, 4, 8.4, 2.9)
     places = np.arange(len(CLASSES))
     for axes, (name, values) in zip(panels[0][:3], made.items(), strict=True):
         for line in values:
             axes.plot(places, line, color="C2", linewidth=0.5, alpha=0.5)
         axes.plot(places, np.median(values, axis=0), color="C2", marker="o")
-        axes.plot(places, FACTORS, color="C3", marker="_", markersize=12, linestyle="none")
+        axes.plot(places, FACTORS, color="C3", marker="_", markersize=12, linestyle="none",
+                  clip_on=False)  # fmt: skip
         axes.set_xticks(places, CLASSES)
         axes.set_ylim(0.0, 1.0)
         axes.set_xlabel("preload class")
-        axes.set_title(f"share, {name}", loc="left")
+        axes.set_title(TITLES[name], loc="left")
+    panels[0][0].set_ylabel("speed, rigid pair / sprung bearing")
     last = panels[0][3]
     last.plot([entry_of("NSK", name)[0].bore for name in SIZES], own / 1e6, color="C2", marker="o")
-    last.set_ylim(0.0)
+    from_zero(last)
     last.set_xlabel("bore (mm)")
-    last.set_title("p v (MPa m/s)", loc="left")
-    title = "Speed of a rigid pair over that of one under a light spring: p v misses the trend"
+    last.set_ylabel("p v at the grease limit (MPa m/s)")
+    last.set_title("sprung bearings", loc="left")
+    title = "Speed limits of rigid pairs: a limit on p v misses the trend of the catalogue"
     handles = [
-        key("20 sizes", color="C2", linewidth=0.5),
-        key("their median", color="C2", marker="o"),
+        key("each of 20 sizes", color="C2", linewidth=0.5),
+        key("median", color="C2", marker="o"),
         key("NSK", color="C3", marker="_", markersize=12, linestyle="none"),
     ]
     frame(figure, title, handles, 3)

@@ -169,15 +169,15 @@ def figure(found, path):
         off = [abs(loads[k] / found[-1][2][k] - 1.0) for _, _, loads, _ in found[:-1]]
         errors.loglog(sizes, off, "o", color=colours[name])
     pressures.plot(cells.X, cells.fresh[0], color="0.6")
-    pressures.set(xlabel="x/a", ylabel="pressure over Hertz's peak")
-    worn.set(xlabel="x/a", ylabel="worn profile over the approach")
-    errors.set(xlabel="cells in half of the contact", ylabel="error of the load")
+    pressures.set(xlabel="x/a", ylabel="pressure / Hertz's maximum")
+    worn.set(xlabel="x/a", ylabel="worn profile / approach")
+    errors.set(xlabel="cells in half of the contact", ylabel="relative error of the load")
     errors.set_xticks([250, 500, 1000], ["250", "500", "1000"], minor=False)
     errors.set_xticks([], minor=True)
     handles = [key(name, color=colour) for name, colour in colours.items()]
     worst = max(abs(loads / found[-1][2] - 1.0).max() for n, m, loads, _ in found if (n, m) == USED)
     cells_used = " by ".join(map(str, USED))
-    said = f"With {cells_used} cells the load of a worn contact is within {percent_in_text(worst)}"
+    said = f"With {cells_used} cells the error of a worn contact's load is {percent_in_text(worst)}"
     frame(drawn, said, [*handles, key("unworn", color="0.6")], columns=4)
     save(drawn, [path])
 

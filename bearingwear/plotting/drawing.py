@@ -100,7 +100,7 @@ def save(figure: Figure, paths: Iterable[str | Path]) -> None:
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             if isinstance(axis.get_major_formatter(), LogFormatter):
-                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_major_formatter(FuncFormatter(lambda value, _: number_on_axis(value)))
                 axis.set_minor_formatter(NullFormatter())
     if layout := figure.get_layout_engine():  # takes longer than drawing: once for all formats
         layout.execute(figure)
@@ -282,7 +282,8 @@ def frame(figure: Figure, title: str, handles: list[Line2D], columns: int) -> No
     """Title above and legend below the panels, where they hide nothing."""
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
     figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
 def lines_of_a_title(title: str, width: int) -> list[str]:
@@ -320,6 +321,15 @@ def power_of_ten(values: Sequence[xr.DataArray]) -> int:
     """Power of ten, a multiple of three, that brings the largest value to 1 to 1000."""
     largest = max((float(abs(v).max()) for v in values if v.size and v.notnull().any()), default=0)
     return 3 * math.floor(math.log10(largest) / 3.0) if largest > 0.0 else 0
+
+
+def number_on_axis(value: float) -> str:
+    """A number for a tick label, with a raised power of ten if it is below 0.001 or from 1e5 on."""
+    digits, _, exponent = f"{value:.3e}".partition("e")
+    if value == 0.0 or -3 <= int(exponent) < 5:
+        return f"{value:g}".replace("-", "−")
+    power, factor = ten_to_the(int(exponent)), f"{float(digits):g}"
+    return power if factor == "1" else f"{factor} × {power}"
 
 
 def ten_to_the(exponent: int) -> str:

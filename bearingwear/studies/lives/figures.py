@@ -3,8 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 import xarray as xr
+from matplotlib.ticker import MaxNLocator
 
 from bearingwear.kernels.status import OK
 from bearingwear.plotting.drawing import (
@@ -29,7 +31,7 @@ from bearingwear.studies.lives.life_file import dynamic_life, ended_by
 _BALLS, _RACES, _POCKETS, _LAND = SERIES[:4]
 _STEADY = {"color": "0.5", "linestyle": "--", "linewidth": 1.0}
 _GROOVES = ("inner groove", "outer groove")
-_DARKEST, _LIGHTEST = 0.0, 0.75
+_AGES = "viridis_r"
 
 
 def wear_history(life: Path) -> Figure:
@@ -134,7 +136,7 @@ def _message(life: xr.Dataset) -> str:
 
 
 def groove_figure(life: xr.Dataset) -> Figure:
-    """Profile of both grooves at five states of the life, and the pressure over it.
+    """Pressure and profile of both grooves at five states of a life; of banded balls, too.
 
     Parameters
     ----------
@@ -144,40 +146,44 @@ def groove_figure(life: xr.Dataset) -> Figure:
     banded = "band_depth" in life
     figure, panels = new_figure(3 if banded else 2, 2, 7.6, 7.4 if banded else 5.4)
     steps = life["groove_step"].values
-    greys = [str(g) for g in np.linspace(_LIGHTEST, _DARKEST, len(steps))]
+    colours = [*matplotlib.colormaps[_AGES](np.linspace(0.1, 1.0, len(steps)))]
     hours = life["history_time"].isel(counts=1).values
     for race, title in enumerate(_GROOVES):
         arc = 1e3 * life["groove_arc"].isel(race=race).values
         pressure = 1e-9 * life["groove_pressure"].isel(race=race).values
         depth = 1e6 * life["groove_depth"].isel(race=race).values
         seen = arc[(depth > 1e-3 * depth.max()).any(axis=0) | (pressure > 0.0).any(axis=0)]
-        for k, grey in enumerate(greys):
-            panels[0, race].plot(arc, pressure[k], color=grey, linewidth=1.0)
-            panels[1, race].plot(arc, -depth[k], color=grey, linewidth=1.0)
+        for k, colour in enumerate(colours):
+            panels[0, race].plot(arc, pressure[k], color=colour)
+            panels[1, race].plot(arc, -depth[k], color=colour)
         for panel in panels[:2, race]:
             panel.set_xlim(seen.min(), seen.max())
-            panel.set_xlabel("along the groove, towards +X (mm)")
+            panel.set_xlabel("position across the groove, towards +X (mm)")
+            panel.xaxis.set_major_locator(MaxNLocator(6))
         panels[0, race].set_title(title)
-        panels[0, race].set_ylim(bottom=0.0)
-    panels[0, 0].set_ylabel("pressure in the middle (GPa)")
-    panels[1, 0].set_ylabel("worn profile (µm)")
-    if banded:
-        _draw_bands(panels[2], life, greys)
+        from_zero(panels[0, race])
+    panels[0, 0].set_ylabel("pressure on the centre line (GPa)")
+    panels[1, 0].set_ylabel("worn profile of the groove (µm)")
     keys = [
-        key(f"after {digits(hours[step])} h", color=grey)
-        for step, grey in zip(steps, greys, strict=True)
+        key(f"after {digits(hours[step])} h" if step else "new", color=colour)
+        for step, colour in zip(steps, colours, strict=True)
     ]
-    frame(figure, f"{scene_of(life)['name']}: grooves as they wear", keys, columns=5)
+    if banded:
+        _draw_bands(panels[2, 0], life, colours)
+        panels[2, 1].axis("off")
+        panels[2, 1].legend(handles=keys, loc="center", fontsize="large")
+    lost = 1e6 * float(life["history_ball_diameter_loss"][steps[-1]])
+    title = f"{scene_of(life)['name']}: grooves up to an interference loss of {lost:.2g} µm"
+    frame(figure, title, [] if banded else keys, columns=5)
     return figure
 
 
-def _draw_bands(panels: np.ndarray, life: xr.Dataset, greys: list[str]) -> None:
+def _draw_bands(panel: Any, life: xr.Dataset, colours: list[np.ndarray]) -> None:
     """Depth worn off the balls over their latitude."""
     latitude, depth = life["band_latitude"].values, 1e6 * life["band_depth"].values
     worn = latitude[(depth > 1e-3 * depth.max()).any(axis=0)]
-    for k, grey in enumerate(greys):
-        panels[0].plot(latitude, -depth[k], color=grey, linewidth=1.0)
-    panels[0].set_xlim(worn.min(), worn.max())
-    panels[0].set_xlabel("latitude on the ball (°)")
-    panels[0].set_ylabel("worn off the balls (µm)")
-    panels[1].axis("off")
+    for k, colour in enumerate(colours):
+        panel.plot(latitude, -depth[k], color=colour)
+    panel.set_xlim(worn.min(), worn.max())
+    panel.set_xlabel("latitude on the ball (°)")
+    panel.set_ylabel("worn profile of the balls (µm)")

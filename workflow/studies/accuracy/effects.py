@@ -68,12 +68,12 @@ def effects_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     return _PART.holding(
         f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
 to be edited here.
-Each number is a factor over the first point of its sweep (`config/accuracy.yaml`): the bearing as
-mounted, or alone, or without traction, always with slip over the whole ellipse. Preload and QV are
-those of the first bearing, at the wear of the scene; a life is that from new, and 0 where a limit
-is passed when new. Times are processor times of whole steady solves and lives, compiled code warm,
-the median of {plan.repeats}. A run of the study compares: answers agree within
-{answers_agree_within()}, times within a factor {plan.tolerance.time:g}.
+Each number is relative to the first point of its sweep (`config/accuracy.yaml`): the bearing as
+mounted, a single bearing, or no traction in the balance, always with slip over the whole ellipse.
+Preload and QV refer to the first bearing at the wear of the scene. Lives start from new; a life of
+0 means that a limit is exceeded when new. Times are CPU times of complete steady solves and lives
+with compiled code, medians of {plan.repeats} runs. The study checks this table: results agree
+within {answers_agree_within()}, times within a factor of {plan.tolerance.time:g}.
 
 {tables_text(effect_tables(trade, plan))}"""
     )

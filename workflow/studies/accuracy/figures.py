@@ -9,7 +9,16 @@ import xarray as xr
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from bearingwear.kernels.status import OK
-from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure, percent_in_text
+from bearingwear.plotting.drawing import (
+    SERIES,
+    Figure,
+    frame,
+    in_words,
+    key,
+    new_figure,
+    percent_in_text,
+    series_look,
+)
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.studies.dataset import loaded
@@ -17,21 +26,17 @@ from workflow.studies.accuracy.groove_figure import grooves_figure
 from workflow.studies.accuracy.points import names, points_where
 
 LEAST_ERROR = 1e-8  # smaller errors are drawn there
+_CPU = "processor_time"
 
+_STEADY_SWEEPS = ("strips", "gauss", "split", "regularisation", "life_tolerance")
+_DYNAMIC_SWEEPS = ("turns", "tolerance", "points_dynamic", "regularisation_dynamic", "runge_kutta")
+_SINGLE_POINTS = {"color": "0.65", "marker": ".", "linestyle": "none"}
 STYLES: dict[str, dict[str, Any]] = {
-    "strips": {"color": "C0", "marker": "o"},
-    "gauss": {"color": "C2", "marker": "s"},
-    "split": {"color": "C1", "marker": "D"},
-    "regularisation": {"color": "C3", "marker": "^"},
-    "life_tolerance": {"color": "C5", "marker": "v"},
-    "regularisation_dynamic": {"color": "C3", "marker": "^"},
-    "runge_kutta": {"color": "C0", "marker": "o"},
-    "tolerance": {"color": "C2", "marker": "s"},
-    "points_dynamic": {"color": "C1", "marker": "D"},
-    "turns": {"color": "C0", "marker": "o"},
-    "start": {"color": "C4", "marker": "P", "linestyle": "none"},
-    "mixed_steady": {"color": "0.65", "marker": ".", "linestyle": "none"},
-    "mixed_dynamic": {"color": "0.65", "marker": ".", "linestyle": "none"},
+    **{name: series_look(k) for k, name in enumerate(_STEADY_SWEEPS)},
+    **{name: series_look(k) for k, name in enumerate(_DYNAMIC_SWEEPS)},
+    "start": {"color": SERIES[3], "marker": "P", "linestyle": "none"},
+    "mixed_steady": _SINGLE_POINTS,
+    "mixed_dynamic": _SINGLE_POINTS,
 }
 PRESET_MARKERS = {"draft": "v", "standard": "*", "reference": "^"}
 PRESET_STYLE = {"color": "black", "markersize": 8, "linestyle": "none", "zorder": 5}
@@ -63,8 +68,8 @@ def panel(axes: Any, points: xr.Dataset, quantity: str, time: str = "wall_time")
         line = points_where(points, sweep=name)
         x, y = line[time].values, drawn_error(line[f"error_{quantity}"].values)
         if name.startswith("preset"):
-            for label, at, error in zip(line["label"].values, x, y, strict=True):
-                axes.plot(at, error, marker=PRESET_MARKERS.get(label, "*"), **PRESET_STYLE)
+            for label, seconds, error in zip(line["label"].values, x, y, strict=True):
+                axes.plot(seconds, error, marker=PRESET_MARKERS.get(label, "*"), **PRESET_STYLE)
         else:
             usable = np.isfinite(x) & np.isfinite(y)
             axes.plot(x[usable], y[usable], **{"markersize": 3.5, "linewidth": 1.0, **STYLES[name]})
@@ -104,7 +109,7 @@ def keys_of(points: xr.Dataset) -> list[Any]:
         if not name.startswith("preset"):
             title = names(points_where(points, sweep=name), "sweep_title")[0]
             handles.append(key(title, **STYLES[name]))
-    handles.append(key("beaten by no other point", **FRONT))
+    handles.append(key("Pareto front", **FRONT))
     if any(name.startswith("preset") for name in names(points, "sweep")):
         handles += [
             key(f"preset: {label}", marker=mark, **PRESET_STYLE)
@@ -196,30 +201,28 @@ def integration_figure(trade: xr.Dataset) -> Figure:
 def overview_figure(trade: xr.Dataset) -> Figure:
     """Median over the scenes, steady and dynamic."""
     figure, panels = new_figure(1, 2, 7.6, 4.4)
-    handles: dict[str, Any] = {}
     for axes, against, text in zip(
         panels[0], ("steady", "long"), ("steady state", "solved dynamically"), strict=True
     ):
         points = over_scenes(of_sweeps(trade, against, leave_out=["life_tolerance"]))
-        panel(axes, points, "total_qv")
+        panel(axes, points, "total_qv", _CPU)
         label_times(axes)
-        for handle in keys_of(points):
-            handles.setdefault(str(handle.get_label()), handle)
         axes.set_title(text)
-        axes.set_xlabel("wall time of a solve (s), median over the scenes")
-    handles.pop("doubt of the reference", None)
-    panels[0, 0].set_ylabel("error of total QV, median over the scenes")
+        axes.set_xlabel("CPU time of a solve (s), median of the scenes")
+        below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
+        axes.legend(handles=keys_of(points)[:-1], **below)  # a median has no doubt of its own
+    panels[0, 0].set_ylabel("relative error of total QV, median of the scenes")
     presets = over_scenes(of_sweeps(trade, "long"))
     times = {
-        label: float(points_where(presets, sweep="preset_dynamic", label=label)["wall_time"].mean())
+        label: float(points_where(presets, sweep="preset_dynamic", label=label)[_CPU].mean())
         for label in ("draft", "standard", "reference")
     }
     title = (
-        "What accuracy costs: solved dynamically, draft is "
+        "Cost of accuracy: in dynamic solves, draft is "
         f"{times['standard'] / times['draft']:.0f} times as fast as standard, and standard "
         f"{times['reference'] / times['standard']:.0f} times as fast as reference"
     )
-    frame(figure, title, list(handles.values()), columns=5)
+    frame(figure, title, [], columns=1)
     return figure
 
 
@@ -231,7 +234,7 @@ def over_scenes(points: xr.Dataset) -> xr.Dataset:
         for label in names(line, "label"):
             same = points_where(line, label=label)
             row = same.isel(point=[0]).copy()
-            for name in ("wall_time", *(n for n in same if str(n).startswith("error_"))):
+            for name in (_CPU, *(n for n in same if str(n).startswith("error_"))):
                 values = np.abs(same[name].values)
                 finite = values[np.isfinite(values)]
                 row[name] = ("point", [np.median(finite) if finite.size else np.nan])
@@ -250,8 +253,8 @@ SIMPLER = (
     ("hertz", "fit", "Hamrock and Brewe's fit"),
 )
 BOOKED = (
-    ("coriolis_energy_share", "Coriolis work left out (booked)"),
-    ("azimuth_energy_share", "circumferential force left out (booked)"),
+    ("coriolis_energy_share", "Coriolis force neglected"),
+    ("azimuth_energy_share", "circumferential force neglected"),
 )
 _MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
@@ -262,23 +265,23 @@ def models_figure(trade: xr.Dataset) -> Figure:
     scenes = names(points_where(trade, kind="reference"), "scene")
     rows = [text for *_, text in SIMPLER] + [text for _, text in BOOKED]
     marks = {
-        scene: {"color": f"C{k % 6}", "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
+        scene: {**series_look(k), "marker": _MARKERS[k % len(_MARKERS)], "linestyle": "none"}
         for k, scene in enumerate(scenes)
     }
     for axes, quantity in zip(panels[0], ("total_qv", "contact_qv", "wear_rate"), strict=True):
-        for at, (sweep, label, _) in enumerate(SIMPLER):
+        for row, (sweep, label, _) in enumerate(SIMPLER):
             for k, scene in enumerate(scenes):
                 point = points_where(trade, sweep=sweep, label=label, scene=scene)
                 if point.sizes["point"] and int(point["status"].values[0]) == OK:
                     value = np.abs(point[f"error_{quantity}"].values[0])
-                    axes.plot(max(value, 1e-6), at + 0.09 * (k - 2.5), **marks[scene])
+                    axes.plot(max(value, 1e-6), row + 0.09 * (k - 2.5), **marks[scene])
         if quantity == "total_qv":
-            for at, (name, _) in enumerate(BOOKED, len(SIMPLER)):
+            for row, (name, _) in enumerate(BOOKED, len(SIMPLER)):
                 for k, scene in enumerate(scenes):
                     point = points_where(trade, sweep="long", label="reference", scene=scene)
                     if point.sizes["point"] and np.isfinite(point[name].values[0]):
                         value = abs(point[name].values[0])
-                        axes.plot(max(value, 1e-6), at + 0.09 * (k - 2.5), **marks[scene])
+                        axes.plot(max(value, 1e-6), row + 0.09 * (k - 2.5), **marks[scene])
         axes.set_xscale("log")
         axes.set_title(QUANTITY[quantity].replace("error", "difference"))
         axes.set_xlabel("relative to the fuller model")

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from matplotlib.ticker import LogLocator
 
 from bearingwear.lives.groove_life import REQUIRED
-from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.plotting.drawing import SERIES, Figure, frame, in_words, key, new_figure
 from bearingwear.results.units import span
 from workflow.studies.accuracy.groove_tables import against_finest, by_end
 from workflow.studies.accuracy.plan import CELL_COUNTS
@@ -25,26 +24,30 @@ def grooves_figure(trade: xr.Dataset) -> Figure:
     """Worn over Hertzian lives and QV by the loss; errors of cells and steps by time."""
     figure, panels = new_figure(2, 3, 10.4, 6.4, sharex="col")
     scenes = names(points_where(trade, sweep=_SWEEPS[0][0]), "scene")
-    colours = {scene: f"C{k}" for k, scene in enumerate(scenes)}
+    colours = dict(zip(scenes, SERIES, strict=False))
     ratios: dict[str, list[float]] = {"life": [], "end_qv": []}
     for row, (ends, cells), method in zip(panels, _SWEEPS, _TITLES, strict=True):
         points = points_where(trade, sweep=ends)
         for axes, name in zip(row, ratios, strict=False):
             ratios[name] += _ratio_panel(axes, points, name, colours)
-        row[0].set_ylabel(f"{method}\nlife over Hertz'")
-        row[1].set_ylabel("QV at the end over Hertz'")
+        row[0].set_ylabel(f"{method}\nlife / life with Hertzian contact")
+        row[1].set_ylabel("QV at the end / Hertzian QV")
         _cost_panel(row[2], points_where(trade, sweep=cells), colours)
     for axes in panels[1, :2]:
-        axes.set_xlabel("loss at the end of life over the gap A a²")
-    panels[1, 2].set_xlabel("processor time of a life (s)")
+        axes.set_xlabel("loss at the end of life / gap A a²")
+    panels[1, 2].set_xlabel("CPU time of a life (s)")
     title = (
-        f"As the grooves wear, lives last {span(ratios['life'])} times as long as with Hertz' "
-        f"contact, and end with {span(ratios['end_qv'])} times its QV"
+        f"With worn grooves, lives are {span(ratios['life'])} times those with Hertzian contact, "
+        f"and QV at their end is {span(ratios['end_qv'])} times as large"
     )
     handles = [key(in_words(scene), color=colour, linewidth=3) for scene, colour in colours.items()]
-    tracks = (("balls worn evenly", "-"), ("balls worn in bands", "--"))
-    handles += [key(text, color="0.3", linestyle=dash) for text, dash in tracks]
-    handles.append(key("auto follows the grooves beyond", **_AUTO))
+    handles += [
+        key("balls worn evenly", color="0.3", marker="o", markersize=3),
+        key(
+            "balls worn in bands", color="0.3", linestyle="--", marker="o", markerfacecolor="white"
+        ),
+    ]
+    handles.append(key("auto: worn grooves above this loss", **_AUTO))
     cell_keys = [
         key(f"{cells} cells", color="0.3", marker=mark, linestyle="none")
         for cells, mark in _MARKERS.items()
@@ -70,18 +73,16 @@ def _ratio_panel(axes: Any, points: xr.Dataset, name: str, colours: dict[str, st
 
 
 def _cost_panel(axes: Any, points: xr.Dataset, colours: dict[str, str]) -> None:
-    """Errors against the finest cells and steps; steps of the same cells are joined."""
+    """Errors against the finest cells and steps; open marks are of balls that wear in bands."""
     for scene in names(points, "scene"):
-        lines: dict[tuple[str, str], list[tuple[float, float]]] = {}
         for track, settings, point in against_finest(points_where(points, scene=scene)):
             cells = settings.partition(", ")[2]
             error, time = float(point["error_life"]), float(point["life_processor_time"])
             if error > 0.0:  # not the finest itself
-                lines.setdefault((track, cells), []).append((time, max(error, _LEAST)))
-        for (track, cells), line in lines.items():
-            style = {"color": colours[scene], "linestyle": _TRACKS[track], "linewidth": 0.8}
-            axes.plot(*np.transpose(line), marker=_MARKERS[cells], markersize=4, **style)
+                fill = {} if track == "worn" else {"markerfacecolor": "white"}
+                look = {"color": colours[scene], "marker": _MARKERS[cells], "linestyle": "none"}
+                axes.plot(time, max(error, _LEAST), markersize=4.5, **look, **fill)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.set_ylabel("error of life, to the finest")
+    axes.set_ylabel("relative error of life")

@@ -118,12 +118,13 @@ def what_auto_saves(trade: xr.Dataset, plan: AccuracyPlan) -> str:
                 for track, found in errors.items():
                     found.append(abs(float(one["hertz"]["life"] / one[track]["life"]) - 1.0))
     if not saved:
-        return "`auto` follows the grooves in all of these lives."
+        return "`auto` selects worn grooves for all of these lives."
     even, bands = (digits(100.0 * max(found)) for found in errors.values())
     return (
-        f"`auto` leaves the {len(saved)} of these {lives} lives below {REQUIRED:g} gaps to Hertz' "
-        f"contact. That takes {span(saved)} times less, and differs by up to {even} % from balls "
-        f"that wear evenly, {bands} % from bands."
+        f"`auto` selects Hertzian contact for the {len(saved)} of these {lives} lives that end "
+        f"below {REQUIRED:g} gaps. This reduces the time by factors of {span(saved)}. The lives "
+        f"differ from those with worn grooves by up to {even} % (even ball wear) and {bands} % "
+        "(bands)."
     )
 
 
@@ -132,13 +133,14 @@ def groove_block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
     return _PART.holding(
         f"""Made by `snakemake -j1 results/accuracy/effects.nc` and `make effects-docs`; not
 to be edited here.
-Lives end at a loss of so many gaps between ball and groove at the edge of the new contact, A a²,
-or at 40 % of the preload. The first tables have factors over the life with Hertz' contact that ends
-at the same loss; balls wear evenly or in bands. "End QV" is that at the end of life. Times are
-processor times of lives with all error estimates. The last tables have errors against the finest
-cells and steps (of the gap), without estimates, the worst of scenes and tracks. A run of the study
-compares: answers agree within {answers_agree_within()}, errors within a factor
-{plan.tolerance.error:g}, times within a factor {plan.tolerance.time:g}.
+Lives end at the stated multiple of A a², the gap between ball and groove at the edge of the new
+contact, or at 40 % of the preload. The first tables list ratios to the life with Hertzian contact
+that ends at the same loss, for balls that wear evenly and in bands. "End QV" is QV at the end of
+life. Times are CPU times of lives with all error estimates. The last tables list errors relative to
+the finest cells and steps (as fractions of the gap), without error estimates: the worst of all
+scenes and wear patterns. The study checks these tables: results agree within
+{answers_agree_within()}, errors within a factor of {plan.tolerance.error:g}, times within a factor
+of {plan.tolerance.time:g}.
 
 {what_auto_saves(trade, plan)}
 

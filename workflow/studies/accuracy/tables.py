@@ -112,32 +112,33 @@ def block(trade: xr.Dataset, plan: AccuracyPlan) -> str:
         f"""## Accuracy against time
 
 Made by `snakemake -j2 accuracy` and `make accuracy-docs`; not to be edited here.
-Errors are in percent of the reference of each scene (`config/accuracy.yaml`), without sign, for the
-worst of the scenes; the first column of QV is the median. All other settings are those of the
-reference. "Times as fast" compares with that reference: warm solves, nothing else running, median
-over the scenes. Scenes: {scenes}.
+Errors are absolute values in percent of each scene's reference (`config/accuracy.yaml`). The first
+column is the median over the scenes; the others are the worst scene. All other settings are those
+of the reference. "Times as fast" is the speed relative to that reference, the median over the
+scenes, measured with compiled code on an idle machine. Scenes: {scenes}.
 
-Errors of another run lie within a factor {tolerance.error:g} of these, times within a factor
-{tolerance.time:g}; errors below {100.0 * tolerance.floor:g} %, dynamic ones below
-{100.0 * tolerance.floor_dynamic:g} %, are noise. The study compares them.
+Repeated runs agree within a factor of {tolerance.error:g} in errors and {tolerance.time:g} in
+times. Errors below {100.0 * tolerance.floor:g} % (dynamic: {100.0 * tolerance.floor_dynamic:g} %)
+are noise. The study checks these tables.
 
 {markdown(trade, plan)}
-Slip is that of the centre line and traction is left out of the balance of normal forces in every
-model here, as in the paper, except in the rows that say otherwise. A single ball would push
-the race aside, so three stand for all. With a cage, two runs that differ in their last digit part
-after some turns and agree in their means only. The Coriolis force and the circumferential part of
-the normal forces are left out of the motion; the energy account books their work, of the heat:
-{booked(trade)}. {of_weight(trade)}
+Unless a row states otherwise, all models here follow the paper: slip is evaluated on the centre
+line, and the balance of normal forces neglects traction. A single ball would displace the race
+radially, so three balls represent all. With a cage, two runs that differ in the last digit diverge
+after some turns; only their means agree. The motion neglects the Coriolis force and the
+circumferential component of the normal forces. The energy account includes their work, as a share
+of the heat: {booked(trade)}. {of_weight(trade)}
 
-**The presets, scene by scene**: errors against the reference of the scene in percent; life in the
-steady state, loss rate when dynamic; a contact's QV is far more sensitive than the total. How much
-faster: draft than standard, standard than reference
+**The presets, scene by scene**: errors in percent of each scene's reference; of the life for steady
+solves, of the loss rate for dynamic ones. QV of a single contact is far more sensitive than total
+QV. The last two columns list the speed of draft relative to standard, and of standard relative to
+reference.
 
 {presets(trade)}
 
-**Estimated errors against true ones**, of all points that carry an estimate, sweeps to the extremes
-included. The doubt of the reference (its own estimate and its check) is subtracted.
-"Over error": the median of the estimate over the error
+**Estimated and true errors** of all points with an error estimate, including the extremes of the
+sweeps. An error counts as covered if it exceeds its estimate by no more than the uncertainty of the
+reference (its own estimate plus its check). "Over error" is the median ratio of estimate to error.
 
 {estimates(trade)}"""
     )
@@ -147,7 +148,7 @@ def of_weight(trade: xr.Dataset) -> str:
     """What a cage wears without its weight, over what it wears with it."""
     points = points_where(trade, sweep="weight")
     ratios = 1.0 + points["error_cage_wear_rate"].values[1::2]  # each against the point before it
-    return f"A cage without its weight wears {span(ratios)} times as much over the turns averaged."
+    return f"A weightless cage wears {span(ratios)} times as much over the averaged turns."
 
 
 def booked(trade: xr.Dataset) -> str:
@@ -158,7 +159,7 @@ def booked(trade: xr.Dataset) -> str:
         values = np.abs(points[f"{name}_energy_share"].values)
         values = values[np.isfinite(values)]
         most = float(values.max()) if values.size else math.nan
-        texts.append(f"{text} at most {_PERCENT.text(most)} %")
+        texts.append(f"{text} up to {_PERCENT.text(most)} %")
     return ", ".join(texts)
 
 

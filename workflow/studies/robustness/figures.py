@@ -44,9 +44,9 @@ class LimitStyle(NamedTuple):
 _LIMITS = {
     "contact": LimitStyle(colour="white", text="loss of contact", legend_colour="0.6"),
     "gyroscopic_slip": LimitStyle(
-        colour="C1", text="gyroscopic slip share {:g}", legend_colour="C1"
+        colour="crimson", text="gyroscopic slip share {:g}", legend_colour="crimson"
     ),
-    "skid": LimitStyle(colour="C0", text="lag behind rolling {:g}", legend_colour="C0"),
+    "skid": LimitStyle(colour="cyan", text="skid ratio {:g}", legend_colour="cyan"),
 }
 SHARES = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.5, 0.7, 1.0]
 
@@ -125,7 +125,7 @@ def draw_boundaries(axes: Any, solved: xr.Dataset) -> list[Any]:
         axes.plot(solved["x"].values, solved[f"estimate_{limit}"], **line | {"linestyle": ":"})
         text = style.text.format(boundary.attrs.get("limit"))
         handles.append(key(text, **line | {"color": style.legend_colour}))
-    return [*handles, key("its closed form", color="0.3", linestyle=":", linewidth=2.0)]
+    return [*handles, key("closed-form estimate", color="0.3", linestyle=":", linewidth=2.0)]
 
 
 def map_title(solved: xr.Dataset) -> str:
@@ -134,8 +134,8 @@ def map_title(solved: xr.Dataset) -> str:
     verified, total = int((status == OK).sum()), status.size
     title = f"{solved.attrs['shown']}: {verified} of {total} points verified"
     if np.isin(status, WITHOUT_REASON).any():
-        return f"{title}, not all others named"
-    return f"{title}, the others named" if verified < total else title
+        return f"{title}, some of the others without a reason"
+    return f"{title}, the others with a reason" if verified < total else title
 
 
 # Branches
@@ -145,10 +145,15 @@ _WAYS: dict[str, dict[str, Any]] = {
     "down": {"color": "C3", "linestyle": "--"},
     "anew": {"color": "black", "linestyle": "none", "marker": ".", "markersize": 3},
 }
+_WAY_WORDS = {
+    "up": "followed as it increases",
+    "down": "followed as it decreases",
+    "anew": "found by a new search (life)",
+}
 _SHOWN = {
-    "orbit_share": "orbit rate over shaft rate",
+    "orbit_share": "orbit rate / shaft rate",
     "total_qv": "QV of the bearing (W)",
-    "loss_rate": "rate of loss (nm/s)",
+    "loss_rate": "loss rate of ball diameter (nm/s)",
 }
 _NANO = {"loss_rate": 1e9}
 
@@ -170,9 +175,7 @@ def figure_of_branches(solved: xr.Dataset) -> Figure:
         axes.set_xlabel(AXIS_LABELS[solved.attrs["key"]])
         if solved.attrs["log"]:
             axes.set_xscale("log")
-    handles = [
-        key({"anew": "found anew (life)"}.get(way, f"followed {way}"), **_WAYS[way]) for way in ways
-    ]
+    handles = [key(_WAY_WORDS[way], **_WAYS[way]) for way in ways]
     title = f"{solved.attrs['shown']}: {hysteresis(solved)}"
     frame(figure, title[:1].upper() + title[1:], handles, columns=3)
     return figure
@@ -188,5 +191,5 @@ def hysteresis(solved: xr.Dataset) -> str:
         where = solved["along"].values[one | apart]
         _, _, unit = AXIS_LABELS[solved.attrs["key"]].partition(" (")
         ends = f"{where.min():.3g} to {where.max():.3g} {unit.rstrip(')')}"
-        return f"two answers from {ends.strip()}"
-    return "up and down lead over the same states"
+        return f"two steady states from {ends.strip()}"
+    return "one steady state at each point, in both directions"

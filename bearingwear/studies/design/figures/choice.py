@@ -52,6 +52,7 @@ LOSS_DASHES = {"ball_and_races": "-", "ball": "--"}
 STAR = {"marker": "*", "markersize": 11, "markeredgecolor": "black", "markeredgewidth": 0.6}
 PALE = {"alpha": 0.6, "linewidth": 0.9}
 """Of lives beyond a limit."""
+_LIMIT_LINE: dict[str, Any] = {"color": "black", "linewidth": 1.0, "linestyle": (0, (6, 2))}
 STIFFNESS_UNIT = display("N m-1")
 
 
@@ -104,15 +105,15 @@ def design_figure(
     stiffness = stiffness_of(design)
     limit = limits.given.get(stiffness.key)
     if limit is not None:
-        over_stiffness.axvline(limit, color="0.3", linewidth=0.8, linestyle=":")
+        over_stiffness.axvline(limit, **_LIMIT_LINE)
     for panel in panels[0]:
         panel.set_ylabel("wear life (h)")
         if bool((line["life"].isel(loss_basis=basis) > 0.0).any()):
             _logarithmic(panel)
     over_preload.set(xlabel="initial preload (N)", title="life over preload")
     over_stiffness.set(
-        xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.short}, over the life"),
-        title=f"life against {stiffness.short}",
+        xlabel=STIFFNESS_UNIT.label(f"{stiffness.worst_word} {stiffness.words}\n"),
+        title="life over stiffness",
     )
     as_wide_as_it_is(over_preload, design)
     if area:
@@ -255,13 +256,13 @@ def _choices(figure: Figure, panels: Any, design: xr.Dataset) -> None:
 
 def _keys(has_limit: bool, has_spread: bool) -> list[Any]:
     """Legend of the lives."""
-    limit = key("limit of stiffness", color="0.3", linewidth=0.8, linestyle=":")
+    limit = key("stiffness limit", **_LIMIT_LINE)
     return [
         *(
             key(f"counting {in_words(way)}", color="0.3", linestyle=d)
             for way, d in LOSS_DASHES.items()
         ),
-        key("some limit passed", color="0.3", **PALE),
+        key("a limit is exceeded", color="0.3", **PALE),
         key("Pareto front", color="0.3", linestyle="none", marker="o", markersize=2.6),
         key(
             f"recommended{', bar: 90 % of bearings' if has_spread else ''}",
@@ -278,7 +279,7 @@ def _groove_keys(followed: bool) -> list[Any]:
     if not followed:
         return []
     return [
-        key("grooves as they wear", color="0.3"),
+        key("worn grooves", color="0.3"),
         key("Hertzian grooves", color="0.3", linewidth=0.8, linestyle=":"),
     ]
 
@@ -287,7 +288,10 @@ def _end_keys(line: xr.Dataset) -> list[Any]:
     """Legend of the marks where the criterion that ends the life changes: there a line bends."""
     met = dict.fromkeys(end for _, one in methods(line) for _, end in new_ends(one))
     look = {"color": "0.3", "linestyle": "none", "markerfacecolor": "white"}
-    return [key(f"from here ended by {ENDS[e].short}", marker=ENDS[e].mark, **look) for e in met]
+    return [
+        key(f"kink: from here on, {ENDS[e].short} ends the life", marker=ENDS[e].mark, **look)
+        for e in met
+    ]
 
 
 def _letter_keys(design: xr.Dataset) -> list[Any]:
@@ -302,5 +306,5 @@ def _letter_keys(design: xr.Dataset) -> list[Any]:
             )
             for name in shown
         ),
-        key("the scene", color="C3", linestyle="none", marker="o", markerfacecolor="none"),
+        key("scene", color="C3", linestyle="none", marker="o", markerfacecolor="none"),
     ]

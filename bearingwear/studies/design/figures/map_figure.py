@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from matplotlib.colors import LogNorm
+from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
@@ -16,7 +17,6 @@ from bearingwear.plotting.drawing import (
     failed_keys,
     frame,
     in_words,
-    key,
     methods,
     new_figure,
     scene_of,
@@ -69,15 +69,15 @@ def map_overview(design: xr.Dataset) -> Figure:
     for panel in panels[-1]:
         panel.set_xlabel("initial preload (N)")
         as_wide_as_it_is(panel, design)
-    blank = [key("white: zero, from the start on", linestyle="none")] if zero else []
-    grey = key("limit of slip not reached in the life", color="0.87", linewidth=8)
+    blank = [Patch(facecolor="white", edgecolor="0.6", label="zero: limit exceeded when new")]
+    grey = [Patch(color="0.87", label="slip limit not reached during the life")]
     frame(
         figure,
         f"{scene['name']} at {speed:g} r/min: life and limits over preload and friction; counting "
         f"{in_words(COUNTS[basis])}",
         [
-            *blank,
-            *([grey] if never else []),
+            *(blank if zero else []),
+            *(grey if never else []),
             *failed_keys(bool((plane["status"] != OK).any())),
         ],
         columns=3,

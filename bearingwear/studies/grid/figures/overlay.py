@@ -35,7 +35,7 @@ NOT_SOLVED_FOR = ("name", "description", "cage", "uncertainty")
 def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     """Total QV, residual preload and loss rate against wear, a line for each scene."""
     figure, panels = new_figure(3, 2, 7.2, 7.2, sharex=True, sharey="row")
-    looks = [series_look(k) for k in range(len(studies))]
+    looks = [_nested_look(k, len(studies)) for k in range(len(studies))]
     power = display("W", *(study["total_qv"].sel(friction=friction) for study in studies))
     rows = {
         "total_qv": ("QV of the bearing", power),
@@ -65,8 +65,7 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     frame(
         figure,
         f"{', '.join(scene_of(study)['name'] for study in studies)} at {mu_is(friction)}: "
-        f"{float(loss[-1]):g} µm of wear leaves {left} of QV "
-        f"({in_words(name)})",
+        f"QV in {in_words(name)} after {float(loss[-1]):g} µm of wear is {left} of that when new",
         [
             key(label, **look)
             for label, look in zip(scene_labels([scene_of(s) for s in studies]), looks, strict=True)
@@ -77,10 +76,17 @@ def spread(studies: Sequence[xr.Dataset], friction: float) -> Figure:
     return figure
 
 
+def _nested_look(k: int, count: int) -> dict[str, Any]:
+    """Look of a scene's lines, finer than that of the one below, which shows if both coincide."""
+    fineness = (count - 1 - k) / max(count - 1, 1)
+    size = {"linewidth": 1.2 + 1.6 * fineness, "markersize": 3.5 + 3.0 * fineness}
+    return series_look(k) | size
+
+
 def lives_side_by_side(lives: Sequence[xr.Dataset], friction: float) -> Figure:
     """QV over the loss and over the hours of a life, a line for each scene; balls and races."""
     figure, panels = new_figure(2, 2, 7.2, 5.6, sharex="row", sharey=True)
-    looks = [series_look(k) for k in range(len(lives))]
+    looks = [_nested_look(k, len(lives)) for k in range(len(lives))]
     drawn = [one for one in lives if "history_total_qv" in one]  # not if nothing at all was solved
     power = display("W", *(one["history_total_qv"].sel(friction=friction) for one in drawn))
     said, failed = [], []

@@ -141,27 +141,26 @@ def wear_figure(studies: Sequence[xr.Dataset], frictions: Sequence[float]) -> Fi
     columns = len(frictions)
     figure, panels = new_figure(4, columns, max(4.4, 3.6 * columns), 8.6, sharex=True, sharey="row")
     failed = False
-    ratios: dict[str, list[str]] = {}
+    shares: list[str] = []
     cases = [study.sel(friction=mu) for study, mu in zip(studies, frictions, strict=True)]
     power = power_unit(*cases)
     for column, of_mu, mu in zip(panels.T, cases, frictions, strict=True):
         failed |= _wear_column(column, of_mu, power)
         states = methods(of_mu)
         name, state = states[-1]
-        ratio = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
+        share = percent(float(state["total_qv"][-1] / state["total_qv"][0]))
         scene = scene_of(of_mu)
         drag = scene.get("lubricant", {}).get("drag_density_kg_m3", 0.0)
         bearing = scene["name"] + (f", drag {drag:g} kg/m³" if drag else "")
         column[0].set_title(f"{bearing}, {mu_is(mu)}")
-        ratios.setdefault(bearing, []).append(f"{ratio} of QV at {mu_is(mu)}")
+        shares.append(f"{share} ({bearing}, {mu_is(mu)})" if columns > 1 else share)
     label_edges(panels)
     for panel in panels[[0, 1, 3]].flat:
         from_zero(panel)
-    at = float(studies[0]["ball_diameter_loss"][-1])
+    loss = float(studies[0]["ball_diameter_loss"][-1])
     frame(
         figure,
-        "; ".join(f"{bearing} keeps {' and '.join(of)}" for bearing, of in ratios.items())
-        + f", worn by {at:g} µm in {in_words(name)}",
+        f"QV in {in_words(name)} after {loss:g} µm of wear, relative to new: {', '.join(shares)}",
         method_keys(name for name, _ in states)
         + race_keys()
         + [key("whole bearing", color="0.3", marker="d"), *failed_keys(failed)],
@@ -220,7 +219,7 @@ def life_figure(
                 line = {"color": COLOURS[name], "linestyle": styles[mu]}
                 _life_column(column, one.isel(counts=k), line, END_MARKS[end][0])
     for k, column in zip(shown, panels.T, strict=True):
-        column[0].set_title(f"wear counted: {('ball alone', 'balls and races')[k]}")
+        column[0].set_title(f"counting {('balls alone', 'balls and races')[k]}")
         column[1].set_xlabel("running time (h)")
         for panel in column:
             panel.set_xlim(left=0.0)
