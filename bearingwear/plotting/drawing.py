@@ -12,6 +12,7 @@ import matplotlib
 import matplotlib.figure
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogFormatter, NullFormatter
 
@@ -278,7 +279,7 @@ def failed_keys(any_failed: bool) -> list[Line2D]:
     return [key("not solved", color="0.3", **FAILED)] if any_failed else []
 
 
-def frame(figure: Figure, title: str, handles: list[Line2D], columns: int) -> None:
+def frame(figure: Figure, title: str, handles: Sequence[Artist], columns: int) -> None:
     """Title above and legend below the panels, where they hide nothing."""
     width = int(CHARACTERS_PER_INCH * figure.get_figwidth())
     figure.suptitle("\n".join(lines_of_a_title(title, width)), gid=MESSAGE)
