@@ -1,7 +1,42 @@
-"""`python -m bearingwear`."""
+"""The program: `bearingwear`, `python -m bearingwear`.
 
+Ctrl-C ends it at once with 130, SIGTERM with 143. Neither raises an exception, since imports of
+modules, compiled code and callbacks catch exceptions or turn them into others.
+"""
+
+import functools
+import os
+import signal
 import sys
+from types import FrameType
 
-from bearingwear.cli import main
 
-sys.exit(main())
+def run_program() -> int:
+    """Run a command; return its exit status."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        # a shell has Ctrl-C ignored for what runs in the background
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(number, functools.partial(_end, os.getpid()))
+    from bearingwear.cli import main
+
+    return main()
+
+
+def _end(process: int, number: int, frame: FrameType | None) -> None:
+    if os.getpid() == process:  # else forked from it, and ended with it
+        _tidy_up()
+        os.write(2, b"interrupted\n" if number == signal.SIGINT else b"terminated\n")
+    os._exit(128 + number)
+
+
+def _tidy_up() -> None:
+    """Stop other processes and remove what is half written."""
+    if multiprocessing := sys.modules.get("multiprocessing"):
+        for child in multiprocessing.active_children():
+            child.terminate()
+    if atomic := sys.modules.get("bearingwear.atomic"):
+        atomic.remove_unfinished()
+
+
+if __name__ == "__main__":
+    sys.exit(run_program())

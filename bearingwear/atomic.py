@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 PROBE_BYTES = 1_000_000
 """Written to learn whether a disk is full."""
+
+UNFINISHED: set[Path] = set()
+"""Files and folders that go with this process if it is interrupted."""
 
 
 class OutputError(OSError):
@@ -31,6 +35,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     if "\0" in str(path):
         raise OutputError(f"{path}: cannot be written (no character 0 in a name)")
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    UNFINISHED.add(part)
     try:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -46,8 +51,18 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         finally:
             with contextlib.suppress(OSError):
                 part.unlink(missing_ok=True)
+            UNFINISHED.discard(part)
     except (OSError, RuntimeError, UnicodeError) as error:
         raise OutputError(f"{path}: cannot be written ({reason(error)})") from None
+
+
+def remove_unfinished() -> None:
+    """Remove what an interrupted process leaves."""
+    for part in UNFINISHED:
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            part.unlink(missing_ok=True)
 
 
 def _append(part: Path) -> None:

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -112,6 +113,56 @@ def test_interrupt(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(solve_model, "solve", interrupted)
     assert solve(tmp_path / "a.nc") == 130
     assert capsys.readouterr().err == "interrupted\n"
+    assert os.listdir(tmp_path) == []
+
+
+INTERRUPTED = """
+import os, signal, sys
+from bearingwear import __main__, atomic, cli
+
+number = int(sys.argv.pop())
+
+class Finder:
+    def find_spec(name, *_):
+        if name == "numba":
+            interrupt()
+
+def interrupt():
+    try:
+        os.kill(os.getpid(), number)
+    except BaseException:
+        raise ImportError("as C code may do")
+
+def write():
+    with atomic.whole_file("out.nc") as part:
+        part.write_text("half")
+        interrupt()
+
+if sys.argv[1] == "write":
+    cli.main = write
+sys.meta_path.insert(0, Finder)
+__main__.run_program()
+"""
+
+
+@pytest.mark.parametrize(
+    "arguments, number, said",
+    [
+        (["write"], signal.SIGTERM, "terminated\n"),
+        (["write"], signal.SIGINT, "interrupted\n"),
+        (["solve", str(SCENE)], signal.SIGINT, "interrupted\n"),
+    ],
+)
+def test_an_interrupt_at_a_bad_moment(arguments, number, said, tmp_path):
+    """While numba is imported, and while a file is half written."""
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, *arguments, str(int(number))],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(SCENE.parents[2])},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", said)
     assert os.listdir(tmp_path) == []
 
 

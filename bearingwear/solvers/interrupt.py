@@ -14,10 +14,13 @@ class Interrupt:
 
     def __enter__(self) -> "Interrupt":
         self.wanted = False
-        # Only the main thread has signals.
-        self.mine = threading.current_thread() is threading.main_thread()
+        # Only the main thread has signals; another handler, as the program's, raises nothing.
+        self.mine = (
+            threading.current_thread() is threading.main_thread()
+            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        )
         if self.mine:
-            self.before = signal.signal(signal.SIGINT, self._note)
+            signal.signal(signal.SIGINT, self._note)
         return self
 
     def _note(self, number: int, frame: FrameType | None) -> None:
@@ -34,6 +37,6 @@ class Interrupt:
         trace: TracebackType | None,
     ) -> None:
         if self.mine:
-            signal.signal(signal.SIGINT, self.before)
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         if kind is None:
             self.check()

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, NoReturn, TextIO
@@ -24,6 +25,8 @@ PAGE = Path("results/report/index.html")
 DRY_RUN = {"-n", "--dry-run", "--dryrun"}
 TOLD = {"-q", "--quiet", "--verbose", "-p", "--printshellcmds"}
 """Arguments of Snakemake that say how much it tells."""
+
+_LOCK_WAIT = 5.0  # seconds, in which an interrupted Snakemake has ended
 
 
 class NoStudy(UsageError):
@@ -112,6 +115,8 @@ def check_arguments(more: Sequence[str], own: Sequence[str]) -> None:
 
 def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     """Run Snakemake and pass on its output, until it is interrupted or nobody reads it."""
+    # the program's own handler would leave Snakemake behind
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
         command, cwd=folder, pass_fds=files, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
@@ -133,20 +138,32 @@ def _relayed(command: Sequence[str], folder: Path, files: Sequence[int]) -> int:
     for reader in readers:
         reader.start()
     try:
-        status = process.wait()
+        for reader in readers:
+            reader.join()
     except KeyboardInterrupt:
         unread.set()  # what it says of being interrupted
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(1.0)  # the terminal has told it, too
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        process.wait()
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        _interrupt(process)
         raise
-    for reader in readers:
-        reader.join()
+    status = process.wait()
     if unread.is_set():
         raise BrokenPipeError
     return status
+
+
+def _interrupt(process: subprocess.Popen[bytes]) -> None:
+    """End Snakemake and its jobs; a terminal has signalled all of them already."""
+    import psutil
+
+    with contextlib.suppress(psutil.NoSuchProcess):
+        for job in psutil.Process(process.pid).children(recursive=True):
+            job.send_signal(signal.SIGINT)
+    try:
+        process.wait(0.1)
+    except subprocess.TimeoutExpired:  # it was not, or waits for another job to end
+        process.send_signal(signal.SIGINT)
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.wait(0.4)  # then it tidies up alone, and keeps the folder locked meanwhile
 
 
 @contextlib.contextmanager
@@ -161,12 +178,16 @@ def only_run(folder: Path) -> Iterator[int]:
     path = folder / ".snakemake" / "bearingwear.lock"
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a") as held:
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise NoStudy(
-                f"{folder}: got a study that is running, expected one that is done"
-            ) from None
+        last = time.monotonic() + _LOCK_WAIT
+        while True:
+            try:
+                fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > last:
+                    problem = "got a study that is running, expected one that is done"
+                    raise NoStudy(f"{folder}: {problem}") from None
+            time.sleep(0.1)
         yield held.fileno()
 
 

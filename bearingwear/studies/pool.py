@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -39,7 +40,8 @@ def processes(workers: int, caller: str) -> Iterator[Callable[..., Iterator[Any]
     if workers <= 1:
         yield map
         return
-    pool = ProcessPoolExecutor(workers)
+    # a terminal signals them, too; this process ends them
+    pool = ProcessPoolExecutor(workers, None, signal.signal, (signal.SIGINT, signal.SIG_IGN))
     try:
         yield pool.map
     except BrokenProcessPool:

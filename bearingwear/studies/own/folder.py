@@ -17,7 +17,7 @@ from pathlib import Path
 
 import yaml
 
-from bearingwear.atomic import reason, write_text
+from bearingwear.atomic import UNFINISHED, reason, write_text
 from bearingwear.console import UsageError
 from bearingwear.scene.checking.records import NAME, NAME_RULE
 from bearingwear.studies.design.plan import DesignLimits
@@ -81,6 +81,7 @@ def looked_at(folder: Path) -> Iterator[Path]:
     """
     with tempfile.TemporaryDirectory() as name:
         other = Path(name)
+        UNFINISHED.add(other)
         if (folder / "config").is_dir():
             shutil.copytree(folder / "config", other / "config")
         (other / ".snakemake").mkdir()
