@@ -299,9 +299,9 @@ def test_wear_of_a_cage_takes_finer_steps(changes, expected):
     assert config.as_scene(found) == found
     told = " ".join(choice(found, "dynamic").reasons)
     assert ("for wear of the cage" in told) == (expected > 1e-4)
-    assert ("it needs 0.001" in told) == (expected > 1e-3)
+    assert ("requires 0.001" in told) == (expected > 1e-3)
     if not found.model.cage_results:
-        assert "wear of the cage" not in " ".join(choice(found, "steady").reasons)
+        assert "cage wear" not in " ".join(choice(found, "steady").reasons)
 
 
 def test_descriptions_state_meaning_unit_and_range():

@@ -364,8 +364,8 @@ def test_show_without_a_cage(solver, monkeypatch, tmp_path, capsys):
         (["operation.tilt_mrad=1"], "dynamic", "tilt: no steady state"),
         ([f"wear.ball_diameter_loss_um={[0.1] + [0.0] * 8}"], "dynamic", "unequal ball diameters"),
         (["model.cage_results=true"], "dynamic", "cage motion and wear"),
-        (["model.fidelity=dynamic"], "dynamic", "asked for"),
-        (["operation.tilt_mrad=1", "model.fidelity=race_control"], "race_control", "asked for"),
+        (["model.fidelity=dynamic"], "dynamic", "requested"),
+        (["operation.tilt_mrad=1", "model.fidelity=race_control"], "race_control", "requested"),
         (["operation.tilt_mrad=1", "operation.shaft_speed_rpm=0"], "race_control", "at rest"),
     ],
 )
@@ -388,7 +388,7 @@ def test_what_was_modelled():
     assert reasons["tilt of the inner race"] == "none"
     assert reasons["lubricant drag"] == "none in the scene"
     assert "six degrees of freedom" in reasons["cage"] and "outer race" in reasons["cage"]
-    assert "left out" in reasons["Coriolis force and radial inertia of the balls"]
+    assert "neglected" in reasons["Coriolis force and radial inertia of the balls"]
     reasons = told(
         "operation.preload_method=fixed_position",
         "operation.radial_load_N=[0, 1]",
@@ -398,9 +398,9 @@ def test_what_was_modelled():
         "cage.guiding_race=ball",
     )
     assert "two translations" in reasons["inner race"]
-    assert "fixed in space, radial load that turns" in reasons["loads on the inner race"]
-    assert reasons["tilt of the inner race"] == "0.5 mrad about Y, held"
-    assert reasons["lubricant drag"] == "solved" and "guided by the balls" in reasons["cage"]
+    assert "fixed in space, radial load rotating" in reasons["loads on the inner race"]
+    assert reasons["tilt of the inner race"] == "0.5 mrad about Y, constant"
+    assert reasons["lubricant drag"] == "included" and "guided by the balls" in reasons["cage"]
     assert told("cage=null")["cage"] == "none in the scene"
 
 
@@ -418,7 +418,7 @@ def test_the_cage_is_solved_where_it_is_asked_for(settings, fidelity, cage):
     scene = load_scene(S1, settings)
     chosen = choice(scene, fidelity)
     assert chosen.cage == cage and (chosen.reduced(scene).cage is not None) == cage
-    left_out = any("left out" in r for r in chosen.reasons if r.startswith("cage: "))
+    left_out = any("neglected" in r for r in chosen.reasons if r.startswith("cage: "))
     assert left_out == (scene.cage is not None and not cage)
 
 

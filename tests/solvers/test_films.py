@@ -393,7 +393,7 @@ def test_sheets_show_the_film(capsys, tmp_path):
     path = str(scene_file("mos2_gyro"))
     assert main(["check", path]) == 0
     said = capsys.readouterr().out
-    assert "24.8 MPa over the mean pressure" in said and "0.5 um on each" in said
+    assert "24.8 MPa over the mean pressure" in said and "0.5 um thick" in said
     assert main(["solve", path]) == 0
     assert "friction coefficient" in capsys.readouterr().out
     settings = ["model.contact=hertz", "friction.film.thickness_um=0.4"]
@@ -444,7 +444,7 @@ def test_an_unlike_warm_pair_has_films_too(scene):
 
 def test_reasons_name_the_film(scene):
     reasons = " ".join(choice(scene("gyro_s1", THIN | RUNNING_IN)).reasons)
-    for text in ("friction: of a film", "film of the races", "running in of the balls"):
+    for text in ("friction: of a film", "film of the races", "running-in of the balls"):
         assert text in reasons
     assert "film" not in " ".join(choice(scene("gyro_s1", HERTZ)).reasons)
 
@@ -489,7 +489,7 @@ def test_wear_by_pressure_in_a_dynamic_case(scene):
         history = dynamic.values[f"history_{name}"].mean(axis=0)
         # pressures of the means by their axes, of the history by their loads
         assert_allclose(history, dynamic.values[name], rtol=0.02)
-    assert "wear of films: as (p/1 GPa)^3.6" in dynamic.attrs["modelled"]
+    assert "wear of films: proportional to (p/1 GPa)^3.6" in dynamic.attrs["modelled"]
 
 
 @pytest.mark.parametrize("name", ["pressure_exponent", "reference_pressure_GPa"])

@@ -291,11 +291,14 @@ def test_what_a_file_says(scene):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({}, ("left out, bearing.bore_mm", "temperature: left out; of second order")),
-        (HELD, ("+0.89 %", "for each K")),
-        (HELD | {"bearing.bore_mm": 4.0}, ("solved; about +0.89 %", "for each K")),
+        (
+            {},
+            ("neglected, because bearing.bore_mm", "temperature: neglected; a second-order effect"),
+        ),
+        (HELD, ("+0.89 %", "per K")),
+        (HELD | {"bearing.bore_mm": 4.0}, ("included; about +0.89 %", "per K")),
         (WARM, ("+0.89 %", "temperature: given; about +88 %")),
-        (HELD | SEATED | {"fits.shaft_interference_um": 1.0}, ("fits: solved; about +7",)),
+        (HELD | SEATED | {"fits.shaft_interference_um": 1.0}, ("fits: included; about +7",)),
     ],
 )
 def test_what_is_modelled_is_said(scene, changes, said):

@@ -77,7 +77,7 @@ def test_no_estimate_of_what_depends_on_the_angles_at_speed(scene):
     """Against the friction of the preload alone a moment of 3 % was announced as 9.6 times."""
     fast = scene("gyro_s1_drag", {"operation.shaft_speed_rpm": 150000})
     told = dict(reason.split(": ", 1) for reason in choice(fast).reasons)
-    assert told["gyroscopic moment"] == told["lubricant drag"] == "solved"
+    assert told["gyroscopic moment"] == told["lubricant drag"] == "included"
     assert "times the contact load under the preload at rest" in told["centrifugal force"]
 
 

@@ -1,4 +1,4 @@
-"""Which model a scene needs."""
+"""Choice of the model for a scene."""
 
 from dataclasses import dataclass, replace
 
@@ -9,10 +9,10 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.dynamic.stability import check_solution, is_found_periodic
 from bearingwear.solvers.errors import NotAvailable as NotAvailable
 
-ASKED_FOR = "asked for by the scene or the command"
+ASKED_FOR = "requested by the scene or the command"
 
 NEEDS_SLIP = frozenset({"gyroscopic_slip_share", "skid_ratio"})
-"""Criteria that need a balance of friction, which race control does without."""
+"""Criteria that require a balance of friction, which race control lacks."""
 
 # Milliseconds per ball and shaft turn (docs/accuracy.md, gyro_s1 at standard), for a rough estimate
 # of the effort before anything runs.
@@ -26,23 +26,23 @@ LARGEST_KERNEL = {
 
 @dataclass(frozen=True)
 class Choice:
-    """A model for a scene, and why; whether the scene's cage is solved with it."""
+    """Model chosen for a scene, with the reason; whether it includes the scene's cage."""
 
     scene: Scene
     fidelity: str
     why: str
     cage: bool = False
     of_life: bool = False
-    grooves: str = ""  # of a life: whether they are followed, and why
+    grooves: str = ""  # of a life: whether they wear, and why
 
     def reduced(self, scene: Scene) -> Scene:
-        """The scene without what is not solved."""
+        """The scene without a cage that is not solved."""
         return scene if self.cage or scene.cage is None else scene.without_cage
 
     @property
     def reasons(self) -> tuple[str, ...]:
         """Included and neglected effects of the model, in sentences."""
-        from bearingwear.solvers.effects.table import EFFECTS  # which look at what is chosen
+        from bearingwear.solvers.effects.table import EFFECTS  # imports this module
 
         return tuple(said for effect in EFFECTS for said in effect.modelled(self))
 
@@ -68,7 +68,7 @@ def stands_still(scene: Scene) -> bool:
 def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     """Choose the model; `fidelity` overrides `model.fidelity` of the scene.
 
-    NotAvailable where the fidelity asked for cannot solve this scene, or does not exist.
+    Raises NotAvailable if the requested fidelity does not exist or cannot solve this scene.
     """
     wanted = fidelity or scene.model.fidelity
     _check(scene, wanted)
@@ -76,9 +76,9 @@ def choice(scene: Scene, fidelity: str | None = None) -> Choice:
     if wanted != "auto":
         return _chosen(scene, wanted, ASKED_FOR)
     if needs_cage:
-        return _chosen(scene, "dynamic", "cage motion and wear are asked for")
+        return _chosen(scene, "dynamic", "cage motion and wear are requested")
     if found and stands_still(scene):
-        return _chosen(scene, "race_control", f"{found}, and both races at rest: nothing moves")
+        return _chosen(scene, "race_control", f"{found}, and both races are at rest: nothing moves")
     if found and scene.pair is not None:
         why = f"{found}: no steady state exists, and a pair has no dynamic model"
         return _chosen(scene, "race_control", why)
@@ -99,7 +99,7 @@ def _check(scene: Scene, wanted: str) -> None:
         )
     found, needs_cage = " and ".join(asymmetries(scene)), scene.model.cage_results
     if needs_cage and wanted in ("steady", "race_control"):
-        raise refusal("cage motion and wear need the dynamic model", "dynamic")
+        raise refusal("cage motion and wear require the dynamic model", "dynamic")
     if scene.pair is not None and (wanted == "dynamic" or needs_cage):
         asked, instead = (
             ("model.fidelity: got 'dynamic'", "steady or race_control")
@@ -115,12 +115,12 @@ def _check(scene: Scene, wanted: str) -> None:
     if stands_still(scene) and (wanted == "dynamic" or needs_cage):
         raise NotAvailable(
             f"{scene.name}: operation.shaft_speed_rpm: got 0 with an outer race at rest, "
-            "expected, for a dynamic model, a race that turns"
+            "expected, for the dynamic model, a rotating race"
         )
 
 
 def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
-    # whoever asks for the dynamic model by name gets the cage too
+    # a dynamic model requested by name includes the cage
     cage = fidelity == "dynamic" and (scene.model.cage_results or why == ASKED_FOR)
     chosen = Choice(scene, fidelity, why, cage and scene.cage is not None)
     if fidelity == "dynamic":
@@ -129,10 +129,10 @@ def _chosen(scene: Scene, fidelity: str, why: str) -> Choice:
 
 
 def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
-    """Choose the model of a wear life: that of a solve, if it watches any criterion of the scene.
+    """Choose the model of a wear life: that of a solve, if it evaluates any criterion of the scene.
 
-    NotAvailable where the fidelity asked for cannot solve this scene, or watches no end of its
-    life.
+    Raises NotAvailable if the requested fidelity cannot solve this scene or evaluates none of its
+    criteria.
     """
     chosen = choice(scene, fidelity)
     unseen = unwatched(scene, chosen)
@@ -140,14 +140,14 @@ def choice_for_life(scene: Scene, fidelity: str | None = None) -> Choice:
     if unseen and end is not None and unseen.keys() == end.criteria.keys():
         other = "fidelity auto" if unseen.keys() <= NEEDS_SLIP else "fidelity dynamic"
         raise NotAvailable(
-            f"{scene.name}: wear.end_of_life: got {', '.join(unseen)} alone, which a life of "
-            f"fidelity {chosen.fidelity} does not watch, expected another criterion, or {other}"
+            f"{scene.name}: wear.end_of_life: got only {', '.join(unseen)}, which a life of "
+            f"fidelity {chosen.fidelity} does not evaluate, expected another criterion, or {other}"
         )
     return replace(chosen, of_life=True)
 
 
 def unwatched(scene: Scene, chosen: Choice) -> dict[str, float]:
-    """The criteria of a scene that a life of this fidelity does not watch, with their limits."""
+    """Criteria of a scene that a life of this fidelity does not evaluate, with their limits."""
     end = scene.wear.end_of_life or EndOfLife()
     blind = set() if chosen.cage else end.criteria.keys() - end.without_cage.criteria.keys()
     if chosen.fidelity == "race_control" and not stands_still(scene):
@@ -160,7 +160,7 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
     across = f" times {model.points_across} across" if model.slip_is_over == "ellipse" else ""
     always = (
         f"accuracy: {model.accuracy}; {model.strips} points or strips ({model.quadrature}){across}"
-        f", slip rounded below {scene.friction.slip_regularisation_m_s:g} m/s"
+        f", friction regularised below a slip of {scene.friction.slip_regularisation_m_s:g} m/s"
     )
     if chosen.fidelity != "dynamic":
         return always
@@ -171,7 +171,7 @@ def accuracy_sentence(scene: Scene, chosen: Choice) -> str:
 
 
 def effort(scene: Scene, chosen: Choice) -> str:
-    """A rough estimate of what a solve costs, in words."""
+    """Rough estimate of the computing time of a solve, in words."""
     compiled = is_compiled(LARGEST_KERNEL[chosen.fidelity])
     before = "" if compiled else f"up to {compile_time()} to compile the solver, once; then "
     if chosen.fidelity != "dynamic":

@@ -17,13 +17,13 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
     if given is not None:
         yield (
             f"friction: of a film, {given.shear_strength_MPa:g} MPa over the mean pressure of each "
-            f"contact{_and(given.pressure_coefficient)}; about {_at_rest(scene)} at rest"
+            f"contact{_plus(given.pressure_coefficient)}; about {_at_rest(scene)} at rest"
         )
     if films.exponent:
         yield (
-            f"wear of films: as (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, p the mean "
-            "pressure of each contact; of a dynamic case by its mean load, in its history by the "
-            "load at the instant"
+            f"wear of films: proportional to (p/{films.reference / GPA:g} GPa)^{films.exponent:g}, "
+            "where p is the mean pressure of each contact; a dynamic case uses its mean load, its "
+            "history the instantaneous load"
         )
     coated = {"races": films.race, "balls": films.ball}
     for part, surface in coated.items():
@@ -32,18 +32,18 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
         factor = float(surface.film.K_s / surface.film.H)
         thick = "never worn through"
         if math.isfinite(surface.thickness):
-            thick = f"{surface.thickness / UM:g} um on each, {_then(scene)}"
+            thick = f"{surface.thickness / UM:g} um thick; {_then(scene)}"
         yield f"film of the {part}: K_s/H {factor:.2g} m2/N; {thick}"
     for part, surface in coated.items():
         if surface.running_in:
             yield (
-                f"running in of the {part}: K_s from {surface.first:g} to "
+                f"running-in of the {part}: K_s from {surface.first:g} to "
                 f"{float(surface.below.K_s):g}, over {surface.running_in / UM:g} um"
             )
 
 
 def film_worn(e: Evidence) -> Finding | None:
-    """A film is worn through in a life which goes on with the film's friction."""
+    """A film worn through in a life that continues with the film's friction."""
     if e.life is None or "history_film_worn_share" not in e.life:
         return None
     shares, given = e.life["history_film_worn_share"], e.scene.friction.film
@@ -55,28 +55,28 @@ def film_worn(e: Evidence) -> Finding | None:
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
 
 
-def _and(coefficient: float) -> str:
-    return f" and {coefficient:g}" if coefficient else ""
+def _plus(coefficient: float) -> str:
+    return f" plus {coefficient:g}" if coefficient else ""
 
 
 def _then(scene: Scene) -> str:
     end, given = scene.wear.end_of_life, scene.friction.film
     if end is not None and end.film_worn_share is not None:
-        return f"the life ends with {100.0 * end.film_worn_share:g} % of a track worn through"
+        return f"the life ends when {100.0 * end.film_worn_share:g} % of a track is worn through"
     if given is not None and given.bare_ball_race is not None:
-        return f"worn through the friction is {given.bare_ball_race:g}"
-    return "worn through the friction stays"
+        return f"where it is worn through, friction is {given.bare_ball_race:g}"
+    return "where it is worn through, friction is unchanged"
 
 
 def _at_rest(scene: Scene) -> str:
     """Friction coefficients under the preload at rest, by fitted Hertz factors."""
-    # its kernels take long to load, and other commands need none of them
+    # loaded here: its kernels load slowly, and other commands do not use them
     from bearingwear.solvers.bearing.parameters import friction_law
 
     g, preload, law = mounted_geometry(scene), scene.operation.preload_N, friction_law(scene)
     sine = math.sin(g.alpha0)
     if not (preload > 0.0 and sine > 0.0):
-        return f"{law.mu:.3g} and more"
+        return f"at least {law.mu:.3g}"
     loads = np.full(2, preload / (g.n_balls * sine))
     pair = (law.mu + law.S / float(p) if law.S else law.mu for p in pressure_of_load(scene, loads))
     return " (inner) and ".join(f"{mu:.2g}" for mu in pair) + " (outer)"

@@ -1,4 +1,4 @@
-"""Estimates, before any solve, of what growth does to a fixed position, and their sentences."""
+"""Sentences on growth, and estimates of its effect on a fixed position before a solve."""
 
 import functools
 import math
@@ -22,13 +22,13 @@ from bearingwear.solvers.effects.choice import Choice
 from bearingwear.solvers.effects.evidence import Evidence, Finding
 
 USUAL_BORE = 1.75
-"""Pitch diameter less bore over ball diameter that is assumed where no bore is given."""
+"""Pitch diameter less bore, over ball diameter; assumed where no bore is given."""
 
 MOST_LEFT_OUT = 0.1
-"""Change of a fixed-position preload by growth that is left out, over the preload, assumed."""
+"""Largest relative change of a fixed-position preload by neglected growth, assumed."""
 
 WARMER = 5.0
-"""Inner ring above the rest [K] in the warning, assumed."""
+"""Temperature of the inner ring above the rest [K] in the warning, assumed."""
 
 _STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
 _COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
@@ -49,15 +49,15 @@ def preload_change(scene: Scene, growth: Growth) -> float:
 
 @functools.lru_cache(maxsize=64)
 def _preload_change(g: Geometry, F: float, growth: Growth, span: float, orientation: str) -> float:
-    """The same of a geometry as mounted; asked for several times in each solve."""
-    along = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
+    """`preload_change` of a geometry as mounted; cached, since a solve uses it several times."""
+    axial = g.BD * math.sin(g.alpha0) + fitted_displacement(g, F)
     running = grown(g, growth, 0.0)
-    now = fitted_preload(running, along + axial_change(growth.heat, along, span, orientation))
-    return now / fitted_preload(g, along) - 1.0
+    now = fitted_preload(running, axial + axial_change(growth.heat, axial, span, orientation))
+    return now / fitted_preload(g, axial) - 1.0
 
 
 def assumed_bore(scene: Scene) -> float:
-    """Bore of the inner ring [m], usual for its balls where the scene does not say it."""
+    """Bore of the inner ring [m]; the usual one for its balls where the scene gives none."""
     b = scene.bearing
     usual = max(b.pitch_diameter_mm - USUAL_BORE * b.ball_diameter_mm, 0.0)
     return MM * (usual if b.bore_mm is None else b.bore_mm)
@@ -78,9 +78,9 @@ def change_by_warm_ring(scene: Scene, kelvin: float) -> float:
 
 def _effect(scene: Scene, change: float) -> str:
     if not is_held(scene):
-        return "of second order under a constant force"
+        return "a second-order effect with constant force"
     if math.isnan(change):
-        return "its effect is not known before the solve"
+        return "its effect is unknown before the solve"
     percent = 100.0 * change
     size = f"{percent:+.2g}" if abs(percent) < 10.0 else f"{percent:+.0f}"
     return f"about {size} % of the preload at rest"
@@ -91,31 +91,32 @@ def growth_at_speed(chosen: Choice) -> Iterator[str]:
     if o.shaft_speed_rpm or o.outer_speed_rpm:
         size = _effect(scene, change_at_speed(scene))
         if b.bore_mm is not None:
-            yield f"growth of the rings at speed: solved; {size}"
+            yield f"growth of the rings at speed: included; {size}"
         else:
             bore = f" (a bore of {assumed_bore(scene) / MM:.3g} mm is assumed for this estimate)"
             yield (
-                "growth of the rings at speed: left out, bearing.bore_mm is not given; "
+                "growth of the rings at speed: neglected, because bearing.bore_mm is not given; "
                 f"{size}{bore if is_held(scene) else ''}"
             )
     if o.outer_speed_rpm and b.outside_diameter_mm is None:
         yield (
-            "growth of the turning outer ring: left out, bearing.outside_diameter_mm is not given"
+            "growth of the rotating outer ring: neglected, because bearing.outside_diameter_mm is "
+            "not given"
         )
 
 
 def temperature(chosen: Choice) -> Iterator[str]:
     scene, held = chosen.scene, is_held(chosen.scene)
     if scene.thermal is not None:
-        rough = "; conductances are known roughly, and so is the preload" if held else ""
-        yield f"temperature: of rings and balls, found from the friction heat{rough}"
+        rough = "; conductances, and hence the preload, are rough estimates" if held else ""
+        yield f"temperature: of rings and balls, computed from the friction heat{rough}"
     elif scene.temperature is not None:
         alone = Growth(growth_of(scene).heat, _STILL, _STILL)
         yield f"temperature: given; {_effect(scene, preload_change(scene, alone))}"
     else:
         size = _effect(scene, change_by_warm_ring(scene, 1.0) if held else math.nan)
-        each = " for each K that the inner ring is warmer" if held else ""
-        yield f"temperature: left out; {size}{each}"
+        per_kelvin = " per K that the inner ring is warmer" if held else ""
+        yield f"temperature: neglected; {size}{per_kelvin}"
 
 
 def seats(chosen: Choice) -> Iterator[str]:
@@ -123,7 +124,7 @@ def seats(chosen: Choice) -> Iterator[str]:
     if scene.fits is not None:
         growth = growth_of(scene)
         alone = Growth(_COLD, growth.inner._replace(speed=0.0), growth.outer._replace(speed=0.0))
-        yield f"fits: solved; {_effect(scene, preload_change(scene, alone))}"
+        yield f"fits: included; {_effect(scene, preload_change(scene, alone))}"
 
 
 def growth_left_out(e: Evidence) -> Finding | None:

@@ -1,8 +1,8 @@
-"""The table of effects: what a solve includes or leaves out, and what practice allows.
+"""The table of effects: included and neglected effects of a solve, and limits of practice.
 
-A row has the sentences before a solve, and the warning after it: the limits of practice stand in
-`practice`, with their sources. No warning is an error. A result has its warnings in the attribute
-`warnings`, which `bearingwear.results.warnings` reads.
+A row defines the sentences before a solve and the warning after it; `practice` contains the limits
+of practice with their sources. No warning is an error. A result stores its warnings in the
+attribute `warnings`, which `bearingwear.results.warnings` reads.
 """
 
 import math
@@ -22,8 +22,8 @@ FLAT_GROOVE = 0.1
 """Loss over the gap at the ellipse's edge above which a worn groove's contact is not Hertzian."""
 
 ROUNDED_SLIP = 0.25
-"""Slip below which friction is rounded, over the balls' mean slip. Above this ratio the rounding
-takes a few per cent off the friction torque (docs/warnings.md)."""
+"""Slip below which friction is regularised, over the mean slip of the balls. Above this ratio the
+friction torque is a few per cent too small (docs/warnings.md)."""
 
 SPEED_ASSUMED = "Speed assumed: {:.12g} r/min."
 """Part of a scene's description while its speed is the one that `new` assumed."""
@@ -36,13 +36,13 @@ _UM, _MM = 1e-6, 1e-3
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect on the bearing, or a limit: its id, and what is said of it.
+    """An effect on the bearing, or a limit, with its sentences.
 
-    `size` says how large it is in a state, which fills sentence and advice; None where it does not
-    apply. A fact is always warned of, a value beyond its limit. An `impractical` bearing is one
-    that nobody would build or run; the others speak of what the model leaves out, or of what the
-    user may want. `modelled` makes the sentences before the solve: whether it is included, and how
-    large it is.
+    `size` computes its magnitude in a state, which completes sentence and advice; None where it
+    does not apply. A finding without a value is always a warning, one with a value if it exceeds
+    its limit. `impractical` marks designs that cannot be built or run; other warnings concern
+    neglected effects or the user's intent. `modelled` writes the sentences before the solve:
+    whether the effect is included, and its magnitude.
     """
 
     id: str
@@ -65,7 +65,7 @@ def _groove(e: Evidence) -> Finding | None:
 
 
 def _rounded(e: Evidence) -> Finding | None:
-    """Whether the balls slip so slowly that the friction law is not yet Coulomb's."""
+    """Slip so low that the friction law is not Coulomb's."""
     load = e.contacts("contact_load").sum()
     slip = e.contacts("qv").sum() / load if load else math.nan
     if not slip > 0.0:
@@ -112,7 +112,7 @@ def _when_new(e: Evidence) -> Finding | None:
 
 
 def _limit_passed(e: Evidence) -> Finding | None:
-    """The criteria that a case is beyond, the one that is passed by most first."""
+    """Criteria that a case violates, the one exceeded most first."""
     found = [] if e.case is None else criteria_passed(e.scene, e.case)
     if not found:
         return None
@@ -182,7 +182,7 @@ EFFECTS = (
         practice.faster_than_made_for,
         "{value:.6g} r/min is above the limit for {kind} of {bearing}: {limit:.0f} with grease, "
         "{oil:.0f} with oil ({source})",
-        "reduce speed or preload, or ask the maker",
+        "reduce speed or preload, or consult the maker",
     ),
     Effect(
         "hoop_stress",
@@ -310,7 +310,7 @@ EFFECTS = (
         "set operation.shaft_speed_rpm",
     ),
 )
-"""The table: sentences before a solve in this order, and warnings, those that decide first."""
+"""The table: sentences before a solve in this order, and warnings by importance."""
 
 WARNINGS = tuple(effect for effect in EFFECTS if effect.sentence)
-"""Those that a result may be warned of."""
+"""The warnings that a result may contain."""
