@@ -6,7 +6,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.follow import Life
-from bearingwear.lives.grooves import FEWER_CELLS, STEP, WORN_CELLS, Grooves, follow_grooves
+from bearingwear.lives.grooves import FEWER_CELLS, LONGER_STEP, WORN_CELLS, Grooves, follow_grooves
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.compose import solver_of
@@ -37,9 +37,9 @@ def surface_error(scene: Scene, life: Life) -> dict:
 
 
 def groove_errors(scene: Scene, life: Life) -> dict:
-    """Bound on the error of the steps, and the estimate of all; by lives in steps twice as long.
+    """Bound on the error of the steps, and the estimate of all; by lives in longer steps.
 
-    Heun's error is about a third of what twice the step changes. That of the cells, of v_r and of
+    That of the steps is at most twice what steps half as long again change. That of the cells, of v_r and of
     the points is taken from lives with fewer cells, half of v_r and twice the points.
     """
     now = life.last.time[1]
@@ -47,12 +47,14 @@ def groove_errors(scene: Scene, life: Life) -> dict:
         return {}
 
     def time(accuracy: Accuracy, cells: tuple[int, int]) -> float:
-        other = follow_grooves(Grooves(scene, cells, 2.0 * STEP, accuracy, only_times=True))
+        longer = Grooves(scene, cells, LONGER_STEP, accuracy, only_times=True, rough=True)
+        other = follow_grooves(longer)
         return float(other.last.time[1]) if _ends_alike(life, other) else math.nan
 
     coarse, few = (time(Accuracy.CHECKED, cells) for cells in (WORN_CELLS, FEWER_CELLS))
-    values = {"life_error_bound": np.array([math.nan, abs(coarse - now)])}
-    estimate = ROUNDING + (abs(coarse - now) / 3.0 + abs(few - coarse)) / now
+    bound = 2.0 * abs(coarse - now)
+    values = {"life_error_bound": np.array([math.nan, bound])}
+    estimate = ROUNDING + (bound + abs(few - coarse)) / now
     for accuracy, weight in _WEIGHTS.items():
         estimate += weight * abs(time(accuracy, FEWER_CELLS) / few - 1.0)
     if math.isfinite(estimate):

@@ -129,7 +129,13 @@ class Method:
 
     def zero(self, value: Any, a: Node, b: Node) -> float:
         """Root of a margin between two nodes."""
-        return float(brentq(value, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15))
+        least = self.root * (value(a.x) - value(b.x))
+
+        def left(x: float) -> float:
+            found = value(x)
+            return found if abs(found) > least else 0.0
+
+        return float(brentq(left, a.x, b.x, xtol=self.root * (b.x - a.x), rtol=1e-15))
 
     def error_of_end(self, life: "Life") -> np.ndarray:
         """Errors of the times at which a criterion is reached or a way changes (2,) [s]."""

@@ -1,13 +1,14 @@
 """Bearings whose grooves are followed as they wear (theory.md section 21)."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.ends import Criteria, largest_loss
 from bearingwear.lives.follow import Life, Node, States, follow
-from bearingwear.lives.methods import Heun
+from bearingwear.lives.methods import Adams
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.outputs import wear_values
@@ -20,10 +21,9 @@ from bearingwear.solvers.worn.solver import Worn
 
 WORN_CELLS = (48, 10)  # along the major axis, and on each side of it
 FEWER_CELLS = (32, 8)  # to see the error of the others
-STEP = 0.16  # deepest wear of a step, over the gap A a^2
+STEP = 0.24  # deepest wear of a step, over the gap A a^2
 FILM_STEP = 0.12  # likewise, over the thickness of a film that still covers
-QUICK_STEP = 1.5 * STEP
-"""Of a quick life, over the gap; with it go `FEWER_CELLS`."""
+LONGER_STEP = 1.5 * STEP  # of quick lives, and to see the error of the others
 ON_THE_WAY_BALANCED = 1e-4  # force left on a rotor in the middle of a step, over the larger one
 _SHORT = 0.3  # of the step before
 
@@ -37,7 +37,8 @@ def point_of(state: State) -> WornPoint:
 class Grooves:
     """The wear of the grooves and balls of a bearing, or of two on a rotor.
 
-    Where `only_times` count, states have no stiffness unless the life ends by it.
+    Where `only_times` count, states have no stiffness unless the life ends by it. Those of a
+    `rough` life are balanced as on the way, and unchecked.
     """
 
     origin, range = 0.0, math.inf
@@ -49,8 +50,9 @@ class Grooves:
         step: float = STEP,
         accuracy: Accuracy = Accuracy.CHECKED,
         only_times: bool = False,
+        rough: bool = False,
     ):
-        self.scene, self.depth = scene, step
+        self.scene, self.depth, self.rough = scene, step, rough
         end = scene.wear.end_of_life
         self.by_stiffness = end is not None and end.system_axial_stiffness_N_um is not None
         self.only_times = only_times
@@ -71,11 +73,12 @@ class Grooves:
             losses = (scene.wear.ball_diameter_loss_um[0] for scene in self.scene.sides)
             return tuple(State.unsolved(self.status, loss * parameters.UM) for loss in losses)
         self.solves += 1
+        rough = on_the_way or self.rough
         for side in self.sides:
-            side.bearing.on_the_way = on_the_way
+            side.bearing.on_the_way = rough
         conditions = tuple(map(Worn.condition, worn))
-        rough = ON_THE_WAY_BALANCED if on_the_way else None
-        found = self.bearings.solve(conditions, tolerance=rough)
+        tolerance = ON_THE_WAY_BALANCED if rough else None
+        found = self.bearings.solve(conditions, tolerance=tolerance)
         if found.status != code.OK:
             return tuple(State.unsolved(found.status, math.nan) for _ in self.sides)
         for side, one in zip(self.sides, found.sides, strict=True):
@@ -109,11 +112,12 @@ class Grooves:
         return tuple(side.rate(point_of(state)) for side, state in each)
 
     def moved(
-        self, worn: Wears, dt: float, rates: Wears, on_the_way: bool = False
+        self, worn: Wears, spans: Sequence[tuple[float, Wears]], on_the_way: bool = False
     ) -> tuple[Wears, States]:
-        """Wear after the time dt, and the bearings with it."""
-        after = tuple(wear.plus(dt, rate) for wear, rate in zip(worn, rates, strict=True))
-        return after, self.state(after, on_the_way)
+        """Wear after some times at a rate each, and the bearings with it."""
+        for dt, rates in spans:
+            worn = tuple(wear.plus(dt, rate) for wear, rate in zip(worn, rates, strict=True))
+        return worn, self.state(worn, on_the_way)
 
     def start_ahead(self, before: Node, now: Node, share: float) -> None:
         """Start the next solves so many times the last step ahead."""
@@ -161,7 +165,7 @@ class Grooves:
 
 def follow_grooves(wearing: Grooves) -> Life:
     """The life with grooves as they wear, and the rates at which its even losses grow."""
-    life = follow(wearing, Criteria(wearing.scene), Heun())
+    life = follow(wearing, Criteria(wearing.scene), Adams())
     life.solves = wearing.solves
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)

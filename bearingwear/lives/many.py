@@ -12,7 +12,7 @@ from bearingwear.lives.follow import Life
 from bearingwear.lives.groove_life import grooves_followed
 from bearingwear.lives.grooves import (
     FEWER_CELLS,
-    QUICK_STEP,
+    LONGER_STEP,
     STEP,
     WORN_CELLS,
     Grooves,
@@ -56,8 +56,8 @@ def worn_life(scene: Scene, quick: bool = True, only_times: bool = False) -> Lif
     alone, _ = grooves_followed(scene, "steady")
     if alone is None:
         return None
-    cells, step = (FEWER_CELLS, QUICK_STEP) if quick else (WORN_CELLS, STEP)
-    return follow_grooves(Grooves(alone, cells=cells, step=step, only_times=only_times))
+    cells, step = (FEWER_CELLS, LONGER_STEP) if quick else (WORN_CELLS, STEP)
+    return follow_grooves(Grooves(alone, cells, step, only_times=only_times, rough=quick))
 
 
 def worse_states(life: Life, scene: Scene) -> list[State]:

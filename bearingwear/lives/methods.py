@@ -18,7 +18,8 @@ TINY_TIME = 1e-300  # [s], so that nothing is no scale
 QUARTERS = (0.25, 0.5, 0.75)
 SIMPSON = (5, 8, -1, 0, 0), (4, 16, 4, 0, 0), (4, 16, 9, 8, -1), (4, 16, 8, 16, 4), (8, 0, 32, 0, 8)
 """Integrals [1/48 of a step] by its five nodes: up to each, and to the end by every other one."""
-_SHORTENINGS = 6  # of a step by Heun that fails, each by half
+MOST_STRETCHED = 2.0  # of a step by Adams, over the one before; a longer one is by Heun
+_SHORTENINGS = 6  # of a step that fails, each by half
 _MOST_TRIALS = 8  # runs to find an end
 _END_OF_RUNS = 1e-3  # of a step
 
@@ -177,14 +178,18 @@ class InTime(Method):
         return LifeStep.through([self.at(end)], end)
 
 
-class Heun(InTime):
-    """Heun's steps, as long as the deepest place may wear in one."""
+class Adams(InTime):
+    """Adams-Bashforth-Moulton steps of third order, the first by Heun's method.
+
+    Each is as long as the deepest place may wear in one.
+    """
 
     most_steps, counts, root = 1000, 1, 1e-3
+    _rated: tuple[Node | None, Any] = (None, None)  # the last node, and its rates
 
     def longest(self, now: Node) -> float:
-        self._rates = self.wearing.rates(now)
-        longest = self.wearing.longest_step(now, self._rates)
+        self._earlier, self._rated = self._rated, (now, self.wearing.rates(now))
+        longest = self.wearing.longest_step(now, self._rated[1])
         self.shortest = 0.1 * self.root * longest
         return longest
 
@@ -205,14 +210,26 @@ class Heun(InTime):
 
     def after(self, x: float, before: Sequence[Node], now: Node) -> Node:
         wearing, h, time = self.wearing, x - now.x, self.clock(x)
+        rates, ratio, older = self._rated[1], 0.0, self._rated[1]
         for earlier in before:
-            wearing.start_ahead(earlier, now, h / (now.x - earlier.x))
-        worn, states = wearing.moved(now.worn, h, self._rates, on_the_way=True)
+            step = h / (now.x - earlier.x)
+            wearing.start_ahead(earlier, now, step)
+            if earlier is self._earlier[0] and step <= MOST_STRETCHED:
+                ratio, older = step, self._earlier[1]
+        spans = (h * (1.0 + 0.5 * ratio), rates), (-0.5 * h * ratio, older)
+        worn, states = wearing.moved(now.worn, spans, on_the_way=True)
         ahead = Node(x, worn, states, time)
         if ahead.status != code.OK:
             return ahead
-        rates = tuple(a.mean(b) for a, b in zip(self._rates, wearing.rates(ahead), strict=True))
-        worn, states = wearing.moved(now.worn, h, rates)
+        share = h / (6.0 * (1.0 + ratio))
+        worn, states = wearing.moved(
+            now.worn,
+            (
+                (share * (3.0 + 2.0 * ratio), wearing.rates(ahead)),
+                (h * (3.0 + ratio) / 6.0, rates),
+                (-share * ratio * ratio, older),
+            ),
+        )
         return Node(x, worn, states, time)
 
 

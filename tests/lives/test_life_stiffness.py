@@ -22,7 +22,7 @@ SLOPE = 1e-3  # to which a quasi-static stiffness is that of further solves
 STEP = 1e-4  # of the approach: longer ones pass kinks, where slip reverses at a cell
 LOST = EndOfLife(ball_diameter_loss_um=0.2)
 SYSTEM = "history_system_axial_stiffness", "history_system_quasistatic_axial_stiffness"
-FEW = {"cells": (32, 8), "step": 0.16}
+FEW = {"cells": (32, 8), "step": 0.24}
 SPRING = ("arrangement.kind=spring_pair", "arrangement.spring_stiffness_N_um=1")
 LOADED = ("arrangement.external_axial_N=1",)
 

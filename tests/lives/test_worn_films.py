@@ -74,7 +74,7 @@ def test_a_film_without_shear_strength_changes_nothing(marched):
 
 
 def test_a_film_like_what_lies_below_wears_like_it(marched):
-    """Only its steps are shorter: Heun's error, which two steps as long changed by 5e-4."""
+    """Only its steps are shorter, which changes the life by less than 5e-4."""
     plain, filmed = marched(WORN), marched(COULOMB | THICK | {"friction.film.bare_ball_race": 0.08})
     assert filmed.times[1, 1] < plain.times[1, 1]
     assert_allclose(filmed.times[-1, 1], plain.times[-1, 1], rtol=5e-4)

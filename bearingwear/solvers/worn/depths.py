@@ -39,13 +39,6 @@ class WornDepths:
             self.band + dt * rate.band,
         )
 
-    def mean(self, other: "WornDepths") -> "WornDepths":
-        return WornDepths(
-            0.5 * (self.ball + other.ball),
-            0.5 * (self.grooves + other.grooves),
-            0.5 * (self.band + other.band),
-        )
-
 
 @dataclass(frozen=True, eq=False)
 class WornPoint:
