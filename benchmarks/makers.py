@@ -20,7 +20,8 @@ from comparison import Group, Row, histogram, row_table, scatter, totals
 from identify import PRINTED
 
 import bearingwear
-from bearingwear.plotting.drawing import Figure, frame, from_zero, key, mu_is, new_figure
+from bearingwear.plotting.drawing import Figure, frame, from_zero, key, new_figure
+from bearingwear.results.words import mu_is
 from bearingwear.scene.new.catalogue import MAKERS, bearings
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.at_rest import RestingPair

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import LogLocator
 
-from bearingwear.plotting.drawing import SERIES, frame, in_words, key, new_figure, save
+from bearingwear.plotting.drawing import SERIES, frame, key, new_figure, save
+from bearingwear.results.words import in_words
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.solve import solve

@@ -19,7 +19,13 @@ import numpy as np
 from bearingwear.kernels.contact.hertz import elliptic_integrals
 from bearingwear.kernels.worn.cells import contact_buffers
 from bearingwear.kernels.worn.pressure import CLOSED_GAP, contact_cells, worn_pressure
-from bearingwear.plotting.drawing import frame, key, new_figure, percent_in_text, save
+from bearingwear.plotting.drawing import (
+    frame,
+    key,
+    new_figure,
+    save,
+)
+from bearingwear.results.words import percent_in_text
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from kernels.test_worn_contact import KAPPA, PROFILES  # noqa: E402

@@ -15,7 +15,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.lives.life import life
-from bearingwear.plotting.drawing import in_words
+from bearingwear.results.words import in_words
 from bearingwear.scene.read import load_scene
 from bearingwear.scene.scene import Scene
 

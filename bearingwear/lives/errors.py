@@ -39,8 +39,8 @@ def surface_error(scene: Scene, life: Life) -> dict:
 def groove_errors(scene: Scene, life: Life) -> dict:
     """Bound on the error of the steps, and the estimate of all; by lives in longer steps.
 
-    That of the steps is at most twice what steps half as long again change. That of the cells, of v_r and of
-    the points is taken from lives with fewer cells, half of v_r and twice the points.
+    That of the steps is at most twice what steps half as long again change. That of the cells, of
+    v_r and of the points is taken from lives with fewer cells, half of v_r and twice the points.
     """
     now = life.last.time[1]
     if life.status != code.OK or not now > 0.0:

@@ -23,11 +23,11 @@ from bearingwear.page.charts import LARGE_CHART, SMALL_CHART, chart_html
 from bearingwear.page.figures import SUFFIXES, Drawing, drawings
 from bearingwear.page.scenes import key_blocks, scene_differences
 from bearingwear.page.sketch import sketch
-from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.chart import Chart, load_charts
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Rough, unbroken
 from bearingwear.results.warnings import gathered_warnings, warnings_in
+from bearingwear.results.words import scene_of
 
 _TEMPLATE, _STYLE, _SCRIPT = (
     Path(__file__).with_name(name) for name in ("page.html", "page.css", "page.js")

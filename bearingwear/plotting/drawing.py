@@ -1,12 +1,11 @@
 """What all figures share: style, colours, marks, words, saving."""
 
 import io
-import json
 import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import matplotlib
 import matplotlib.figure
@@ -20,8 +19,7 @@ from bearingwear.atomic import OutputError, whole_file
 from bearingwear.kernels.status import OK
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import Display
-
-_Data = TypeVar("_Data", xr.Dataset, xr.DataArray)
+from bearingwear.results.words import methods, mu_is
 
 STYLE = Path(__file__).with_name("style.mplstyle")
 
@@ -131,25 +129,6 @@ def _in_words(figure: Figure) -> dict[str, str | None]:
         "Description": ". ".join(part for part in parts if part),
         "Date": None,
     }
-
-
-def methods(dataset: _Data) -> list[tuple[str, _Data]]:
-    """Name and slice of each preload method in a dataset, or in a variable."""
-    names = dataset["preload_method"].attrs["flag_meanings"].split()
-    return [
-        (names[int(flag)], dataset.isel(preload_method=k))
-        for k, flag in enumerate(dataset["preload_method"].values)
-    ]
-
-
-def in_words(name: str) -> str:
-    """A name of the files as it stands in a figure."""
-    return name.replace("_", " ")
-
-
-def scene_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """The scene a file was made from."""
-    return json.loads(dataset.attrs["scene"])
 
 
 def mark_failed(
@@ -295,21 +274,6 @@ def lines_of_a_title(title: str, width: int) -> list[str]:
 
     narrowest = next(w for w in range(1, width + 1) if len(lines(w)) <= len(lines(width)))
     return lines(narrowest)
-
-
-def mu_is(mu: float) -> str:
-    """A friction coefficient for a title, in one piece."""
-    return f"µ\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}{mu:g}"
-
-
-def percent(value: float) -> str:
-    """A ratio as a percentage for a title; a dash where it is not known."""
-    return f"{100.0 * value:.0f} %" if np.isfinite(value) else "– %"
-
-
-def percent_in_text(value: float) -> str:
-    """A ratio as a percentage with two digits, in one piece; a dash where it is not known."""
-    return f"{100.0 * value:.2g}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "–"
 
 
 def from_zero(axes: Any) -> None:

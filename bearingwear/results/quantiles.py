@@ -248,3 +248,16 @@ def spread_at(one: xr.Dataset) -> Spread | None:
         else {f"L{100 * p:.0f}": float(middle.sel(probability=p)) for p in (0.1, 0.5)},
         solved=float(one["solved_share"]),
     )
+
+
+def quantities_of(uncertainty: xr.Dataset) -> list[str]:
+    """Names of the uncertain values, in the order of the file."""
+    return uncertainty["quantity"].attrs["flag_meanings"].split()
+
+
+def preload_drawn(one: xr.Dataset) -> int:
+    """The recommended preload, or the scene's own where none is recommended."""
+    if RECOMMENDED not in one["preload_choice"]:
+        return GIVEN
+    recommended = one["preload"].sel(preload_choice=RECOMMENDED)
+    return RECOMMENDED if np.isfinite(recommended) else GIVEN

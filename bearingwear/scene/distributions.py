@@ -4,26 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtr, ndtri
 
 from bearingwear.scene.scene import Distribution, Scene, key_of_scene
 from bearingwear.scene.uncertain import friction_correlation, uncertain_key
-
-
-def distribution(given: Distribution, nominal: float) -> Any:
-    """A distribution as `scipy.stats` has it, about the scene's own value if it has no middle."""
-    if given.distribution == "uniform":
-        assert given.low is not None and given.high is not None
-        return stats.uniform(given.low, given.high - given.low)
-    if given.distribution == "normal":
-        mean = nominal if given.mean is None else given.mean
-        return stats.norm(mean, given.standard_deviation)
-    assert given.factor is not None
-    median = nominal if given.median is None else given.median
-    return stats.lognorm(np.log(given.factor), scale=median)
 
 
 def possible(key: str) -> tuple[float, float]:
@@ -35,10 +21,24 @@ def possible(key: str) -> tuple[float, float]:
 def quantile(
     given: Distribution, nominal: float, ends: tuple[float, float], probability: np.ndarray
 ) -> np.ndarray:
-    """Quantiles of a distribution that is cut off at the ends of what is possible."""
-    found = distribution(given, nominal)
-    below, upto = found.cdf(ends)
-    return found.ppf(below + (upto - below) * np.asarray(probability))
+    """Quantiles of a distribution that is cut off at the ends of what is possible.
+
+    About the scene's own value if it has no middle.
+    """
+    if given.distribution == "uniform":
+        assert given.low is not None and given.high is not None
+        width = given.high - given.low
+        below, upto = np.clip(np.subtract(ends, given.low) / width, 0.0, 1.0)
+        return given.low + width * (below + (upto - below) * np.asarray(probability))
+    if given.distribution == "normal":
+        mean, deviation = nominal if given.mean is None else given.mean, given.standard_deviation
+        below, upto = ndtr(np.subtract(ends, mean) / deviation)
+        return mean + deviation * ndtri(below + (upto - below) * np.asarray(probability))
+    assert given.factor is not None
+    median, width = nominal if given.median is None else given.median, math.log(given.factor)
+    with np.errstate(divide="ignore"):
+        below, upto = ndtr(np.log(np.divide(ends, median)) / width)
+    return median * np.exp(width * ndtri(below + (upto - below) * np.asarray(probability)))
 
 
 def value_at(scene: Scene, name: str, probability: np.ndarray) -> np.ndarray:
@@ -55,8 +55,8 @@ def values_at(scene: Scene, names: Sequence[str], probability: np.ndarray) -> np
     friction, rho = friction_correlation(scene.uncertainty or {})
     if rho and {friction, "wear_coefficient"} <= set(names):
         mu, wear = names.index(friction), names.index("wear_coefficient")
-        deviate = stats.norm.ppf(probability[:, [mu, wear]]) @ (rho, math.sqrt(1.0 - rho * rho))
+        deviate = ndtri(probability[:, [mu, wear]]) @ (rho, math.sqrt(1.0 - rho * rho))
         probability = probability.copy()
-        probability[:, wear] = stats.norm.cdf(deviate)
+        probability[:, wear] = ndtr(deviate)
     columns = [value_at(scene, name, probability[:, k]) for k, name in enumerate(names)]
     return np.stack(columns, axis=-1) if columns else probability

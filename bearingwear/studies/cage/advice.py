@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from bearingwear.plotting.drawing import in_words, scene_of
 from bearingwear.results.units import digits
+from bearingwear.results.words import in_words, scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.solvers.dynamic.windows import wear_per_joule

@@ -10,8 +10,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.patches import Rectangle
 
-from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.plotting.drawing import (
+    Figure,
+    frame,
+    key,
+    new_figure,
+)
 from bearingwear.results.units import digits, display
+from bearingwear.results.words import in_words
 from bearingwear.studies.cage.advice import DESIGN, MOSTLY, QUIET, in_design_words, recommended_cage
 from bearingwear.studies.cage.motion import MOTIONS
 from bearingwear.studies.cage.show import MOTION_COLOURS, name_of

@@ -13,8 +13,14 @@ import xarray as xr
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.plotting.drawing import (
+    Figure,
+    frame,
+    key,
+    new_figure,
+)
 from bearingwear.results.units import Interval, Rough, digits, display, key_in_words
+from bearingwear.results.words import in_words
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.studies.cage.life import WEARING
 from bearingwear.studies.cage.motion import HANGS, JAMS, MOTIONS

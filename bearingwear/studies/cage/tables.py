@@ -10,8 +10,8 @@ import xarray as xr
 from bearingwear.document.bearing_line import bearing_line
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
-from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.units import digits, display
+from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import GUIDES
 from bearingwear.studies.cage.advice import mapped_wear, quiet_region, recommended_cage
 from bearingwear.studies.cage.gather import CAGE_AXES

@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.variable import Variable
+from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.scene.variant import variant

@@ -12,8 +12,8 @@ from bearingwear.document.document import Block
 from bearingwear.document.launch import launch_verdict
 from bearingwear.document.margin import margin_block, margin_sentences
 from bearingwear.lives.margin import Corner, torque_corners
-from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.pair_variables import method_words
+from bearingwear.results.words import scene_of
 from bearingwear.scene.cases import NOMINAL
 from bearingwear.scene.read import scene_from_dict
 from bearingwear.scene.scene import PRELOAD_METHODS, Scene

@@ -7,19 +7,20 @@ import xarray as xr
 from bearingwear.document.document import Block, Row
 from bearingwear.document.study import rough_value, spread_rows
 from bearingwear.document.table import flag_names
-from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
     BEARINGS_BETWEEN,
     causes_told,
+    preload_drawn,
+    quantities_of,
     spread_at,
 )
 from bearingwear.results.units import Rough, key_in_words
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, PARAMETERS
 from bearingwear.scene.uncertain import Distribution, is_same_for_batch
 from bearingwear.studies.dataset import counted
-from bearingwear.studies.design.figures.uncertainty_figure import preload_drawn, quantities_of
 
 INDEX_WORDS = (
     "Total Sobol index of log life: the share of its variance that goes with the value, its "

@@ -14,7 +14,6 @@ from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.study import spread_rows
 from bearingwear.kernels.status import CRITERION_NOT_REACHED, OK, STATUS_NAMES
 from bearingwear.measures import ENDS
-from bearingwear.plotting.drawing import in_words, methods, mu_is, percent_in_text, scene_of
 from bearingwear.results.quantiles import (
     NO_QUANTILES,
     QUOTED_SHARE,
@@ -25,6 +24,7 @@ from bearingwear.results.quantiles import (
     spreads_of,
 )
 from bearingwear.results.units import Rough, in_print, span
+from bearingwear.results.words import in_words, methods, mu_is, percent_in_text, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import loaded
 

@@ -9,8 +9,8 @@ from bearingwear.document.document import Block, Document
 from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import table_of
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.variables import RACES
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.studies.dataset import both_ways
 from bearingwear.studies.grid.tables import AXES, cases_csv, over_all_balls
 

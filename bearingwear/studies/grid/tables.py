@@ -13,12 +13,12 @@ from bearingwear.document.markdown import as_markdown
 from bearingwear.document.table import dataset_csv, table_of
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import ENDS
-from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.quantiles import (
     load_quantiles,
 )
 from bearingwear.results.units import display
 from bearingwear.results.variables import of_all_balls
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.grid.answer import lives_block, lives_of
 from bearingwear.studies.grid.life import NOT_INTERPOLATED

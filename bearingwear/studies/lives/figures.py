@@ -19,12 +19,12 @@ from bearingwear.plotting.drawing import (
     mark_failed,
     new_figure,
     power_of_ten,
-    scene_of,
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.quantiles import hours_in_words
 from bearingwear.results.units import Rough, digits
+from bearingwear.results.words import scene_of
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.lives.life_file import dynamic_life, ended_by
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import xarray as xr
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import key_in_words
+from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import loaded
 
 

@@ -11,7 +11,12 @@ import xarray as xr
 
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.rows import values
-from bearingwear.plotting.drawing import Figure, frame, key, new_figure
+from bearingwear.plotting.drawing import (
+    Figure,
+    frame,
+    key,
+    new_figure,
+)
 from bearingwear.results.units import Interval, digits
 from bearingwear.scene.calibrated import (
     SEEN,

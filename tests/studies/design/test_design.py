@@ -16,10 +16,10 @@ from bearingwear.document.show import sheet
 from bearingwear.document.text import as_text
 from bearingwear.kernels.status import STATUS_NAMES
 from bearingwear.measures import LIMITED
-from bearingwear.plotting.drawing import in_words
 from bearingwear.results.netcdf import load
 from bearingwear.results.quantiles import spread_at
 from bearingwear.results.units import Rough
+from bearingwear.results.words import in_words
 from bearingwear.scene.arrangement import held_by
 from bearingwear.scene.checking.check import read_record
 from bearingwear.scene.read import load_scene

@@ -14,9 +14,9 @@ from numpy.testing import assert_allclose
 from support import scene_file, step, step_arguments
 
 from bearingwear.kernels.status import OK
-from bearingwear.plotting.drawing import scene_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.warnings import warnings_in
+from bearingwear.results.words import scene_of
 from bearingwear.scene.blocks import CRITERIA
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.grid.gather import chunk, study

@@ -9,18 +9,10 @@ import xarray as xr
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from bearingwear.kernels.status import OK
-from bearingwear.plotting.drawing import (
-    SERIES,
-    Figure,
-    frame,
-    in_words,
-    key,
-    new_figure,
-    percent_in_text,
-    series_look,
-)
+from bearingwear.plotting.drawing import SERIES, Figure, frame, key, new_figure, series_look
 from bearingwear.plotting.pareto import pareto
 from bearingwear.results.netcdf import CaseFileError
+from bearingwear.results.words import in_words, percent_in_text
 from bearingwear.studies.dataset import loaded
 from workflow.studies.accuracy.groove_figure import grooves_figure
 from workflow.studies.accuracy.points import names, points_where

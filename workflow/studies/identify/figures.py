@@ -12,13 +12,12 @@ from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
     frame,
-    in_words,
     key,
     method_keys,
-    methods,
     new_figure,
 )
 from bearingwear.results.units import span
+from bearingwear.results.words import in_words, methods
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
 from workflow.studies.identify.search import FITS, NO_ANGLE, NO_ROOM

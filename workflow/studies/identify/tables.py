@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from bearingwear.document.markdown import markdown_table
-from bearingwear.plotting.drawing import in_words, methods
 from bearingwear.results.units import digits, display, in_print, span
+from bearingwear.results.words import in_words, methods
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted, loaded
 from workflow.studies.identify.figures import candidates_message, fitting

@@ -9,8 +9,14 @@ import xarray as xr
 from matplotlib.patches import Patch
 
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import Figure, frame, in_words, key, new_figure
+from bearingwear.plotting.drawing import (
+    Figure,
+    frame,
+    key,
+    new_figure,
+)
 from bearingwear.results.netcdf import CaseFileError, load
+from bearingwear.results.words import in_words
 from workflow.studies.robustness.ends import WITHOUT_REASON
 
 END_COLOURS = {

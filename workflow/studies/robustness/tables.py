@@ -6,8 +6,8 @@ import xarray as xr
 
 from bearingwear.document.markdown import markdown_table
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words
 from bearingwear.results.units import display
+from bearingwear.results.words import in_words
 from bearingwear.studies.dataset import loaded
 from bearingwear.studies.run_step import NotSolved
 from workflow.studies.robustness.ends import WITHOUT_REASON

@@ -11,19 +11,18 @@ import xarray as xr
 
 from bearingwear.kernels.status import OK
 from bearingwear.measures import ENDS, LIMITED
-from bearingwear.plotting.drawing import methods, scene_of
 from bearingwear.results.chart import Chart, ChartLine, Charts
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import RECOMMENDED, load_quantiles, spreads_of
 from bearingwear.results.units import scale_of
+from bearingwear.results.words import methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, SAME
 from bearingwear.studies.design.choice import limit_margins, limits_of
 from bearingwear.studies.design.document.sheets import brief_rows
 from bearingwear.studies.design.document.words import limit_text
-from bearingwear.studies.design.figures.choice import at_scene
-from bearingwear.studies.design.figures.draw import design_files
+from bearingwear.studies.design.files import at_scene, design_files
 
 X_LABEL = "initial preload (N)"
 _DECADES = 30.0

@@ -14,9 +14,9 @@ import xarray as xr
 from bearingwear.document.document import Block, Document, Row
 from bearingwear.document.markdown import as_markdown
 from bearingwear.kernels.status import OK, STATUS_NAMES
-from bearingwear.plotting.drawing import in_words, scene_of
 from bearingwear.results.netcdf import CaseFileError, load
 from bearingwear.results.units import Display, Rough, digits, display
+from bearingwear.results.words import in_words, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.design.choice import limits_of
 from bearingwear.studies.design.plan import CHECKED_FIDELITIES

@@ -12,10 +12,10 @@ import xarray as xr
 from bearingwear.document.document import Row
 from bearingwear.document.table import flag_names
 from bearingwear.measures import ENDS, LIMITED
-from bearingwear.plotting.drawing import methods, percent_in_text, scene_of
 from bearingwear.results.pair_variables import is_pair, method_words
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, Spread, band_by_wear
 from bearingwear.results.units import Rough, digits, in_print
+from bearingwear.results.words import methods, percent_in_text, scene_of
 from bearingwear.scene.scene import PRELOAD_METHODS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import NONE_PASSED, assumptions_of, passed

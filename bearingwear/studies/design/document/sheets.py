@@ -21,7 +21,6 @@ from bearingwear.document.study import by_wear_row, spread_rows
 from bearingwear.document.table import dataset_csv, flag_names
 from bearingwear.kernels.status import OK, STATUS_NAMES
 from bearingwear.measures import LIMITED
-from bearingwear.plotting.drawing import in_words, methods, scene_of
 from bearingwear.results.netcdf import load
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
@@ -33,6 +32,7 @@ from bearingwear.results.quantiles import (
 )
 from bearingwear.results.units import Rough, in_ascii
 from bearingwear.results.warnings import WARNING, warning_lines, warnings_in
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.beside import assumptions_of, load_beside, passed
@@ -59,8 +59,7 @@ from bearingwear.studies.design.document.words import (
     held_words,
     limit_text,
 )
-from bearingwear.studies.design.figures.choice import at_scene
-from bearingwear.studies.design.figures.draw import design_files
+from bearingwear.studies.design.files import at_scene, design_files
 from bearingwear.studies.design.machine import machine_blocks
 from bearingwear.studies.design.map import MAP_AXES, WORN_GROOVE
 from bearingwear.studies.design.plan import COARSE, DesignLimits, axes_around

@@ -15,13 +15,10 @@ from bearingwear.plotting.drawing import (
     Figure,
     failed_keys,
     frame,
-    in_words,
     key,
     mark_failed,
     method_keys,
-    methods,
     new_figure,
-    scene_of,
 )
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.quantiles import (
@@ -29,6 +26,7 @@ from bearingwear.results.quantiles import (
     RECOMMENDED,
 )
 from bearingwear.results.units import display
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import (
@@ -42,6 +40,7 @@ from bearingwear.studies.design.choice import (
 )
 from bearingwear.studies.design.document.sentences import headline
 from bearingwear.studies.design.document.words import LIMIT_WORDS
+from bearingwear.studies.design.files import at_scene
 from bearingwear.studies.design.map import WORN_GROOVE
 
 LETTERS = {name: one.letter for name, one in LIMITED.items()}
@@ -54,14 +53,6 @@ PALE = {"alpha": 0.6, "linewidth": 0.9}
 """Of lives beyond a limit."""
 _LIMIT_LINE: dict[str, Any] = {"color": "black", "linewidth": 1.0, "linestyle": (0, (6, 2))}
 STIFFNESS_UNIT = display("N m-1")
-
-
-def at_scene(design: xr.Dataset) -> xr.Dataset:
-    """The line of a map at the scene's own friction and speed."""
-    scene = scene_of(design)
-    return design.sel(
-        friction=scene["friction"]["ball_race"], shaft_speed=scene["operation"]["shaft_speed_rpm"]
-    )
 
 
 def at_recommended(uncertainty: xr.Dataset, flag: int) -> xr.Dataset:

@@ -11,18 +11,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bearingwear.kernels.status import OK
-from bearingwear.plotting.drawing import (
-    FAILED,
-    Figure,
-    failed_keys,
-    frame,
-    in_words,
-    methods,
-    new_figure,
-    scene_of,
-)
+from bearingwear.plotting.drawing import FAILED, Figure, failed_keys, frame, new_figure
 from bearingwear.results.pair_variables import method_words
 from bearingwear.results.units import display
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.figures.choice import as_wide_as_it_is

@@ -14,16 +14,14 @@ from bearingwear.plotting.drawing import (
     failed_keys,
     frame,
     from_zero,
-    in_words,
     key,
     lines,
     method_keys,
-    methods,
     new_figure,
-    scene_of,
 )
-from bearingwear.results.quantiles import ALL_INPUTS, spread_at, spread_text
+from bearingwear.results.quantiles import ALL_INPUTS, preload_drawn, spread_at, spread_text
 from bearingwear.results.units import digits, display, span
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.choice import ACTIVE, preload_text
@@ -31,11 +29,7 @@ from bearingwear.studies.design.document.sentences import method_names
 from bearingwear.studies.design.document.words import LIMIT_WORDS
 from bearingwear.studies.design.figures.choice import LOSS_DASHES
 from bearingwear.studies.design.figures.map_figure import MAPPED, map_overview
-from bearingwear.studies.design.figures.uncertainty_figure import (
-    draw_cumulated,
-    preload_drawn,
-    uncertainty_figure,
-)
+from bearingwear.studies.design.figures.uncertainty_figure import draw_cumulated, uncertainty_figure
 
 
 def map_plot(design: xr.Dataset) -> Figure:

@@ -11,21 +11,19 @@ from bearingwear.plotting.drawing import (
     COLOURS,
     Figure,
     frame,
-    in_words,
     key,
     method_keys,
-    methods,
     new_figure,
-    scene_of,
 )
 from bearingwear.results.quantiles import (
     ALL_BUT_WEAR,
     ALL_INPUTS,
-    GIVEN,
-    RECOMMENDED,
+    preload_drawn,
+    quantities_of,
     spread_at,
     spread_text,
 )
+from bearingwear.results.words import in_words, methods, scene_of
 from bearingwear.scene.scene import COUNTS
 from bearingwear.studies.dataset import counted
 from bearingwear.studies.design.figures.choice import LOSS_DASHES
@@ -43,19 +41,6 @@ QUANTITY_WORDS = {
     "drag_density_kg_m3": "drag",
     "wear_scatter": "wear scatter",
 }
-
-
-def quantities_of(uncertainty: xr.Dataset) -> list[str]:
-    """Names of the uncertain values, in the order of the file."""
-    return uncertainty["quantity"].attrs["flag_meanings"].split()
-
-
-def preload_drawn(one: xr.Dataset) -> int:
-    """The recommended preload, or the scene's own where none is recommended."""
-    if RECOMMENDED not in one["preload_choice"]:
-        return GIVEN
-    recommended = one["preload"].sel(preload_choice=RECOMMENDED)
-    return RECOMMENDED if np.isfinite(recommended) else GIVEN
 
 
 def uncertainty_figure(uncertainty: xr.Dataset) -> Figure:

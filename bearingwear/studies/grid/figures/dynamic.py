@@ -18,15 +18,13 @@ from bearingwear.plotting.drawing import (
     lines,
     list_failed,
     method_keys,
-    methods,
-    mu_is,
     new_figure,
     power_of_ten,
-    scene_of,
     ten_to_the,
 )
 from bearingwear.results.netcdf import CaseFileError
 from bearingwear.results.units import display
+from bearingwear.results.words import methods, mu_is, scene_of
 from bearingwear.studies.grid.figures.quasistatic import WEAR_RATE
 
 IN_TIME = {

@@ -12,20 +12,16 @@ from bearingwear.plotting.drawing import (
     failed_keys,
     frame,
     from_zero,
-    in_words,
     key,
     label_edges,
     lines,
     list_failed,
     mark_failed,
-    methods,
-    mu_is,
     new_figure,
-    percent,
-    scene_of,
     series_look,
 )
 from bearingwear.results.units import Display, display, in_print, key_in_words
+from bearingwear.results.words import in_words, methods, mu_is, percent, scene_of
 
 _LOSS_RATE = display("m s-1", shown="um/1000 h")
 MOST_DIFFERENCES = 4

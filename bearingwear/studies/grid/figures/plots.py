@@ -5,8 +5,14 @@ No step calls this, so what it imports makes no figure of the study outdated.
 
 import xarray as xr
 
-from bearingwear.plotting.drawing import Figure, frame, key, new_figure, scene_of
+from bearingwear.plotting.drawing import (
+    Figure,
+    frame,
+    key,
+    new_figure,
+)
 from bearingwear.results.units import digits, display, span
+from bearingwear.results.words import scene_of
 from bearingwear.studies.grid.figures import quasistatic
 from bearingwear.studies.grid.gather import axis_coordinates
 from bearingwear.studies.grid.grid import Grid

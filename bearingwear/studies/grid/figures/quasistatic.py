@@ -22,21 +22,17 @@ from bearingwear.plotting.drawing import (
     failed_keys,
     frame,
     from_zero,
-    in_words,
     key,
     label_edges,
     lines,
     list_failed,
     method_keys,
-    methods,
-    mu_is,
     new_figure,
-    percent,
     race_keys,
-    scene_of,
 )
 from bearingwear.results.quantiles import BEARINGS_BETWEEN, NO_QUANTILES, spreads_of
 from bearingwear.results.units import Display, Interval, digits, display
+from bearingwear.results.words import in_words, methods, mu_is, percent, scene_of
 
 WEAR_RATE = display("m3 s-1")
 
