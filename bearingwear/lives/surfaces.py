@@ -127,7 +127,7 @@ class FilmWear(EvenWear):
 
     def state(self, state: State, worn: np.ndarray) -> State:
         wearing = self.wearing(state["semi_major_axis"], worn)
-        ball, race = (np.broadcast_to(part.K_s / part.H, 2) for part in wearing)
+        ball, race = (np.broadcast_to(part.factor, 2) for part in wearing)
         of_ball, of_races = state["loss_per_wear"]
         off_ball, off_races = float(of_ball @ ball), of_races * race
         return state.with_values(

@@ -73,6 +73,17 @@ class Thermal:
     )
     reference_C: float = setting("Temperature of mounting", "degC", _DEGREES, default=20.0)
 
+    def parts(self, inner_ring: float, balls: float, outer_ring: float) -> Temperature:
+        """Temperatures of rings and balls between its shaft and housing [degC]."""
+        return Temperature(
+            inner_ring_C=inner_ring,
+            balls_C=balls,
+            outer_ring_C=outer_ring,
+            shaft_C=self.shaft_C,
+            housing_C=self.housing_C,
+            reference_C=self.reference_C,
+        )
+
 
 @keyed
 class Fits:

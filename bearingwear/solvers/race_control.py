@@ -88,8 +88,7 @@ class RaceControl:
         elif hold is not None:
             F = np.array([hold.F_x, *problem.F[1:]])
             problem = replace(problem, constant_force=True, F=F)
-        if any(condition.bare):
-            problem = problem.where_bare(self.scene, condition.bare)
+        problem = parameters.where_bare(problem, self.scene, condition.bare)
         return replace(problem, D=problem.D - (condition.loss - self.start.loss))
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
@@ -128,7 +127,8 @@ def heat_of_values(scene: Scene, values: Mapping[str, Any]) -> HeatFlow:
 
 def race_control_motion(scene: Scene, bare: Bare = COVERED) -> np.ndarray | None:
     """(w_x, w_y, w_z, Omega) of each ball (n, 4) [rad/s]; None where there is no such solution."""
-    values, _ = solve_race_control(scene, RaceControlProblem.of(scene).where_bare(scene, bare))
+    problem = parameters.where_bare(RaceControlProblem.of(scene), scene, bare)
+    values, _ = solve_race_control(scene, problem)
     if "orbit_speed" not in values:
         return None
     return np.column_stack([values["ball_angular_velocity"], values["orbit_speed"]])

@@ -35,7 +35,7 @@ def thrust_alone(scene: Scene) -> Scene:
 
 def start_of(scene: Scene, bare: Bare = COVERED) -> Start:
     """The steady state under the thrust alone, else the state of race control."""
-    problem = ThrustProblem.of(thrust_alone(scene)).where_bare(scene, bare)
+    problem = parameters.where_bare(ThrustProblem.of(thrust_alone(scene)), scene, bare)
     if problem.undetermined() == code.OK:
         D = float(parameters.ball_diameters(scene).mean())
         case = problem.solve(D)

@@ -109,7 +109,7 @@ class Steady:
         elif hold is not None:
             held = problem.preload._replace(constant_force=True, F_x=hold.F_x)
             problem = replace(problem, preload=held)
-        return problem.where_bare(self.scene, condition.bare) if any(condition.bare) else problem
+        return parameters.where_bare(problem, self.scene, condition.bare)
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
         problem, case, loss = solution.problem, solution.answer, solution.condition.loss

@@ -80,15 +80,7 @@ def network_temperatures(thermal: Thermal, heat: HeatFlow) -> Temperature:
         0.5 * (heat.inner + heat.outer),
         0.5 * heat.outer + heat.drag + above,
     ]
-    inner, balls, outer = (thermal.shaft_C + float(t) for t in np.linalg.solve(flows, made))
-    return Temperature(
-        inner_ring_C=inner,
-        balls_C=balls,
-        outer_ring_C=outer,
-        shaft_C=thermal.shaft_C,
-        housing_C=thermal.housing_C,
-        reference_C=thermal.reference_C,
-    )
+    return thermal.parts(*(thermal.shaft_C + float(t) for t in np.linalg.solve(flows, made)))
 
 
 def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> float:

@@ -93,7 +93,7 @@ def test_a_program_written_apart(case):
         }
         for name, value in values.items():
             assert value == pytest.approx(other[name], **near), (k, name)
-    assert rest.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
+    assert rest.along.opening_force == pytest.approx(case["gapping_N"], rel=1e-6)
 
 
 def test_random_rotors_by_plain_scipy():
@@ -111,7 +111,7 @@ def test_random_rotors_by_plain_scipy():
 def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
     """2^1.5 preloads as the preload goes to nothing, and more as the contact angle opens."""
     ratios = [
-        RotorAtRest.of(pair.with_({"operation.preload_N": F})).opening_force / F
+        RotorAtRest.of(pair.with_({"operation.preload_N": F})).along.opening_force / F
         for F in (1e-6, 1e-3, 75.0)
     ]
     assert ratios[0] == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
@@ -123,7 +123,7 @@ def test_a_fixed_angle_opens_at_the_power_of_three_halves(pair):
 @pytest.mark.parametrize("way", [{}, SPRING | {"arrangement.spring_stiffness_N_um": 1.0}])
 def test_opening_and_denting_are_where_the_solve_has_them(pair, way):
     rest = RotorAtRest.of(pair.with_(way))
-    opening, denting = rest.opening_force, rest.denting_force(4.2e9)
+    opening, denting = rest.along.opening_force, rest.denting_force(4.2e9)
     senses = [-1.0] if way else [-1.0, 1.0]
     for sense in senses:
         assert rest.under(sense * opening * (1.0 - 1e-6)).gap == 0.0
@@ -135,7 +135,7 @@ def test_opening_and_denting_are_where_the_solve_has_them(pair, way):
 def test_a_spring_bottoms_on_its_stop(pair):
     """Beyond the spring's force nothing holds the rotor; a stop does, after its way."""
     loose = RotorAtRest.of(pair.with_(SPRING))
-    assert loose.opening_force == pytest.approx(75.0)
+    assert loose.along.opening_force == pytest.approx(75.0)
     assert loose.under(-76.0) is None and loose.under(1e4).gap == 0.0  # the other way it follows
     stopped = RotorAtRest.of(pair.with_(SPRING | {"arrangement.stop_um": 20.0})).under(-500.0)
     first, second = stopped.bearings

@@ -17,7 +17,7 @@ from bearingwear.solvers.bearing.arrangement import (
     rotor_balance,
     rotor_stiffness,
 )
-from bearingwear.solvers.bearing.at_rest import Mechanics, lift_off_rigid
+from bearingwear.solvers.bearing.at_rest import AxialRotor, Mechanics
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.condition import Accuracy
 from bearingwear.solvers.effects.choice import NotAvailable, choice
@@ -257,16 +257,15 @@ def test_lift_off_at_vanishing_load(scene):
     tandem = g._replace(n_balls=2 * g.n_balls)
     F = 1e-5
 
-    def closed(one, two):
-        return sum(Mechanics(x, x.D0).place(F) for x in (one, two))
+    def rotor(*sides):
+        mounted = tuple(side.place(F) for side in sides)
+        return AxialRotor(sides, mounted)
 
-    ratio = lift_off_rigid(Mechanics(g, g.D0), Mechanics(g, g.D0), closed(g, g)) / F
-    assert_allclose(ratio, 2.0**1.5, rtol=1e-3)
-    set_of_three = Mechanics(tandem, g.D0), Mechanics(g, g.D0)
-    least = lift_off_rigid(*set_of_three, closed(tandem, g)) / F
-    assert_allclose(least, 2.08, rtol=1e-3)
-    far = set_of_three[0].force(closed(tandem, g) - set_of_three[1].touch) / F
-    assert_allclose(far, 4.16, rtol=1e-3)
+    alone = Mechanics(g, g.D0)
+    assert_allclose(rotor(alone, alone).opening_force / F, 2.0**1.5, rtol=1e-3)
+    set_of_three = rotor(Mechanics(tandem, g.D0), alone)
+    assert_allclose(set_of_three.opening_force / F, 2.08, rtol=1e-3)
+    assert_allclose(set_of_three.external(1, alone.touch) / F, 4.16, rtol=1e-3)
 
 
 def test_lift_off_of_a_spring(solved):

@@ -1,7 +1,7 @@
 """Bearings under thrust without friction: force over displacement, lift-off, a pair at rest."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -11,6 +11,14 @@ from bearingwear.kernels.params import BallState, Geometry
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.mounted import mounted_geometry
 from bearingwear.solvers.bearing.outputs import stiffness_of_loads
+
+FIRST_REACH = 1e-6  # [m]
+
+
+def displacement(g: Geometry, length: Any) -> Any:
+    """Axial displacement of the inner race where the groove centres are so far apart [m]."""
+    across = g.BD * math.cos(g.alpha0)
+    return np.sqrt(np.maximum(length**2 - across**2, 0.0)) - g.BD * math.sin(g.alpha0)
 
 
 class Mechanics(NamedTuple):
@@ -47,9 +55,7 @@ class Mechanics(NamedTuple):
     @property
     def touch(self) -> float:
         """Axial displacement at which balls at rest lose their load [m]."""
-        g = self.g
-        free, across = g.r_i + g.r_o - self.D, g.BD * math.cos(g.alpha0)
-        return math.sqrt(max(free * free - across * across, 0.0)) - g.BD * math.sin(g.alpha0)
+        return float(displacement(self.g, self.g.r_i + self.g.r_o - self.D))
 
 
 class RestingPair(NamedTuple):
@@ -73,37 +79,67 @@ class RestingPair(NamedTuple):
     @property
     def lift_off(self) -> float:
         """Axial force on the shaft that takes the load off one of them [N]."""
-        return lift_off_rigid(self.one, self.one, 2.0 * self.one.place(self.preload))
+        mounted = self.one.place(self.preload)
+        return AxialRotor((self.one, self.one), (mounted, mounted)).opening_force
 
     def clearance(self, measuring_load: float) -> float:
         """Axial clearance under a measuring load [N]: negative where it has been closed [m]."""
         return 2.0 * (self.one.place(measuring_load) - self.one.place(self.preload))
 
 
-def lift_off_rigid(first: Mechanics, second: Mechanics, closed: float) -> float:
-    """Least axial force, either way, that lifts off a bearing of a rigid pair [N].
+class Spring(NamedTuple):
+    """Of the second outer ring."""
 
-    Both axial displacements add up to `closed` [m].
-    """
-    on_first, on_second = first.force(closed - second.touch), second.force(closed - first.touch)
-    return min(on_first, on_second)
+    force: float  # as mounted [N]
+    stiffness: float  # [N/m]
+    stop: float = math.inf  # way to it [m]
 
 
-def lift_off_spring(
-    first: Mechanics, second: Mechanics, mounted: tuple[float, float], F_s: float, k_s: float
-) -> float:
-    """Axial force away from the first bearing of a spring pair that lifts it off [N].
+class AxialRotor(NamedTuple):
+    """A rotor at rest between two sides that face each other, at a fixed position or on a spring.
 
-    When mounted, the bearings have these axial displacements [m], and the spring the force F_s [N].
+    Sides have the `force` and `touch` of `Mechanics`.
     """
 
-    def left(F: float) -> float:
-        extended = first.touch - mounted[0] + second.place(F) - mounted[1]
-        return F_s - k_s * extended - F
+    sides: tuple[Any, Any]
+    mounted: tuple[float, float]  # axial displacements [m]
+    spring: Spring | None = None
 
-    if k_s == 0.0:
-        return F_s
-    most = F_s
-    while left(most) > 0.0:
-        most *= 2.0
-    return float(brentq(left, 1e-9 * F_s, most)) if left(1e-9 * F_s) > 0.0 else 0.0
+    def external(self, k: int, delta_a: float) -> float:
+        """Axial force on the rotor that displaces one of its sides so [N].
+
+        Towards +X; infinite where none does.
+        """
+        (one, two), closed, slide = self.sides, sum(self.mounted), 0.0
+        if k == 0:
+            return float(one.force(delta_a) - self._force_of_second(closed - delta_a))
+        F_2 = two.force(delta_a)
+        if self.spring is not None:
+            F_s, k_s, stop = self.spring
+            pressed = (F_s - F_2) / k_s if k_s else math.copysign(math.inf, F_s - F_2)
+            slide = max(pressed, -stop)
+            if math.isinf(slide):
+                return slide
+        return float(one.force(closed + slide - delta_a) - F_2)
+
+    def _force_of_second(self, place: float) -> float:
+        """Axial force of the second side, whose outer ring slides, at a place of its inner race."""
+        two = self.sides[1]
+        if self.spring is None:
+            return float(two.force(place))
+        F_s, k_s, stop = self.spring
+
+        def left(slide: float) -> float:
+            return two.force(place + slide) - F_s + k_s * slide
+
+        reach = FIRST_REACH
+        while left(reach) < 0.0 or left(-reach) > 0.0:
+            reach *= 2.0
+        slide = float(brentq(left, -reach, reach, xtol=1e-18, rtol=1e-14))
+        return F_s - k_s * slide if slide > -stop else float(two.force(place - stop))
+
+    @property
+    def opening_force(self) -> float:
+        """Least axial force, either way, that takes all load off a side [N]."""
+        relieved = -self.external(0, self.sides[0].touch), self.external(1, self.sides[1].touch)
+        return max(min(relieved), 0.0)

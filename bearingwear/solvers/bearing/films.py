@@ -30,8 +30,13 @@ class Archard(NamedTuple):
     K_s: float | np.ndarray  # wear coefficient [1]
     H: float | np.ndarray  # Brinell hardness as a pressure [Pa]
 
+    @property
+    def factor(self):
+        """K_s/H: worn volume over QV (theory.md section 6) [1/Pa]."""
+        return self.K_s / self.H
+
     def rate(self, qv):
-        """Worn volume per time, K_s QV/H [m3/s], of QV [W] (theory.md section 6)."""
+        """Worn volume per time of QV [W] [m3/s]."""
         return self.K_s * qv / self.H
 
 

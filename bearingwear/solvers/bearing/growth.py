@@ -6,6 +6,7 @@ the mass of the balls and the elastic constants stay.
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from bearingwear.kernels.params import Geometry
@@ -45,20 +46,20 @@ class Ring(NamedTuple):
 class Expansion(NamedTuple):
     """Thermal growth of the parts, relative [1]."""
 
-    inner_ring: float
-    balls: float
-    outer_ring: float
-    shaft: float  # of axial positions: 0 where they are as mounted
-    housing: float
+    inner_ring: float = 0.0
+    balls: float = 0.0
+    outer_ring: float = 0.0
+    shaft: float = 0.0  # of axial positions: 0 where they are as mounted
+    housing: float = 0.0
 
 
 class RingGrowth(NamedTuple):
     """Growth of a ring by speed and fit."""
 
-    speed: float  # outward displacement of its track [m]
-    fit: float  # the same
-    pressure: float  # on its seat [Pa]
-    seat_lost: bool  # a fit that was tight at rest is no more
+    speed: float = 0.0  # outward displacement of its track [m]
+    fit: float = 0.0  # the same
+    pressure: float = 0.0  # on its seat [Pa]
+    seat_lost: bool = False  # a fit that was tight at rest is no more
 
 
 class Growth(NamedTuple):
@@ -74,29 +75,11 @@ class Growth(NamedTuple):
 
 def temperatures(scene: Scene) -> Temperature:
     """Temperatures of the parts, with a number for every ring and the balls."""
-    t = scene.temperature or Temperature()
-    if scene.thermal is not None:  # before the friction heat is known
-        held = scene.thermal
-        t = Temperature(
-            inner_ring_C=held.shaft_C,
-            outer_ring_C=held.housing_C,
-            balls_C=0.5 * (held.shaft_C + held.housing_C),
-            shaft_C=held.shaft_C,
-            housing_C=held.housing_C,
-            reference_C=held.reference_C,
-        )
-
-    def known(value: float | None) -> float:
-        return t.reference_C if value is None else value
-
-    return Temperature(
-        inner_ring_C=known(t.inner_ring_C),
-        outer_ring_C=known(t.outer_ring_C),
-        balls_C=known(t.balls_C),
-        shaft_C=t.shaft_C,
-        housing_C=t.housing_C,
-        reference_C=t.reference_C,
-    )
+    t, held = scene.temperature or Temperature(), scene.thermal
+    if held is not None:  # before the friction heat is known
+        t = held.parts(held.shaft_C, 0.5 * (held.shaft_C + held.housing_C), held.housing_C)
+    parts = ("inner_ring_C", "balls_C", "outer_ring_C")
+    return replace(t, **{name: t.reference_C for name in parts if getattr(t, name) is None})
 
 
 def part_temperatures(scene: Scene) -> list[float]:
@@ -143,13 +126,13 @@ def ring_of(material: Material, inside: float, outside: float, rpm: float) -> Ri
 def inner_growth(scene: Scene, heat: Expansion, bore: float | None) -> RingGrowth:
     """Growth of the inner ring by speed and fit, a plane annulus from bore [m] to track."""
     if bore is None:
-        return RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
+        return RingGrowth()
     b, fits = scene.bearing, scene.fits
     rpm, seat, track = scene.operation.shaft_speed_rpm, 0.5 * bore, track_radius(scene, -1.0)
     ring = ring_of(scene.materials[b.race_material], seat, track, rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
-        return RingGrowth(speed=speed, fit=0.0, pressure=0.0, seat_lost=False)
+        return RingGrowth(speed=speed)
     material = fits.shaft_material or b.race_material
     shaft = ring_of(scene.materials[material], 0.5 * MM * fits.shaft_bore_mm, seat, rpm)
     t = temperatures(scene)
@@ -172,13 +155,13 @@ def outer_growth(scene: Scene, heat: Expansion) -> RingGrowth:
     """
     b, fits = scene.bearing, scene.fits
     if b.outside_diameter_mm is None:
-        return RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
+        return RingGrowth()
     seat, track = 0.5 * MM * b.outside_diameter_mm, track_radius(scene, 1.0)
     steel = scene.materials[b.race_material]
     ring = ring_of(steel, track, seat, scene.operation.outer_speed_rpm)
     speed = ring.growth_at_speed(track)
     if fits is None:
-        return RingGrowth(speed=speed, fit=0.0, pressure=0.0, seat_lost=False)
+        return RingGrowth(speed=speed)
     material = fits.housing_material or b.race_material
     m, t = scene.materials[material], temperatures(scene)
     warmer = heat.housing

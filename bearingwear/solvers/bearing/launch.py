@@ -18,7 +18,14 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.arrangement import N_UM, plane_frequencies
-from bearingwear.solvers.bearing.mounted import GPA, MM, UM, mounted_geometry, yield_pressure
+from bearingwear.solvers.bearing.at_rest import AxialRotor, Spring, displacement
+from bearingwear.solvers.bearing.mounted import (
+    GPA,
+    MM,
+    UM,
+    mounted_geometry,
+    yield_pressure,
+)
 from bearingwear.solvers.bearing.parameters import geometry, worn_diameters
 from bearingwear.solvers.bearing.stiffness import azimuths
 
@@ -68,11 +75,7 @@ class RestingSide(NamedTuple):
         return self._displaced((pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0))
 
     def _displaced(self, d: float | np.ndarray) -> float:
-        """The least axial displacement at which a ball is pressed by its deformation `d` [m]."""
-        across = self.g.BD * math.cos(self.g.alpha0)
-        length = self.g.r_i + self.g.r_o - self.D + d
-        along = np.sqrt(np.maximum(length**2 - across**2, 0.0))
-        return float(along.min()) - self.g.BD * math.sin(self.g.alpha0)
+        return float(displacement(self.g, self.g.r_i + self.g.r_o - self.D + d).min())
 
     def force(self, displacement: float) -> float:
         """Axial force of all in tandem at an axial displacement [m] alone [N]."""
@@ -188,7 +191,7 @@ class RotorAtRest:
 
     seats: tuple[RestingSide, RestingSide]
     offset: float  # of the centre of mass from the middle, towards +X [m]
-    spring: tuple[float, float, float] | None  # force [N], stiffness [N/m], way to its stop [m]
+    spring: Spring | None
 
     @classmethod
     def of(cls, scene: Scene) -> "RotorAtRest":
@@ -212,8 +215,8 @@ class RotorAtRest:
             seats.append(RestingSide(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         by_spring = scene.operation.preload_method == "constant_force"
-        force = float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop
-        return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, force if by_spring else None)
+        spring = Spring(float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop)
+        return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, spring if by_spring else None)
 
     def under(self, axial: float, radial: float = 0.0) -> RestingRotor | None:
         """The rotor under a force at its centre of mass, towards +X and across [N].
@@ -250,50 +253,16 @@ class RotorAtRest:
             axial = each[0] + (k_s * each[1] / (k_s + each[1]) if each[1] else 0.0)
         return plane_frequencies(a, axial, K[np.ix_(_PLANE, _PLANE)])
 
-    def external(self, k: int, displacement: float) -> float:
-        """Axial force on the rotor that displaces one of its bearings so, without load across [N].
-
-        Towards +X; infinite where none does.
-        """
-        one, two = self.seats
-        F_s, k_s, stop = self.spring or (0.0, 0.0, 0.0)
-        slide = 0.0
-        if k == 0:
-            x = displacement - one.mounted
-            if self.spring is not None:
-                slide = self._extended(two.mounted - x)
-            return one.force(displacement) - two.force(two.mounted - x + slide)
-        F_2 = two.force(displacement)
-        if self.spring is not None:
-            pressed = (F_s - F_2) / k_s if k_s else math.copysign(math.inf, F_s - F_2)
-            slide = max(pressed, -stop)
-            if math.isinf(slide):
-                return slide
-        return one.force(one.mounted + two.mounted + slide - displacement) - F_2
-
-    def _extended(self, place: float) -> float:
-        """Slide of the second outer ring, its inner race at a place of its own [m]."""
-        assert self.spring is not None
-        two, (F_s, k_s, stop) = self.seats[1], self.spring
-
-        def left(slide: float) -> float:
-            return two.force(place + slide) - F_s + k_s * slide
-
-        reach = 1e-3 * two.g.BD
-        while left(reach) < 0.0 or left(-reach) > 0.0:
-            reach *= 2.0
-        return max(float(brentq(left, -reach, reach, xtol=1e-18, rtol=1e-14)), -stop)
-
     @property
-    def opening_force(self) -> float:
-        """Least axial force, either way, that takes all load off a bearing [N]."""
-        relieved = -self.external(0, self.seats[0].touch), self.external(1, self.seats[1].touch)
-        return max(min(relieved), 0.0)
+    def along(self) -> AxialRotor:
+        """Without load across."""
+        one, two = self.seats
+        return AxialRotor(self.seats, (one.mounted, two.mounted), self.spring)
 
     def denting_force(self, pressure: float) -> float:
         """Least axial force, either way, at which a contact has that peak pressure [Pa] [N]."""
         one, two = (seat.dented(pressure) for seat in self.seats)
-        return max(min(self.external(0, one), -self.external(1, two)), 0.0)
+        return max(min(self.along.external(0, one), -self.along.external(1, two)), 0.0)
 
     def _balanced(
         self, force: np.ndarray, k_s: np.ndarray, free: list[int], q: np.ndarray
@@ -473,7 +442,7 @@ def launched(scene: Scene) -> Launched:
         axial_g=found[0],
         radial_g=found[1],
         frequencies=frequencies,
-        opening_g=rest.opening_force / weight,
+        opening_g=rest.along.opening_force / weight,
         denting_g=rest.denting_force(limit * GPA) / weight,
         pressure=limit * GPA,
         source=source,

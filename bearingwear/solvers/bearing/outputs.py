@@ -192,9 +192,9 @@ def loss_per_wear(n: int, D: np.ndarray, qv: np.ndarray, a: np.ndarray, track: n
     Of ball diameter, and of depth of the groove [m Pa/s], inner and outer; from what `wear_values`
     takes.
     """
-    off_ball = 2.0 * qv / (np.pi * D[:, None] ** 2)
     loaded = np.where(a > 0.0, a, np.inf)
-    return np.array([off_ball.mean(axis=0), n * (qv / (4.0 * np.pi * track * loaded)).mean(axis=0)])
+    depths = groove_depth_rates(n, qv, loaded, track)
+    return np.array([(2.0 * qv / (np.pi * D[:, None] ** 2)).mean(axis=0), depths.mean(axis=0)])
 
 
 @functools.cache

@@ -2,6 +2,8 @@
 
 import functools
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -84,10 +86,12 @@ def friction_law(scene: Scene, bare: bool = False) -> Law:
     return Law(mu=float(mu), S=float(S))
 
 
-def with_laws(op: OperatingPoint, scene: Scene, bare: Bare) -> OperatingPoint:
-    """An operating point with other contacts bare."""
-    inner, outer = bare
-    return op._replace(law_i=friction_law(scene, inner), law_o=friction_law(scene, outer))
+def where_bare(problem: Any, scene: Scene, bare: Bare) -> Any:
+    """A problem with its operating point, in some of whose contacts no film is left."""
+    if not any(bare):
+        return problem
+    laws = {"law_i": friction_law(scene, bare[0]), "law_o": friction_law(scene, bare[1])}
+    return replace(problem, op=problem.op._replace(**laws))
 
 
 def ball_diameters(scene: Scene) -> np.ndarray:
@@ -170,5 +174,5 @@ def search_rule(scene: Scene) -> Rule:
 def wear_factors(scene: Scene) -> tuple[float, float]:
     """K_s/H of ball and race as they are when new [1/Pa]."""
     films = Films.of(scene)
-    ball, race = (np.max(part.K_s / part.H) for part in films.wearing(films.cover))
-    return float(ball), float(race)
+    ball, race = (float(np.max(part.factor)) for part in films.wearing(films.cover))
+    return ball, race

@@ -34,7 +34,6 @@ from bearingwear.kernels.steady.balance import LAST_BIT
 from bearingwear.kernels.steady.thrust import MOST_ROUNDING
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import Bare
 from bearingwear.solvers.effects.choice import asymmetries
 
 LIGHT_LOAD = 0.01  # of the largest load of a ball; below it a ball is almost off
@@ -76,10 +75,6 @@ class RaceControlProblem:
             tilt=operation.tilt_mrad * 1e-3,
             D=D if asymmetries(scene) else D[:1],
         )
-
-    def where_bare(self, scene: Scene, bare: Bare) -> "RaceControlProblem":
-        """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=parameters.with_laws(self.op, scene, bare))
 
     @property
     def psi(self) -> np.ndarray:

@@ -21,7 +21,6 @@ from bearingwear.kernels.steady.search import settled_elsewhere
 from bearingwear.kernels.steady.thrust import ThrustCase, thrust_case
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import Bare
 
 FRICTION_TOLERANCE = 1e-14  # of the friction forces; below rounding, where Newton's method ends
 VISCOUS_START = 0.02  # first regularisation, as a share of the race's surface speed
@@ -62,10 +61,6 @@ class ThrustProblem:
         return ThrustBearing(
             g=self.g, D=D, op=self.op, preload=self.preload, traction=self.traction
         )
-
-    def where_bare(self, scene: Scene, bare: Bare) -> "ThrustProblem":
-        """The problem of a scene in some of whose contacts no film is left."""
-        return replace(self, op=parameters.with_laws(self.op, scene, bare))
 
     def balance(self, D: float) -> BalanceProblem:
         """The equations of motion of a ball of diameter D [m]."""

@@ -92,7 +92,7 @@ def thrust_part(scene: Scene, start: Start) -> np.ndarray:
     if case is None or case.status != code.OK:
         return np.zeros(MEASURED)
     thrust = thrust_alone(scene)
-    problem = ThrustProblem.of(thrust).where_bare(scene, start.bare)
+    problem = parameters.where_bare(ThrustProblem.of(thrust), scene, start.bare)
     D = float(parameters.ball_diameters(scene).mean())
     halved, _ = problem.perturbed(thrust)
     other = halved.solve(D, start=case.u)

@@ -30,8 +30,7 @@ MOST_LEFT_OUT = 0.1
 WARMER = 5.0
 """Temperature of the inner ring above the rest [K] in the warning, assumed."""
 
-_STILL = RingGrowth(speed=0.0, fit=0.0, pressure=0.0, seat_lost=False)
-_COLD = Expansion(inner_ring=0.0, balls=0.0, outer_ring=0.0, shaft=0.0, housing=0.0)
+_STILL, _COLD = RingGrowth(), Expansion()
 
 
 def preload_change(scene: Scene, growth: Growth) -> float:

@@ -98,9 +98,8 @@ class WornFilms:
 def _factor(
     part: Surface, partner: Surface, depth, covered, partner_covered, pressed
 ) -> np.ndarray:
-    below = part.below_at(depth)
-    found = below.K_s / below.H
+    found = part.below_at(depth).factor
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = share * pressed * film.K_s / film.H + (1.0 - share) * found
+            found = share * pressed * film.factor + (1.0 - share) * found
     return np.asarray(found)
