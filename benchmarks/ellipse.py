@@ -23,7 +23,7 @@ from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing.parameters import ellipse_rule
 from bearingwear.solvers.bearing.thrust_problem import ThrustProblem
 from bearingwear.solvers.dynamic.system import DynamicSystem
-from bearingwear.solvers.steady import solve_steady
+from bearingwear.solvers.solve import solve
 
 SCENES = Path(__file__).resolve().parents[1] / "config" / "scenes"
 ALONG = [("split", n) for n in (20, 24, 32, 48, 64)] + [("gauss", n) for n in (20, 100)]
@@ -142,7 +142,7 @@ def cost() -> None:
         problems = [ThrustProblem.of(scene) for scene in both]
         taken = times([lambda p=p: p.solve(p.g.D0) for p in problems], 200)
         row("steady state", name, *taken)
-        taken = times([lambda s=s: solve_steady(s) for s in both], 40)
+        taken = times([lambda s=s: solve(s, "steady") for s in both], 40)
         row("the same with search and error estimates", name, *taken)
         if name == "bearing218":
             continue

@@ -35,7 +35,8 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
     """
     values = steady_life_values(scene)
     wearing = Motion(scene, float(values.get("steady_life", math.nan)), progress)
-    life = follow_motion(wearing)
+    steps, counts = scene.model.life_steps, wearing.parts.count
+    life = follow(wearing, Criteria(scene), Trapezoid(steps, _MOST_STEPS * steps, counts))
     values |= {"status": life.status, "end_criterion": life.criterion}
     attrs = {
         "solves": len(life.tried),
@@ -46,11 +47,6 @@ def motion_life(scene: Scene, progress: Callable[[str], None] | None = None) -> 
         values |= ends(life) | life_histories(life)
         values |= steady_time_to_loss(scene, values["loss_at_end"])
     return values, attrs
-
-
-def follow_motion(wearing: Motion) -> Life:
-    steps, counts = wearing.scene.model.life_steps, wearing.parts.count
-    return follow(wearing, Criteria(wearing.scene), Trapezoid(steps, _MOST_STEPS * steps, counts))
 
 
 def ends(life: Life) -> dict:
@@ -124,22 +120,16 @@ def life_histories(life: Life) -> dict:
     }
 
 
-def steady_scene(scene: Scene) -> Scene:
-    """The scene reduced to one with a steady life: thrust alone, no cage, the mean loss on every
-    ball."""
-    mean = float(np.mean(scene.wear.ball_diameter_loss_um))
-    reduced = thrust_alone(scene).without_cage
-    return replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
-
-
 def steady_sentence(scene: Scene) -> str:
     left = asymmetries(scene) + ([] if scene.cage is None else ["cage"])
     return f"the scene without {', '.join(left)}" if left else "the scene"
 
 
 def steady_life(scene: Scene) -> Life:
-    """Steady life of the reduced scene, without its own error estimate."""
-    reduced = steady_scene(scene)
+    """Steady life under the thrust alone, without cage, with the mean loss on every ball."""
+    mean = float(np.mean(scene.wear.ball_diameter_loss_um))
+    reduced = thrust_alone(scene).without_cage
+    reduced = replace(reduced, wear=replace(reduced.wear, ball_diameter_loss_um=(mean,)))
     return surface_life(reduced, solver_of(reduced), bounded=False)
 
 

@@ -193,9 +193,6 @@ class Life:
                 first = min(first, float(brentq(PchipInterpolator(times, margin), a, b)))
         return first if np.isfinite(first) else np.nan
 
-    def ends_by(self, criterion: int) -> None:
-        self.criterion, self.status = criterion, code.OK
-
     def fails(self, beyond: Node) -> None:
         """What ends the range of a solver; a physical reason says more than rounding does."""
         self.beyond = beyond
@@ -215,20 +212,17 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
         return life
     while True:
         met = np.flatnonzero(margins(life.last)[:NO_CRITERION] <= 0.0)
-        if met.size:
-            life.ends_by(int(met[0]))
+        end = int(met[0]) if met.size else None
+        if end is None and wearing.wears(life.last):
+            end = _steps(life, method, margins, wearing.origin + wearing.range)
+        if end is None or (
+            end >= NO_CRITERION and not wearing.passes(end - NO_CRITERION, life.last)
+        ):
             return life
-        if not wearing.wears(life.last):
-            return life
-        end = _steps(life, method, margins, wearing.origin + wearing.range)
-        if end is None:
-            return life
-        is_over = end < NO_CRITERION
-        if not is_over and not wearing.passes(end - NO_CRITERION, life.last):
-            return life
-        life.error = life.error + method.error_of_end(life)
-        if is_over:
-            life.ends_by(end)
+        if not met.size:
+            life.error = life.error + method.error_of_end(life)
+        if end < NO_CRITERION:
+            life.criterion, life.status = end, code.OK
             return life
         node = method.begin(wearing, life.last)
         if node.status != code.OK:

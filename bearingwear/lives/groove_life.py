@@ -52,8 +52,12 @@ def wear_over_gap(scene: Scene) -> float:
     return min(losses) / min(gaps)
 
 
-def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
-    """Whether a life follows the grooves as they wear, and why; refuses what is impossible."""
+def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
+    """The scene whose grooves a life follows, one of two identical ones; None without; and why.
+
+    Refuses what is impossible.
+    """
+    scene = scene.one_of_alike
     ball = scene.materials[scene.bearing.ball_material]
     in_bands = scene.wear.ball_track == "bands" and bool(ball.film or ball.running_in)
     obstacles = {
@@ -70,26 +74,19 @@ def follows_grooves(scene: Scene, fidelity: str) -> tuple[bool, str]:
                 f"with wear.counts ball_and_races, slip over the ellipse, and even wear of "
                 f"filmed balls"
             )
-        return True, "grooves: followed as they wear; asked for"
+        return scene, "grooves: followed as they wear; asked for"
     if scene.model.contact != "auto" or found:
-        return False, ""
+        return None, ""
     end = scene.wear.end_of_life
     if end is not None and end.groove_depth_um is not None:
-        return True, "grooves: followed as they wear; their depth is a criterion"
+        return scene, "grooves: followed as they wear; their depth is a criterion"
     share = max(wear_over_gap(one) for one in scene.sides)
     size = f"the loss at the end of life is about {share:.2g} of the gap at the contact's edge"
     if math.isinf(share):
         size = "the loss at the end of life is not known in advance"
     if share > REQUIRED:
-        return True, f"grooves: followed as they wear; {size}"
-    return False, f"grooves: not followed, the contact stays Hertzian; {size}"
-
-
-def grooves_followed(scene: Scene, fidelity: str) -> tuple[Scene | None, str]:
-    """The scene whose grooves a life follows, one of two identical ones; None without; and why."""
-    alone = scene.one_of_alike
-    worn, why = follows_grooves(alone, fidelity)
-    return (alone if worn else None), why
+        return scene, f"grooves: followed as they wear; {size}"
+    return None, f"grooves: not followed, the contact stays Hertzian; {size}"
 
 
 def groove_life(scene: Scene) -> tuple[dict, dict]:

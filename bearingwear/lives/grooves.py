@@ -170,16 +170,11 @@ def follow_grooves(wearing: Grooves) -> Life:
     if life.nodes[0].status == code.OK:
         each = zip(wearing.sides, life.bearings, strict=True)
         rates = [_loss_rates(side, states, life.times[:, 1]) for side, states in each]
-        life.nodes = [
-            node._replace(states=tuple(map(_losing, node.states, of_node)))
-            for node, of_node in zip(life.nodes, zip(*rates, strict=True), strict=True)
-        ]
+        for k, of_node in enumerate(zip(*rates, strict=True)):
+            found = zip(life.nodes[k].states, of_node, strict=True)
+            states = (one.with_values({"ball_diameter_loss_rate": rate}) for one, rate in found)
+            life.nodes[k] = life.nodes[k]._replace(states=tuple(states))
     return life
-
-
-def _losing(state: State, rate: np.ndarray) -> State:
-    """A state with the rate of its loss, by both ways of counting [m/s]."""
-    return state.with_values({"ball_diameter_loss_rate": rate})
 
 
 def _loss_rates(side: Worn, states: list[State], times: np.ndarray) -> list[np.ndarray]:

@@ -29,25 +29,13 @@ _ENDS = 0.05, 0.95
 
 @dataclass(frozen=True)
 class Corner:
-    """The bearings under one case, with some wear and friction.
-
-    Attributes
-    ----------
-    case, wear : str
-    key : str
-        Of the friction.
-    friction : float
-        Its value [as in the scene].
-    torque : float
-        Of all bearings together [N m]; NaN where it was not solved.
-    margin : float
-    """
+    """The bearings under one case, with some wear and friction."""
 
     case: str
     wear: str
-    key: str
-    friction: float
-    torque: float
+    key: str  # of the friction
+    friction: float  # [as in the scene]
+    torque: float  # of all bearings together; NaN where it was not solved [N m]
     margin: float
     stalls: bool
 
@@ -102,16 +90,7 @@ def losses_at_end(scene: Scene) -> Losses | None:
 
 
 def corners_of_case(scene: Scene, case: str, wear: Iterable[tuple[str, Losses]]) -> list[Corner]:
-    """Corners of one case.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a drive.
-    case : str
-    wear : iterable of (str, Losses)
-        States of wear.
-    """
+    """Corners of one case of a scene with a drive, in some states of wear."""
     drive = scene.drive
     assert drive is not None
     if scene.operation.shaft_speed_rpm == scene.operation.outer_speed_rpm:

@@ -85,17 +85,16 @@ def solver_of(
     The tolerance is the force left on a rotor, over the larger one, if not what goes with the
     accuracy.
     """
-    sides = tuple(_bearing(one, fidelity, accuracy) for one in scene.one_of_alike.sides)
+    sides = tuple(
+        _warm(Steady(one, accuracy) if fidelity == "steady" else RaceControl(one))
+        for one in scene.one_of_alike.sides
+    )
     if len(sides) == 1:
         return Remembered(Alone(scene, sides))
     assert scene.pair is not None
     if tolerance is None:
         tolerance = ROTOR_BALANCED if accuracy is Accuracy.CHECKED else LIFE_BALANCED
     return Remembered(OnRotor(scene, scene.pair, sides, tolerance))
-
-
-def _bearing(scene: Scene, fidelity: str, accuracy: Accuracy) -> Solver:
-    return _warm(Steady(scene, accuracy) if fidelity == "steady" else RaceControl(scene))
 
 
 def _warm(solver: Solver) -> Solver:

@@ -66,18 +66,15 @@ class RaceControl:
     def __call__(self, condition: Condition, near: SolvedBearing | None = None) -> SolvedBearing:
         problem = self.held(condition)
         values, attrs = solve_race_control(self.scene, problem)
+        found = SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
         if "axial_stiffness" not in values:
-            return SolvedBearing(values["status"], condition, self.scene, answer=(values, attrs))
-        return SolvedBearing(
-            status=values["status"],
-            condition=condition,
-            scene=self.scene,
+            return found
+        return found._replace(
             force=float(values["residual_preload"]),
             stiffness=float(values["axial_stiffness"]),
             quasistatic=float(values["quasistatic_axial_stiffness"]),
             place=float(values["axial_displacement"]),
             problem=problem,
-            answer=(values, attrs),
         )
 
     def held(self, condition: Condition) -> RaceControlProblem:
@@ -162,19 +159,6 @@ def equilibrium_residual(problem: RaceControlProblem, balance: Balance) -> float
     return residual
 
 
-def checked_status(
-    problem: RaceControlProblem, balance: Balance, residual: float, allowed: float
-) -> int:
-    if not residual <= allowed:
-        return code.UNVERIFIED
-    # Rounding of loads a million times as large swallows a spring's force.
-    if problem.constant_force and not (
-        balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]
-    ):
-        return code.BELOW_ROUNDING
-    return code.OK
-
-
 def torque_of_heat(problem: RaceControlProblem, rows: np.ndarray) -> float:
     """The torque that makes the estimated heat [N m]; race control has no power balance."""
     heat = problem.g.n_balls * rows[..., HEAT].sum() / len(rows)
@@ -212,12 +196,8 @@ def controlled_error_estimates(
     return summed([DOUBLED * changed(now, with_twice), halved_part(now, with_half)])
 
 
-def solve_race_control(scene: Scene, problem: RaceControlProblem | None = None) -> CaseValues:
-    """Values and attributes of the race-control solution.
-
-    Of a problem in place of the scene's own where something else holds the bearing.
-    """
-    problem = problem or RaceControlProblem.of(scene)
+def solve_race_control(scene: Scene, problem: RaceControlProblem) -> CaseValues:
+    """Values and attributes of the solution of a problem, which the scene may hold otherwise."""
     g, op, D = problem.g, problem.op, problem.D
     values: dict = {
         "status": code.OK,
@@ -237,8 +217,12 @@ def solve_race_control(scene: Scene, problem: RaceControlProblem | None = None) 
     residual = equilibrium_residual(problem, balance)
     rounding = max(load_rounding(g, state) for state in balance.states)
     allowed = max(LARGEST_RESIDUAL, min(rounding, MOST_ROUNDING))
-    if values["status"] == code.OK:
-        values["status"] = checked_status(problem, balance, residual, allowed)
+    if values["status"] == code.OK and not residual <= allowed:
+        values["status"] = code.UNVERIFIED
+    elif values["status"] == code.OK and problem.constant_force:
+        # Rounding of loads a million times as large swallows a spring's force.
+        if not balance.race_residual <= LARGEST_PRELOAD_ERROR * problem.F[0]:
+            values["status"] = code.BELOW_ROUNDING
     n = len(D)
     axial = np.array([state.F_ix for state in balance.states])
     values |= contact_values(scene, g, op, D, u, np.full(n, 0.5 * g.dm), rows, axial)

@@ -156,7 +156,47 @@ class Steady:
         return State(solution.status, values, solution)
 
     def case(self, solution: SolvedBearing) -> CaseValues:
-        return steady_case(self.scene, self.mounted, solution)
+        """Values and attributes of a solution, or of a stable state near an unstable one."""
+        scene, problem, case = self.scene, solution.problem, solution.answer
+        D = problem.g.D0 - solution.condition.loss
+        values: dict = {
+            "status": solution.status,
+            "ball_diameter_loss": np.array([problem.g.D0 - D]),
+            "initial_axial_displacement": self.mounted,
+        }
+        if case is None:
+            return values, {"residual": "not solved"}
+        attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
+        if case.status in USABLE:
+            scales = problem.time_scales(D, case)
+            stable = {id(case): problem.stable(D, case, scales)}
+            others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)
+            stable |= {id(c): problem.stable(D, c) for c in others}
+            # the one reached first, if it is stable
+            every = sorted([case, *others], key=lambda c: not stable[id(c)])
+            if every[0] is not case:
+                case = every[0]
+                scales = problem.time_scales(D, case)
+            attrs["residual"] = residual_sentence(case)
+            values |= error_estimates(scene, problem, D, case)
+            if case.held:
+                attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
+            values |= {"status": case.status} | steady_values(scene, problem, D, case)
+            values |= {
+                "fast_time_scale": 1.0 / np.abs(scales).max(),
+                "slow_time_scale": 1.0 / np.abs(scales.real).min(),
+                "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
+                "stable": int(stable[id(case)]),
+                "steady_state_count": len(every),
+                "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
+                "steady_state_total_qv": np.array(
+                    [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
+                ),
+                "steady_state_stable": np.array([int(stable[id(c)]) for c in every]),
+            }
+            if not values["stable"] and values["status"] == code.OK:
+                values["status"] = code.NO_STEADY_STATE
+        return values, attrs
 
     def moved(self, solution: SolvedBearing, values: dict[str, Any]) -> SolvedBearing | None:
         if "orbit_speed" not in values:
@@ -165,58 +205,6 @@ class Steady:
         if np.abs(u - solution.answer.u).max() <= SAME_MOTION * np.abs(u).max():
             return None
         return solution._replace(answer=solution.answer._replace(u=u))
-
-
-def solve_steady(scene: Scene) -> CaseValues:
-    solver = Steady(scene, Accuracy.CHECKED)
-    return solver.case(solver(solver.start))
-
-
-def steady_case(scene: Scene, mounted: float, solution: SolvedBearing) -> CaseValues:
-    """Values and attributes of a solution, or of a stable state near an unstable one.
-
-    `mounted` is the axial displacement when mounted [m].
-    """
-    problem, case = solution.problem, solution.answer
-    D = problem.g.D0 - solution.condition.loss
-    values: dict = {
-        "status": solution.status,
-        "ball_diameter_loss": np.array([problem.g.D0 - D]),
-        "initial_axial_displacement": mounted,
-    }
-    if case is None:
-        return values, {"residual": "not solved"}
-    attrs: dict = {"iterations": case.iterations, "residual": "not solved"}
-    if case.status in USABLE:
-        scales = problem.time_scales(D, case)
-        stable = {id(case): problem.stable(D, case, scales)}
-        others = problem.other_states(D, case, stable[id(case)], scene.model.steady_starts)
-        stable |= {id(c): problem.stable(D, c) for c in others}
-        # the one reached first, if it is stable
-        every = sorted([case, *others], key=lambda c: not stable[id(c)])
-        if every[0] is not case:
-            case = every[0]
-            scales = problem.time_scales(D, case)
-        attrs["residual"] = residual_sentence(case)
-        values |= error_estimates(scene, problem, D, case)
-        if case.held:
-            attrs["quadrature"] = "gauss, at fixed places: the split rule found no state"
-        values |= {"status": case.status} | steady_values(scene, problem, D, case)
-        values |= {
-            "fast_time_scale": 1.0 / np.abs(scales).max(),
-            "slow_time_scale": 1.0 / np.abs(scales.real).min(),
-            "stiffness_transition_frequency": np.abs(scales.real).min() / TURN,
-            "stable": int(stable[id(case)]),
-            "steady_state_count": len(every),
-            "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
-            "steady_state_total_qv": np.array(
-                [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
-            ),
-            "steady_state_stable": np.array([int(stable[id(c)]) for c in every]),
-        }
-        if not values["stable"] and values["status"] == code.OK:
-            values["status"] = code.NO_STEADY_STATE
-    return values, attrs
 
 
 def error_estimates(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCase) -> dict:

@@ -31,7 +31,6 @@ class HeatFlow(NamedTuple):
 
     @property
     def total(self) -> float:
-        """All of it [W]."""
         return self.inner + self.outer + self.drag
 
 
@@ -107,13 +106,6 @@ def heat_flow_residual(thermal: Thermal, t: Temperature, heat: HeatFlow) -> floa
     return max(max(map(abs, left)) - rounding, 0.0) / scale if scale > 0.0 else 0.0
 
 
-def balance_status(scene: Scene, warm: Scene, heat: HeatFlow) -> int:
-    """OK where the heat flows of the temperatures found balance, summed anew."""
-    assert scene.thermal is not None and warm.temperature is not None
-    left = heat_flow_residual(scene.thermal, warm.temperature, heat)
-    return code.OK if left <= LARGEST_HEAT_RESIDUAL else code.UNVERIFIED
-
-
 def at_temperatures(scene: Scene, heat: HeatFlow) -> Scene | None:
     """The scene at the temperatures that this heat makes; None where it cannot be so warm."""
     assert scene.thermal is not None
@@ -156,7 +148,10 @@ def _search(scene: Scene, heats: Heats, h: np.ndarray, slope: np.ndarray) -> War
             continue
         left = np.array(made) - h
         if np.abs(left).max() <= HEAT_BALANCED * made.total:
-            return Warmed(balance_status(scene, here, made), here, made, solves, slope)
+            assert scene.thermal is not None and here.temperature is not None
+            residual = heat_flow_residual(scene.thermal, here.temperature, made)
+            status = code.OK if residual <= LARGEST_HEAT_RESIDUAL else code.UNVERIFIED
+            return Warmed(status, here, made, solves, slope)
         if left_before is not None:
             slope += np.outer(left - left_before - slope @ step, step) / (step @ step)
             runs_away = 1.0 + (left - left_before) @ step / (step @ step) > RUNAWAY

@@ -16,6 +16,7 @@ from bearingwear.kernels.status import OK
 from bearingwear.solvers.dynamic.restitution import land_damping, pocket_damping
 from bearingwear.solvers.dynamic.run import solve_dynamic
 from bearingwear.solvers.dynamic.system import DynamicSystem
+from bearingwear.solvers.solve import solve
 from bearingwear.solvers.start import start_of
 
 ROTATING = {"operation.rotating_load_N": 1.0}
@@ -275,11 +276,9 @@ def test_two_runs_are_one(scene, integrator):
 
 def test_averages_are_those_of_the_steady_state(scene):
     """Thrust alone, no cage: every average of a run is the steady value."""
-    from bearingwear.solvers.steady import solve_steady
-
     s = dataclasses.replace(scene("gyro_s1", {"friction.ball_race": 0.05}), cage=None)
     values, _ = solve_dynamic(s)
-    steady, _ = solve_steady(s)
+    steady = solve(s, "steady").values
     assert values["status"] == OK
     for name in (
         "contact_load", "contact_angle", "qv", "friction_heat", "gyroscopic_slip", "rolling_slip",

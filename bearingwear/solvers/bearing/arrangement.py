@@ -41,14 +41,6 @@ def rotor_stiffness(a: Arrangement, sides: np.ndarray) -> np.ndarray:
     return K
 
 
-def transverse_inertia(a: Arrangement) -> float:
-    """About the centre of mass [kg m2]."""
-    if a.rotor_transverse_inertia_kg_mm2 is not None:
-        return a.rotor_transverse_inertia_kg_mm2 * KG_MM2
-    assert a.rotor_mass_kg is not None and a.span_mm is not None
-    return SLENDER * a.rotor_mass_kg * (a.span_mm * MM) ** 2
-
-
 def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.ndarray | None:
     """Axial, radial and conical frequency (3,) of a rotor that is not turning [Hz].
 
@@ -65,8 +57,9 @@ def natural_frequencies(a: Arrangement, sides: np.ndarray, axial: float) -> np.n
 
 def plane_frequencies(a: Arrangement, axial: float, K: np.ndarray) -> np.ndarray:
     """`natural_frequencies` from the stiffness (2, 2) against Z and tilt about the middle [Hz]."""
-    assert a.rotor_mass_kg is not None
-    inertia, m, offset = transverse_inertia(a), a.rotor_mass_kg, a.rotor_offset_mm * MM
+    assert a.rotor_mass_kg is not None and a.span_mm is not None
+    m, offset, given = a.rotor_mass_kg, a.rotor_offset_mm * MM, a.rotor_transverse_inertia_kg_mm2
+    inertia = SLENDER * m * (a.span_mm * MM) ** 2 if given is None else given * KG_MM2
     M = np.array([[m, -m * offset], [-m * offset, inertia + m * offset * offset]])
     squares, modes = eigh(K, M)
     radial = int(np.argmax(m * (modes[0] - offset * modes[1]) ** 2))

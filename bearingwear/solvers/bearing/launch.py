@@ -353,28 +353,16 @@ class LaunchLoad:
 
 @dataclass(frozen=True)
 class Launched:
-    """A scene at launch.
-
-    Attributes
-    ----------
-    axial_g, radial_g : float
-        Accelerations, given or by Miles' equation.
-    frequencies : ndarray (3,), optional
-        Axial, radial, conical, at rest [Hz]; None without a span.
-    opening_g, denting_g : float
-        Along the axis alone, at which a bearing opens, or is dented.
-    pressure : float
-        Peak that dents the weaker of balls and races [Pa].
-    """
+    """A scene at launch."""
 
     loads: tuple[LaunchLoad, ...]
-    axial_g: float
-    radial_g: float
-    frequencies: np.ndarray | None
-    opening_g: float
-    denting_g: float
-    pressure: float
-    source: str
+    axial_g: float  # given or by Miles' equation
+    radial_g: float  # the same across
+    frequencies: np.ndarray | None  # axial, radial, conical, at rest; None without a span [Hz]
+    opening_g: float  # along the axis alone, at which a bearing opens
+    denting_g: float  # the same, at which one is dented
+    pressure: float  # that dents the weaker of balls and races [Pa]
+    source: str  # of that
 
     @property
     def gap(self) -> float:
@@ -398,12 +386,7 @@ def miles(density: float, frequency: float, amplification: float) -> float:
 
 
 def check_launch(scene: Scene, source: str) -> None:
-    """Refuse a scene of whose rotor too little is known.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse a scene of whose rotor too little is known."""
     a, asked = scene.arrangement, scene.launch or Launch()
     needed = ["rotor_mass_kg"]
     if asked != Launch(axial_g=asked.axial_g):

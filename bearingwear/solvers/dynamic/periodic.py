@@ -7,6 +7,7 @@ it grow to in a passing says whether it lasts. A run does not come to it by itse
 its balls have once the rest has settled stays, or they bunch, which a cage keeps them from.
 """
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,10 +27,7 @@ _MOST_STEPS = 25  # of the quasi-Newton method
 _STALLED = 6  # steps without a smaller change
 MARCHED = (0.0, 4.0, 16.0)  # orbits simulated before each try
 LONGEST_PASSING = 50.0  # turns: balls that hardly pass the load have no period worth waiting for
-
-TANGENT_STEPS = (
-    8  # of the disturbances' equations in a stretch, each as many of the motion as it needs
-)
+TANGENT_STEPS = 8  # of the disturbances in a stretch, each as many of the motion as it needs
 
 
 @dataclass(frozen=True)
@@ -212,12 +210,9 @@ def tangents(system: DynamicSystem, control: StepControl, duration: float) -> np
 
 
 def inverse_of(J: np.ndarray) -> np.ndarray | None:
-    if not np.isfinite(J).all():
-        return None
-    try:
-        return np.linalg.inv(J)
-    except np.linalg.LinAlgError:
-        return None
+    with contextlib.suppress(np.linalg.LinAlgError):
+        return np.linalg.inv(J) if np.isfinite(J).all() else None
+    return None
 
 
 def periodic_motion(

@@ -26,6 +26,7 @@ LARGEST_ACCOUNT = 1e-3  # of the heat: energy that may be missing from a verifie
 TIGHTEST_RUN = 1e-9  # no run is tightened further from here
 MOSTLY_LONGEST = 4.0  # times the fewest steps: with fewer the longest is shortened as well
 MOST_TRIES = 50_000  # steps: longer runs are not repeated
+DRIFTS = "qv_drift_per_turn", "wear_rate_drift_per_turn"
 
 
 def solve_dynamic(
@@ -97,9 +98,9 @@ def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interr
                 status=status, turns=turns, slopes=None, settled=False, to_land=math.inf
             )
         slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
-        settled = (
-            is_settled(slopes, slow, turns, scene.model.settled_drift) and to_land > FAR_FROM_LAND
-        )
+        # what is left of the drift, over the slow time scale
+        left = math.inf if slopes is None else np.abs(slopes[:2]).max() * max(slow, turns)
+        settled = bool(left <= scene.model.settled_drift) and to_land > FAR_FROM_LAND
         if settled and length == run.grid.window:
             break
     return LastWindow(status=status, turns=turns, slopes=slopes, settled=settled, to_land=to_land)
@@ -147,7 +148,7 @@ def run_of(
         final_state = system.packed()
     values |= window_values(scene, run) | start.scales | run.counts(last.turns)
     if last.slopes is not None:
-        values |= drifts(last.slopes)
+        values |= dict(zip(DRIFTS, last.slopes, strict=False))
     if run.keeps_history:
         values |= histories(scene, run.recorder.history, run.done)
     values |= {"final_state": final_state, "final_time": system.time}
@@ -181,24 +182,11 @@ def kept_periodic(
     return motion, f"a periodic motion, found from {kind} in {motion.turns:.3g} turns"
 
 
-def drifts(slopes: np.ndarray) -> dict[str, float]:
-    qv_drift, wear_drift, *_ = slopes
-    return {"qv_drift_per_turn": qv_drift, "wear_rate_drift_per_turn": wear_drift}
-
-
 def integrator_sentence(scene: Scene, run: TimeRun, tolerance: float) -> str:
     """Tolerance of a run, and why it differs from the one requested."""
     asked = scene.model.dynamic_tolerance
     tightened = "" if tolerance == asked else f": the energy account did not close with {asked:g}"
     return f"{scene.model.integrator}, tolerance {run.tolerance:g}{tightened}"
-
-
-def is_settled(slopes: np.ndarray | None, slow: float, turns: float, allowed: float) -> bool:
-    """Whether what is left of the drift, over the slow time scale, no longer matters.
-
-    Time scale and length of the window are in shaft turns, the change still allowed is relative.
-    """
-    return slopes is not None and bool(np.abs(slopes[:2]).max() * max(slow, turns) <= allowed)
 
 
 def periodic_sentence(motion: PeriodicMotion, last: LastWindow) -> str:

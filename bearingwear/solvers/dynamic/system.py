@@ -223,11 +223,10 @@ class DynamicSystem:
 
     def snapshot(self) -> Snapshot:
         """Time, integrals, energies and the cage's angular momentum now."""
-        energy = self.energy()
         return Snapshot(
+            energy=self.energy(),
             time=self.time,
             integrals=self.y[self.layout.qv :].copy(),
-            energy=energy,
             momentum=self.cage_momentum() if self.bearing.cage.present else 0.0,
         )
 
@@ -317,13 +316,12 @@ class DynamicSystem:
             z = self.cage_state
             cage_kinetic = cage_energy(bearing.cage, z, cage.R)
             weight_work = bearing.cage.mass * np.dot(bearing.cage.gravity, z[CENTRE : CENTRE + 3])
+        # translations in which the load does work: none where the race is held
+        moves = np.array([0.0 if bearing.axial_is_held else 1.0, 1.0, 1.0])
         races = STORED * (balls.factors[:, :, HERTZ_K] * d**2.5).sum()
         return {
             "supplied": (
-                y[layout.shaft]
-                + balls.delta @ (balls.F * self.load_mask)
-                - y[layout.load]
-                + weight_work
+                y[layout.shaft] + balls.delta @ (balls.F * moves) - y[layout.load] + weight_work
             ),
             "heat": y[layout.heat],
             "drag": y[layout.drag],
@@ -336,8 +334,3 @@ class DynamicSystem:
             "hertz": -y[layout.hertz],
             "traction": y[layout.traction],
         }
-
-    @property
-    def load_mask(self) -> np.ndarray:
-        """1 for the translations in which the load does work, 0 where the race is held."""
-        return np.array([0.0 if self.bearing.axial_is_held else 1.0, 1.0, 1.0])
