@@ -97,18 +97,14 @@ def groove_life(scene: Scene) -> tuple[dict, dict]:
         each = zip(life.wearing.sides, life.bearings, strict=True)
         values |= joined([groove_values(side, states) for side, states in each])
     if "life" in values and life.status == code.OK:
-        ball = (1.0, parameters.wear_factors(scene)[0])
-        without = life_without_grooves(scene)
-        for name, factor in zip(("life", "normalised_life"), ball, strict=True):
+        # where only the balls' wear counts, grooves do not wear
+        ball = replace(scene, wear=replace(scene.wear, counts=COUNTS[0]))
+        even = surface_life(ball, solver_of(ball), bounded=False, counts=(0,))
+        without = float(even.last.time[0]) if even.status == code.OK else math.nan
+        factors = {"life": 1.0, "normalised_life": parameters.wear_factors(scene)[0]}
+        for name, factor in factors.items():
             values[name] = np.array([factor * without, values[name][1]])
     return values, {"solves": life.solves, "contact": "worn"}
-
-
-def life_without_grooves(scene: Scene) -> float:
-    """Life where only the balls' wear counts, and grooves do not wear; NaN if it has no end [s]."""
-    ball = replace(scene, wear=replace(scene.wear, counts=COUNTS[0]))
-    even = surface_life(ball, solver_of(ball), bounded=False, counts=(0,))
-    return float(even.last.time[0]) if even.status == code.OK else math.nan
 
 
 def groove_values(side: Worn, states: Sequence[State]) -> dict:

@@ -41,10 +41,6 @@ class Run:
     residual: str = "not solved"
     rates: np.ndarray = field(default_factory=lambda: np.empty(0))
 
-    @property
-    def end(self) -> dict[str, Any]:
-        return {"state": self.values["final_state"], "time": self.values["final_time"]}
-
 
 def run_at(node: Node) -> Run:
     return node.states[0].answer
@@ -88,7 +84,8 @@ class Motion:
             return Run(warm.status, residual=warm.sentence)
         scene, warmth = warm.scene, warmth_of(scene, warm)
         if before is not None:
-            values, attrs = solve_dynamic(scene, before.end, bare=self.films.bare)
+            end = {"state": before.values["final_state"], "time": before.values["final_time"]}
+            values, attrs = solve_dynamic(scene, end, bare=self.films.bare)
         if before is None or values["status"] != code.OK:
             values, attrs = self.first_run(scene)
             before = None

@@ -16,9 +16,9 @@ from bearingwear.lives.follow import Life, Method, Node, States, follow
 from bearingwear.lives.methods import QUARTERS, RungeKutta, Simpson
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing.films import (
-    Archard,
     Bare,
     Cover,
+    Factors,
     Films,
     follows_depths,
     limits_depth,
@@ -113,8 +113,8 @@ class FilmWear(EvenWear):
         race, ball = self.films.race.thickness, self.films.ball.thickness
         return np.where(self.cover, [race, race, ball], 0.0)
 
-    def wearing(self, major: np.ndarray, worn: np.ndarray) -> tuple[Archard, Archard]:
-        """Of balls and races, in contacts of these semi-major axes (..., 2) [m]."""
+    def wearing(self, major: np.ndarray, worn: np.ndarray) -> Factors:
+        """K_s/H of balls and races, in contacts of these semi-major axes (..., 2) [m]."""
         pressed = self.films.pressed(mean_pressure(self.scene, major))
         return self.films.wearing(self.cover, 0.5 * worn[0], worn[1:3], pressed)
 
@@ -127,7 +127,7 @@ class FilmWear(EvenWear):
 
     def state(self, state: State, worn: np.ndarray) -> State:
         wearing = self.wearing(state["semi_major_axis"], worn)
-        ball, race = (np.broadcast_to(part.factor, 2) for part in wearing)
+        ball, race = (np.broadcast_to(part, 2) for part in wearing)
         of_ball, of_races = state["loss_per_wear"]
         off_ball, off_races = float(of_ball @ ball), of_races * race
         return state.with_values(

@@ -10,7 +10,7 @@ import numpy as np
 from bearingwear.measures import ENDS
 from bearingwear.scene.scene import COUNTS, Scene
 from bearingwear.solvers.bearing import parameters
-from bearingwear.solvers.bearing.films import Archard
+from bearingwear.solvers.bearing.films import Factors
 from bearingwear.solvers.bearing.outputs import depth_peak, groove_depth_rates, wear_rates
 
 
@@ -152,9 +152,7 @@ class WornParts:
             )
         return replace(self.scene, wear=wear, cage=cage, model=self.model)
 
-    def rates(
-        self, values: dict[str, Any], wearing: tuple[Archard, Archard] | None = None
-    ) -> np.ndarray:
+    def rates(self, values: dict[str, Any], wearing: Factors | None = None) -> np.ndarray:
         """Wear per second of a run, by the properties of balls and races, else those when new."""
         p, rates, n = self.layout, self.cage_rates(values), self.scene.bearing.ball_count
         D = self.scene.bearing.ball_diameter_mm * parameters.MM - values["ball_diameter_loss"]

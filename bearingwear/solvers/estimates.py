@@ -21,9 +21,7 @@ DOUBLED = 2.0  # error over difference when the points are doubled, at the first
 HALVED = 3.5  # error over difference when the regularisation is halved, at the order 1/2
 VISCOUS = 0.5  # change of the torque then, from which on slip is still far below it
 
-
-MEASURED = 6
-"""QV, residual preload, loss rates counted both ways, shaft torque, friction power."""
+MEASURED = 6  # QV, residual preload, loss rates counted both ways, shaft torque, friction power
 
 
 def measured(values: Mapping[str, Any], balls: int) -> np.ndarray:
@@ -64,16 +62,12 @@ def summed(parts: Iterable[np.ndarray]) -> dict[str, Any]:
     """
     total = sum(parts, start=np.full(MEASURED, ROUNDING))
     qv, preload, balls, both, torque, power = total
-    known = np.isfinite(total)
-    if not known[:4].all():
+    if not np.isfinite(total[:4]).all():
         return {}
     found = {
         "qv_error_estimate": qv,
         "residual_preload_error_estimate": preload,
         "wear_rate_error_estimate": np.array([balls, both]),
     }
-    if known[4]:
-        found["shaft_torque_error_estimate"] = torque
-    if known[5]:
-        found["friction_power_error_estimate"] = power
-    return found
+    more = {"shaft_torque_error_estimate": torque, "friction_power_error_estimate": power}
+    return found | {name: value for name, value in more.items() if np.isfinite(value)}

@@ -32,7 +32,6 @@ from bearingwear.solvers.bearing.rotor_balance import (
     Nearby,
     RotorTrial,
     balanced,
-    worse_status,
 )
 from bearingwear.solvers.condition import (
     USABLE,
@@ -281,7 +280,8 @@ class OnRotor:
             return RotorState(lost)
         self.nearby.found(losses, at)
         states = found.states
-        return self.arranged(states, RotorState(worse_status(states), states, shift(states)))
+        status = next((one.status for one in states if one.status != code.OK), code.OK)
+        return self.arranged(states, RotorState(status, states, shift(states)))
 
     def arranged(self, sides: tuple[SolvedBearing, ...], found: RotorState) -> RotorState:
         return found._replace(

@@ -9,18 +9,7 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.ball import ball_inertia, ball_mass, drag_force
-from bearingwear.kernels.contact.summary import (
-    ANGLE,
-    FRICTION,
-    HEAT,
-    LOAD,
-    MAJOR,
-    PRESSURE,
-    QV,
-    SHARE,
-    TORQUE,
-    TRACK,
-)
+from bearingwear.kernels.contact import summary
 from bearingwear.kernels.equilibrium.kinematics import OUTER_CONTROL
 from bearingwear.kernels.steady.thrust import LARGEST_RESIDUAL, ThrustCase
 from bearingwear.scene.scene import Scene
@@ -113,7 +102,7 @@ class Steady:
 
     def heat(self, solution: SolvedBearing) -> HeatFlow:
         problem, case, loss = solution.problem, solution.answer, solution.condition.loss
-        inner, outer = (float(problem.g.n_balls * heat) for heat in case.contacts[:, HEAT])
+        inner, outer = (float(problem.g.n_balls * heat) for heat in case.contacts[:, summary.HEAT])
         return HeatFlow(inner, outer, drag=float(drag_power(problem, problem.g.D0 - loss, case)))
 
     def state(self, solution: SolvedBearing) -> State:
@@ -122,22 +111,22 @@ class Steady:
             return State.unsolved(solution.status, loss)
         g, c = problem.g, case.contacts
         D = np.array([g.D0 - loss])
-        worn_by = c[None, :, QV], c[None, :, MAJOR], c[None, :, TRACK]
+        worn_by = c[None, :, summary.QV], c[None, :, summary.MAJOR], c[None, :, summary.TRACK]
         wear = wear_values(self.scene, D, *worn_by)
         gyroscopic = ball_inertia(ball_mass(g.rho, D), D) * abs(case.u[3] * case.u[2])
-        used = friction_used(c[None, :, FRICTION], D, gyroscopic, c[None, :, LOAD])
+        used = friction_used(c[None, :, summary.FRICTION], D, gyroscopic, c[None, :, summary.LOAD])
         values = {
             "ball_diameter_loss": loss,
             "ball_diameter_loss_rate": wear["ball_diameter_loss_rate"],
             "residual_preload": solution.force,
-            "contact_load": c[:, LOAD],
-            "contact_angle": c[:, ANGLE],
-            "semi_major_axis": c[:, MAJOR],
-            "qv": c[:, QV],
-            "total_qv": float(g.n_balls * c[:, QV].sum()),
-            "gyroscopic_slip_share": c[:, SHARE],
+            "contact_load": c[:, summary.LOAD],
+            "contact_angle": c[:, summary.ANGLE],
+            "semi_major_axis": c[:, summary.MAJOR],
+            "qv": c[:, summary.QV],
+            "total_qv": float(g.n_balls * c[:, summary.QV].sum()),
+            "gyroscopic_slip_share": c[:, summary.SHARE],
             "skid_ratio": case.skid,
-            "maximum_pressure": float(c[:, PRESSURE].max()),
+            "maximum_pressure": float(c[:, summary.PRESSURE].max()),
             "axial_stiffness": solution.stiffness,
             "quasistatic_axial_stiffness": solution.quasistatic,
             "friction_power": self.heat(solution).total,
@@ -145,7 +134,7 @@ class Steady:
             "race_wear_rate": wear["race_wear_rate"],
             "axial_displacement": solution.place,
             "friction_used_by_gyroscopic_moment": float(used[0]),
-            "friction_coefficient": c[:, FRICTION],
+            "friction_coefficient": c[:, summary.FRICTION],
         }
         if limits_depth(self.scene):
             motion = case.u[None], np.array([case.r]), c[None]
@@ -190,7 +179,7 @@ class Steady:
                 "steady_state_count": len(every),
                 "steady_state_orbit_speed": np.array([c.u[3] for c in every]),
                 "steady_state_total_qv": np.array(
-                    [problem.g.n_balls * c.contacts[:, QV].sum() for c in every]
+                    [problem.g.n_balls * c.contacts[:, summary.QV].sum() for c in every]
                 ),
                 "steady_state_stable": np.array([int(stable[id(c)]) for c in every]),
             }
@@ -224,17 +213,19 @@ def steady_answers(
 ) -> np.ndarray:
     """Quantities (n, MEASURED) of n states whose errors are estimated, as `estimate.measured`."""
     n, c = problem.g.n_balls, np.array([case.contacts for case in cases])
-    ball_rate, race_rate = wear_rates(scene, c[..., QV], c[..., MAJOR])
+    ball_rate, race_rate = wear_rates(scene, c[..., summary.QV], c[..., summary.MAJOR])
     diameters = np.full(len(cases), D)
-    loss = diameter_loss_rates(n, diameters, ball_rate, race_rate, c[..., MAJOR], c[..., TRACK])
+    loss = diameter_loss_rates(
+        n, diameters, ball_rate, race_rate, c[..., summary.MAJOR], c[..., summary.TRACK]
+    )
     drag = [drag_power(problem, D, case) for case in cases]
     return np.column_stack(
         [
-            n * c[..., QV].sum(axis=1),
+            n * c[..., summary.QV].sum(axis=1),
             [axial_force(case, n) for case in cases],
             loss,
-            n * c[:, 0, TORQUE],
-            n * c[..., HEAT].sum(axis=1) + drag,
+            n * c[:, 0, summary.TORQUE],
+            n * c[..., summary.HEAT].sum(axis=1) + drag,
         ]
     )
 
@@ -247,7 +238,7 @@ def drag_power(problem: ThrustProblem, D: float, case: ThrustCase) -> float:
 
 def axial_force(case: ThrustCase, n: int = 1) -> float:
     """Axial force of the inner race on n balls [N]."""
-    Q, alpha = case.contacts[0, LOAD], case.contacts[0, ANGLE]
+    Q, alpha = case.contacts[0, summary.LOAD], case.contacts[0, summary.ANGLE]
     return float(n * Q * math.sin(alpha) + n * case.T_i * math.cos(alpha))
 
 
@@ -273,7 +264,7 @@ def steady_values(scene: Scene, problem: ThrustProblem, D: float, case: ThrustCa
         np.array([axial_force(case)]),
     ) | {
         "axial_displacement": case.delta_a,
-        "shaft_torque": n * case.contacts[0, TORQUE],
+        "shaft_torque": n * case.contacts[0, summary.TORQUE],
         "drag_power": drag_power(problem, D, case),
         "axial_stiffness": n * case.S_xx,
         "quasistatic_axial_stiffness": n * case.S_quasistatic,

@@ -6,7 +6,7 @@ Depths are radial, of the surface: half of what a ball loses of its diameter (th
 import functools
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from bearingwear.solvers.bearing.mounted import GPA, UM, mounted_geometry
 
 MPA = 1e6
 
+Factors = tuple[Any, Any]
+"""K_s/H of balls and of races: numbers, or one of each contact (..., 2) [1/Pa]."""
+
 Bare = tuple[bool, bool]
 """Of the inner and the outer contact: whether no film is left in it."""
 
@@ -25,19 +28,15 @@ COVERED: Bare = (False, False)
 
 
 class Archard(NamedTuple):
-    """Coefficients of Archard's law of a part: numbers, or one for each position."""
+    """Coefficients of Archard's law."""
 
-    K_s: float | np.ndarray  # wear coefficient [1]
-    H: float | np.ndarray  # Brinell hardness as a pressure [Pa]
+    K_s: float  # wear coefficient [1]
+    H: float  # Brinell hardness as a pressure [Pa]
 
     @property
-    def factor(self):
+    def factor(self) -> float:
         """K_s/H: worn volume over QV (theory.md section 6) [1/Pa]."""
         return self.K_s / self.H
-
-    def rate(self, qv):
-        """Worn volume per time of QV [W] [m3/s]."""
-        return self.K_s * qv / self.H
 
 
 @dataclass(frozen=True)
@@ -50,30 +49,25 @@ class Surface:
     first: float  # wear coefficient of the new surface below [1]
     running_in: float  # depth in which that is forgotten, 0 without running in [m]
 
-    def below_at(self, depth: float | np.ndarray) -> Archard:
-        """Of what lies below the film, running in as it wears: K + (K_0 - K) exp(-depth/h_0)."""
+    def below_at(self, depth: float | np.ndarray) -> float | np.ndarray:
+        """K_s/H below the film, running in as it wears: K + (K_0 - K) exp(-depth/h_0)."""
         if not self.running_in:
-            return self.below
+            return self.below.factor
         deep = np.maximum(depth - self.thickness, 0.0) / self.running_in
-        K_s = self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)
-        return Archard(K_s, self.below.H)
+        return (self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)) / self.below.H
 
 
-def worn_as(
-    part: Surface, partner: Surface, depth, covered, partner_covered, pressed=1.0
-) -> Archard:
-    """Wear properties of a part worn so deep [m]: numbers, or one for each place.
+def wear_factor(part: Surface, partner: Surface, depth, covered, partner_covered, pressed):
+    """K_s/H of a part worn so deep [m] [1/Pa]: a number, or one for each place.
 
-    Those of its own film, times the factor of its pressure. Without one, or where it is worn
-    through, those of its partner's film, which covers the part (assumed). Where neither is left,
-    those of what lies below.
+    That of its own film, times the factor of its pressure. Without one, or where it is worn
+    through, that of its partner's film, which covers the part (assumed). Where neither is left,
+    that of what lies below. Covered are shares of each place, or whether films stand there.
     """
     found = part.below_at(depth)
-    for film, stands in ((partner.film, partner_covered), (part.film, covered)):
+    for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = Archard(
-                np.where(stands, film.K_s * pressed, found.K_s), np.where(stands, film.H, found.H)
-            )
+            found = share * pressed * film.factor + (1.0 - share) * found
     return found
 
 
@@ -136,18 +130,17 @@ class Films:
             return COVERED
         return not (cover.inner or cover.ball), not (cover.outer or cover.ball)
 
-    def wearing(
-        self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0
-    ) -> tuple[Archard, Archard]:
-        """Wear properties of a ball in both of its contacts, and of both races, worn so deep [m].
-
-        Races and the factors of `worn_as` are those of inner and outer contact (..., 2).
-        """
-        races = np.array([cover.inner, cover.outer])
+    def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, pressed=1.0):
+        """K_s/H of a ball and of a race [1/Pa], as `wear_factor`: what covers them, and depths."""
         return (
-            worn_as(self.ball, self.race, ball_depth, cover.ball, races, pressed),
-            worn_as(self.race, self.ball, race_depths, races, cover.ball, pressed),
+            wear_factor(self.ball, self.race, ball_depth, on_ball, on_race, pressed),
+            wear_factor(self.race, self.ball, race_depths, on_race, on_ball, pressed),
         )
+
+    def wearing(self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0) -> Factors:
+        """K_s/H of a ball in both contacts and of both races, worn so deep [m] (..., 2) [1/Pa]."""
+        races = np.array([cover.inner, cover.outer])
+        return self.factors(cover.ball, races, ball_depth, race_depths, pressed)
 
 
 def limits_depth(scene: Scene) -> bool:

@@ -31,10 +31,14 @@ def fitted_contact(A: float, B: float, E_star: float) -> tuple[float, float, flo
 
 def fitted_factors(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, ...]:
     """K [N/m^1.5], c_a and c_b [m/N^(1/3)] of a contact, as `bearing_model.exact_factors`."""
+    return fitted_contact(*curvatures(g, race, D, cos_alpha), g.E_star)
+
+
+def curvatures(g: Geometry, race: float, D: float, cos_alpha: float) -> tuple[float, float]:
+    """Half the sums of the curvatures A along the major axis and B along rolling [1/m]."""
     r_g = g.r_o if race > 0.0 else g.r_i
-    A = 0.5 * (2.0 / D - 1.0 / r_g)
     B = 0.5 * (2.0 / D - race * 2.0 * cos_alpha / (g.dm + race * D * cos_alpha))
-    return fitted_contact(A, B, g.E_star)
+    return 0.5 * (2.0 / D - 1.0 / r_g), B
 
 
 def fitted_preload(g: Geometry, A1: float) -> float:

@@ -7,26 +7,12 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.ball import ball_inertia, ball_mass
+from bearingwear.kernels.contact import summary
 from bearingwear.kernels.contact.friction import has_friction
-from bearingwear.kernels.contact.summary import (
-    ANGLE,
-    FRICTION,
-    HEAT,
-    LOAD,
-    MAJOR,
-    MINOR,
-    PRESSURE,
-    QV,
-    ROLL,
-    SHARE,
-    SPIN,
-    TRACK,
-    slip_profiles,
-)
 from bearingwear.kernels.equilibrium.stiffness import DOF, bearing_stiffness
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.films import Archard, Films, mean_pressure
+from bearingwear.solvers.bearing.films import Factors, Films, mean_pressure
 
 TURN = 2.0 * np.pi
 
@@ -39,23 +25,23 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
     axial forces of the inner race [N].
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        spin_to_roll = np.abs(rows[..., SPIN] / rows[..., ROLL])
+        spin_to_roll = np.abs(rows[..., summary.SPIN] / rows[..., summary.ROLL])
     v1, v2 = slips_across(scene, g, op, D, u, r, rows)
     inertia = ball_inertia(ball_mass(g.rho, D), D)
     gyroscopic = np.abs(inertia * u[:, 3] * u[:, 2])
     races = np.array([op.omega_i, op.omega_o])
     spin = u[:, :3] - u[:, 3:] * (1.0, 0.0, 0.0)  # relative to the orbiting frame
     values = {
-        "contact_load": rows[..., LOAD],
-        "contact_angle": rows[..., ANGLE],
-        "semi_major_axis": rows[..., MAJOR],
-        "semi_minor_axis": rows[..., MINOR],
-        "maximum_pressure": rows[..., PRESSURE],
-        "qv": rows[..., QV],
-        "friction_heat": rows[..., HEAT],
-        "gyroscopic_slip_share": rows[..., SHARE],
+        "contact_load": rows[..., summary.LOAD],
+        "contact_angle": rows[..., summary.ANGLE],
+        "semi_major_axis": rows[..., summary.MAJOR],
+        "semi_minor_axis": rows[..., summary.MINOR],
+        "maximum_pressure": rows[..., summary.PRESSURE],
+        "qv": rows[..., summary.QV],
+        "friction_heat": rows[..., summary.HEAT],
+        "gyroscopic_slip_share": rows[..., summary.SHARE],
         "spin_to_roll_ratio": np.where(np.isfinite(spin_to_roll), spin_to_roll, 0.0),
-        "contact_track_radius": rows[..., TRACK],
+        "contact_track_radius": rows[..., summary.TRACK],
         "gyroscopic_slip": v1,
         "rolling_slip": v2,
         "ball_angular_velocity": u[:, :3],
@@ -64,21 +50,23 @@ def contact_values(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows,
         "cage_frequency": np.abs(u[:, 3]).mean() / TURN,
         "ball_pass_frequency": g.n_balls * np.abs(races[:, None] - u[:, 3]).mean(axis=1) / TURN,
         "ball_spin_frequency": np.linalg.norm(spin, axis=1).mean() / TURN,
-        "total_qv": g.n_balls * rows[..., QV].sum() / len(D),
+        "total_qv": g.n_balls * rows[..., summary.QV].sum() / len(D),
         "residual_preload": g.n_balls * axial.sum() / len(D),
     }
     if has_friction(op):  # else nothing holds the moment
-        used = friction_used(rows[..., FRICTION], D, gyroscopic, rows[..., LOAD])
+        used = friction_used(rows[..., summary.FRICTION], D, gyroscopic, rows[..., summary.LOAD])
         values["friction_used_by_gyroscopic_moment"] = used
     if scene.friction.film is not None:
-        values["friction_coefficient"] = rows[..., FRICTION]
-    return values | wear_values(scene, D, rows[..., QV], rows[..., MAJOR], rows[..., TRACK])
+        values["friction_coefficient"] = rows[..., summary.FRICTION]
+    return values | wear_values(
+        scene, D, rows[..., summary.QV], rows[..., summary.MAJOR], rows[..., summary.TRACK]
+    )
 
 
 def slips_across(scene: Scene, g: Geometry, op: OperatingPoint, D, u, r, rows) -> np.ndarray:
     """Gyroscopic and rolling slip (2, n, 2, strips) [m/s], of what `contact_values` takes."""
     v = np.zeros((2, len(D), 2, scene.model.strips))
-    slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), *v)
+    summary.slip_profiles(g, D, op, u, r, rows, strip_centres(scene.model.strips), *v)
     return v
 
 
@@ -110,7 +98,7 @@ def friction_used(mu: np.ndarray, D: Any, moment: Any, Q: np.ndarray) -> np.ndar
 
 def stiffness_matrix(g: Geometry, D: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Stiffness (5, 5) of the n balls solved, from their rows of `kernels.contact.summary`."""
-    return stiffness_of_loads(g, D, rows[..., LOAD], rows[..., ANGLE])
+    return stiffness_of_loads(g, D, rows[..., summary.LOAD], rows[..., summary.ANGLE])
 
 
 def stiffness_of_loads(
@@ -134,9 +122,9 @@ def wear_values(
     qv: np.ndarray,
     a: np.ndarray,
     track: np.ndarray,
-    parts: tuple[Archard, Archard] | None = None,
+    parts: Factors | None = None,
 ) -> dict[str, np.ndarray]:
-    """Archard wear rates and the loss of ball diameter; without `parts` of films as when new.
+    """Archard wear rates and the loss of ball diameter; without `parts` as when new.
 
     ball_wear_rate (n,), race_wear_rate (2,) [m3/s], ball_diameter_loss_rate (2,) [m/s], mean over
     the balls, counting the balls alone, and balls and races: from worn diameters (n,) [m], and QV
@@ -155,18 +143,18 @@ def wear_values(
 
 
 def wear_rates(
-    scene: Scene, qv: np.ndarray, a: np.ndarray, parts: tuple[Archard, Archard] | None = None
+    scene: Scene, qv: np.ndarray, a: np.ndarray, parts: Factors | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Volumes worn off ball and race per time [m3/s] by QV [W] and semi-major axis [m].
 
-    Of each contact (..., 2); without `parts` of films as when new.
+    Of each contact (..., 2); without `parts` as when new.
     """
     if parts is None:
         films = Films.of(scene)
         pressed = films.pressed(mean_pressure(scene, a)) if films.exponent else 1.0  # saves time
         parts = films.wearing(films.cover, pressed=pressed)
     ball, race = parts
-    return ball.rate(qv), race.rate(qv)
+    return ball * qv, race * qv
 
 
 def groove_depth_rates(n: int, race_rate: np.ndarray, a: np.ndarray, track: np.ndarray):

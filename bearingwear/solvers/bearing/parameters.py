@@ -14,6 +14,7 @@ from bearingwear.kernels.contact.profile import MIDDLE_WIDTH, PEAK
 from bearingwear.kernels.equilibrium.thrust_loaded import static_displacement
 from bearingwear.kernels.params import Geometry, OperatingPoint
 from bearingwear.scene.scene import Arrangement, Scene
+from bearingwear.solvers.bearing import quadrature as rules
 from bearingwear.solvers.bearing.films import COVERED, MPA, Bare, Films
 from bearingwear.solvers.bearing.growth import axial_change, grown, growth_of
 from bearingwear.solvers.bearing.mounted import GPA as GPA
@@ -22,18 +23,6 @@ from bearingwear.solvers.bearing.mounted import RPM as RPM
 from bearingwear.solvers.bearing.mounted import UM as UM
 from bearingwear.solvers.bearing.mounted import contact_modulus as contact_modulus
 from bearingwear.solvers.bearing.mounted import mounted_geometry
-from bearingwear.solvers.bearing.quadrature import (
-    chebyshev,
-    chebyshev_halves,
-    equal_strips,
-    even_shares,
-    gathered,
-    gauss_halves,
-    spread_ellipse,
-    spread_fixed,
-    strip_tips,
-    tips,
-)
 
 SEARCH_POINTS = 16  # along the ellipse, at a v_r that these resolve
 SEARCH_ACROSS = 4
@@ -112,16 +101,16 @@ def ellipse_rule(name: str, points: int, across: int = 1) -> Rule:
     """
     if name == "split":
         m = -(-points // SEGMENTS)
-        y, share = chebyshev_halves(across)
-        t, weight = gathered(m)
-        return Rule(True, t, weight, tips(m), y, share, even_shares(y, True))
-    y, share = chebyshev(across)
+        y, share = rules.chebyshev_halves(across)
+        t, weight = rules.gathered(m)
+        return Rule(True, t, weight, rules.tips(m), y, share, rules.even_shares(y, True))
+    y, share = rules.chebyshev(across)
     if name == "strips":
-        (t, weight), tip = equal_strips(points), strip_tips(points)
+        (t, weight), tip = rules.equal_strips(points), rules.strip_tips(points)
     else:
-        half = tips((points + 1) // 2)
-        (t, weight), tip = gauss_halves(points), np.concatenate([half[::-1], half])
-    return Rule(False, t, weight, tip, y, share, even_shares(y, False))
+        half = rules.tips((points + 1) // 2)
+        (t, weight), tip = rules.gauss_halves(points), np.concatenate([half[::-1], half])
+    return Rule(False, t, weight, tip, y, share, rules.even_shares(y, False))
 
 
 def quadrature(scene: Scene, refined: int = 1) -> Rule:
@@ -141,7 +130,7 @@ def quadrature(scene: Scene, refined: int = 1) -> Rule:
 @functools.cache
 def split_points(count: int, across: int) -> EllipsePoints:
     """Points of a split rule over the ellipse in time, shared, so never to be written to."""
-    return EllipsePoints(True, *spread_ellipse(count, across))
+    return EllipsePoints(True, *rules.spread_ellipse(count, across))
 
 
 def line_points(rule: Rule) -> EllipsePoints:
@@ -160,7 +149,7 @@ def spread_points(scene: Scene, refined: int = 1) -> EllipsePoints:
         return split_points(rule.t.size, rule.across.size)
     if rule.split:
         return line_points(rule)
-    return EllipsePoints(False, *spread_fixed(*rule[1:]))
+    return EllipsePoints(False, *rules.spread_fixed(*rule[1:]))
 
 
 def search_rule(scene: Scene) -> Rule:
@@ -174,5 +163,5 @@ def search_rule(scene: Scene) -> Rule:
 def wear_factors(scene: Scene) -> tuple[float, float]:
     """K_s/H of ball and race as they are when new [1/Pa]."""
     films = Films.of(scene)
-    ball, race = (float(np.max(part.factor)) for part in films.wearing(films.cover))
+    ball, race = (float(np.max(part)) for part in films.wearing(films.cover))
     return ball, race

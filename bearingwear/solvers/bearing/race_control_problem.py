@@ -8,22 +8,12 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.profile import contact_approach, semi_axis
 from bearingwear.kernels.contact.slip import LARGEST_AXIS
+from bearingwear.kernels.equilibrium import race
 from bearingwear.kernels.equilibrium.kinematics import (
     INNER_CONTROL,
     ORBIT,
     OUTER_CONTROL,
     race_control,
-)
-from bearingwear.kernels.equilibrium.race import (
-    LOAD_FIELDS,
-    MODEL,
-    OMEGA_I,
-    OMEGA_O,
-    ORBIT_RATE,
-    PACKED,
-    axial_stiffness,
-    race_equilibrium,
-    unpack_ball_state,
 )
 from bearingwear.kernels.equilibrium.thrust_loaded import (
     cold_start,
@@ -86,10 +76,10 @@ class RaceControlProblem:
         op, load = self.op, self.load(models[0], Omega)
         if len(self.D) == 1:
             return self.thrust_balance(load)
-        loads = np.zeros((len(self.D), LOAD_FIELDS))
-        loads[:, MODEL], loads[:, ORBIT_RATE] = models, Omega
-        loads[:, OMEGA_I], loads[:, OMEGA_O] = op.omega_i, op.omega_o
-        packed_states = np.empty((len(self.D), PACKED))
+        loads = np.zeros((len(self.D), race.LOAD_FIELDS))
+        loads[:, race.MODEL], loads[:, race.ORBIT_RATE] = models, Omega
+        loads[:, race.OMEGA_I], loads[:, race.OMEGA_O] = op.omega_i, op.omega_o
+        packed_states = np.empty((len(self.D), race.PACKED))
         delta = np.array([self.delta_a, 0.0, 0.0])
         if self.constant_force and self.F[0] > 0.0:
             # Worn balls: start where the thrust alone would press the race to.
@@ -97,15 +87,15 @@ class RaceControlProblem:
                 self.g, self.D.mean(), load, self.F[0], self.delta_a, True, cold_start()
             )
         first = 0 if self.constant_force else 1
-        status, _, stiffness = race_equilibrium(
+        status, _, stiffness = race.race_equilibrium(
             self.g, self.D, loads, self.psi, self.F, self.tilt, first, delta, packed_states
         )
-        states = [unpack_ball_state(row) for row in packed_states]
+        states = [race.unpack_ball_state(row) for row in packed_states]
         return Balance(
             status=status,
             delta=delta,
             states=states,
-            stiffness=axial_stiffness(stiffness),
+            stiffness=race.axial_stiffness(stiffness),
             race_residual=self.unbalanced(states),
         )
 

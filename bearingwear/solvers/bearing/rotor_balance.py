@@ -142,10 +142,6 @@ def balanced(
     return x, code.NO_STEADY_STATE if nowhere else code.NOT_CONVERGED
 
 
-def worse_status(states: Sequence[SolvedBearing]) -> int:
-    return next((state.status for state in states if state.status != code.OK), code.OK)
-
-
 def failed_status(states: Sequence[SolvedBearing]) -> int:
     """Why there is no balance: a side that alone lost its contact has lifted off."""
     failed = [state.status for state in states if state.status not in USABLE]

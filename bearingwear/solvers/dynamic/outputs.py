@@ -6,23 +6,8 @@ from typing import Any
 import numpy as np
 
 from bearingwear.kernels.contact.summary import ANGLE, PRESSURE, QV
+from bearingwear.kernels.dynamic import record
 from bearingwear.kernels.dynamic.model import BearingModel
-from bearingwear.kernels.dynamic.record import (
-    AXIAL,
-    CAGE_SPEED,
-    CENTRIFUGAL,
-    DRAG_POWER,
-    INNER_RACE_TORQUE,
-    POSITION,
-    PRELOAD,
-    RADIUS,
-    SHIFT,
-    SPEED,
-    STIFFNESS,
-    TILT,
-    History,
-    Sums,
-)
 from bearingwear.kernels.steady.thrust import skid_ratio
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
@@ -54,21 +39,23 @@ def window_values(scene: Scene, run: TimeRun) -> dict:
     change = {key: value - then.energy[key] for key, value in now.energy.items()}
     values |= account_values(change, system.energy()["kinetic"])
     if scene.cage is not None:
-        speed, momentum_rate = sums.bearing[CAGE_SPEED] / count, now.momentum - then.momentum
+        speed, momentum_rate = sums.bearing[record.CAGE_SPEED] / count, now.momentum - then.momentum
         add_cage_values(scene, system, integrals, time, values)
         values |= {"cage_speed": speed, "cage_momentum_rate": momentum_rate / time}
     return values
 
 
 def averages(
-    scene: Scene, bearing: BearingModel, sums: Sums, contacts: np.ndarray
+    scene: Scene, bearing: BearingModel, sums: record.Sums, contacts: np.ndarray
 ) -> dict[str, Any]:
     """Means over the instants of a window; contacts (n, 2, COLUMNS) are means already."""
     count, D = sums.count[0], bearing.D
     ball, whole = sums.ball / count, sums.bearing / count
-    motion = np.ascontiguousarray(ball[:, :RADIUS])
-    r = ball[:, RADIUS]
-    values = contact_values(scene, bearing.g, bearing.op, D, motion, r, contacts, ball[:, AXIAL])
+    motion = np.ascontiguousarray(ball[:, : record.RADIUS])
+    r = ball[:, record.RADIUS]
+    values = contact_values(
+        scene, bearing.g, bearing.op, D, motion, r, contacts, ball[:, record.AXIAL]
+    )
     skids = [
         skid_ratio(bearing.op, *contacts[j, :, ANGLE], 0.5 * D[j], r[j], u)
         for j, u in enumerate(motion)
@@ -76,12 +63,12 @@ def averages(
     return values | {
         "gyroscopic_slip": sums.slip[0] / count,
         "rolling_slip": sums.slip[1] / count,
-        "axial_displacement": whole[SHIFT],
-        "residual_preload": whole[PRELOAD],
-        "shaft_torque": whole[INNER_RACE_TORQUE],
-        "drag_power": whole[DRAG_POWER],
-        "axial_stiffness": whole[STIFFNESS],
-        "centrifugal_force": ball[:, CENTRIFUGAL],
+        "axial_displacement": whole[record.SHIFT],
+        "residual_preload": whole[record.PRELOAD],
+        "shaft_torque": whole[record.INNER_RACE_TORQUE],
+        "drag_power": whole[record.DRAG_POWER],
+        "axial_stiffness": whole[record.STIFFNESS],
+        "centrifugal_force": ball[:, record.CENTRIFUGAL],
         "equilibrium_residual": sums.residual[0],
         "skid_ratio": np.mean(skids),
     }
@@ -135,8 +122,8 @@ def add_cage_values(
     }
 
 
-def histories(scene: Scene, history: History, length: int) -> dict:
-    log = History._make(column[:length] for column in history)
+def histories(scene: Scene, history: record.History, length: int) -> dict:
+    log = record.History._make(column[:length] for column in history)
     ball, race = parameters.wear_factors(scene)
     films = Films.of(scene)
     worn_by = log.qv
@@ -159,9 +146,9 @@ def histories(scene: Scene, history: History, length: int) -> dict:
         return values
     cage = wear_per_joule(scene, scene.cage.material)
     return values | {
-        "history_cage_position": log.cage[:, POSITION : POSITION + 3],
-        "history_cage_tilt": log.cage[:, TILT : TILT + 3],
-        "history_cage_speed": log.cage[:, SPEED],
+        "history_cage_position": log.cage[:, record.POSITION : record.POSITION + 3],
+        "history_cage_tilt": log.cage[:, record.TILT : record.TILT + 3],
+        "history_cage_speed": log.cage[:, record.SPEED],
         "history_pocket_force": log.force[:, :-2],
         "history_land_force": log.force[:, -2:],
         "history_cage_pocket_wear_rate": cage * log.pocket_power.sum(axis=1),

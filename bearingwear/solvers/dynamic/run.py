@@ -80,9 +80,9 @@ def begin(
 class LastWindow:
     status: int
     turns: float
-    slopes: np.ndarray | None  # see `Trend.slopes`
-    settled: bool
-    to_land: float  # turns until the cage meets its land, see `Trend.turns_to_land`
+    slopes: np.ndarray | None = None  # see `Trend.slopes`
+    settled: bool = False
+    to_land: float = math.inf  # turns until the cage meets its land, see `Trend.turns_to_land`
 
 
 def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interrupt) -> LastWindow:
@@ -94,9 +94,7 @@ def run_until_settled(scene: Scene, run: TimeRun, slow: float, interrupt: Interr
         turns = length / run.grid.points * run.grid.turns
         status = run.window(length, interrupt)
         if status != code.OK:
-            return LastWindow(
-                status=status, turns=turns, slopes=None, settled=False, to_land=math.inf
-            )
+            return LastWindow(status=status, turns=turns)
         slopes, to_land = run.trend.slopes(), run.trend.turns_to_land()
         # what is left of the drift, over the slow time scale
         left = math.inf if slopes is None else np.abs(slopes[:2]).max() * max(slow, turns)

@@ -10,18 +10,8 @@ import numpy as np
 
 from bearingwear.kernels import status as code
 from bearingwear.kernels.cage.body import INNER_LAND, NO_LAND
+from bearingwear.kernels.dynamic import record
 from bearingwear.kernels.dynamic.integrators import ROSENBROCK, RUNGE_KUTTA
-from bearingwear.kernels.dynamic.record import (
-    INNER_RACE_TORQUE,
-    POSITION,
-    PRELOAD,
-    Recorder,
-    TimeGrid,
-    advance_and_record,
-    clear,
-    empty_history,
-    empty_sums,
-)
 from bearingwear.scene.scene import Scene
 from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.bearing.films import Archard
@@ -226,8 +216,8 @@ class RunGrid:
         return self.turns != 1.0
 
     @property
-    def instants(self) -> TimeGrid:
-        return TimeGrid(origin=self.origin, dt=self.dt, first=self.first)
+    def instants(self) -> record.TimeGrid:
+        return record.TimeGrid(origin=self.origin, dt=self.dt, first=self.first)
 
     @property
     def windows(self) -> list[int]:
@@ -260,10 +250,12 @@ class TimeRun:
         )
         self.keeps_history = model.history_points_per_turn > 0
         integrals = layout.size - layout.qv
-        self.recorder = Recorder(
-            sums=empty_sums(n, system.bearing.rule, strip_centres(scene.model.strips), integrals),
+        self.recorder = record.Recorder(
+            sums=record.empty_sums(
+                n, system.bearing.rule, strip_centres(scene.model.strips), integrals
+            ),
             # without histories a turn of them is kept, for the range of the loads
-            history=empty_history(grid.total if self.keeps_history else grid.points, n),
+            history=record.empty_history(grid.total if self.keeps_history else grid.points, n),
             keep=True,
         )
         self.loads = LoadRange(n)
@@ -286,7 +278,7 @@ class TimeRun:
         if not self.keeps_history:
             assert count <= self.grid.points
             instants, place = instants._replace(first=instants.first + place), 0
-        tally = advance_and_record(
+        tally = record.advance_and_record(
             self.control,
             instants,
             place,
@@ -312,7 +304,7 @@ class TimeRun:
         cage, history = self.system.bearing.cage, self.recorder.history
         if not cage.present or cage.land == NO_LAND or not cage.gap > 0.0:
             return 1.0
-        off = history.cage[stretch, POSITION + 1 : POSITION + 3].astype(float)
+        off = history.cage[stretch, record.POSITION + 1 : record.POSITION + 3].astype(float)
         if cage.land == INNER_LAND:
             off -= history.displacement[stretch, 1:]
         return 1.0 - float(np.hypot(*off.T).mean()) / cage.gap
@@ -321,7 +313,7 @@ class TimeRun:
         """Simulate a window and record it; returns a status."""
         integrals = self.system.y[self.system.layout.qv :]
         sums, points = self.recorder.sums, self.grid.points
-        clear(sums)
+        record.clear(sums)
         self.loads = LoadRange(len(self.system.bearing.D))
         before_last, self.trend = self.trend, Trend(self.grid.turns)
         self.opening = self.system.snapshot()
@@ -336,7 +328,9 @@ class TimeRun:
                 return status
             if count == points:
                 gained = integrals - before
-                preload, torque = (sums.bearing - summed)[[PRELOAD, INNER_RACE_TORQUE]]
+                preload, torque = (sums.bearing - summed)[
+                    [record.PRELOAD, record.INNER_RACE_TORQUE]
+                ]
                 self.trend.add(np.array([*self.weights @ gained, preload, torque, self.room]))
             shown = self.trend if self.trend.known else before_last
             self.report(self.turns, shown.slopes())

@@ -15,9 +15,10 @@ from bearingwear.solvers.effects.evidence import Evidence, Finding
 def film_sentences(chosen: Choice) -> Iterator[str]:
     scene, films, given = chosen.scene, Films.of(chosen.scene), chosen.scene.friction.film
     if given is not None:
+        plus = f" plus {given.pressure_coefficient:g}" if given.pressure_coefficient else ""
         yield (
             f"friction: of a film, {given.shear_strength_MPa:g} MPa over the mean pressure of each "
-            f"contact{_plus(given.pressure_coefficient)}; about {_at_rest(scene)} at rest"
+            f"contact{plus}; about {_at_rest(scene)} at rest"
         )
     if films.exponent:
         yield (
@@ -53,10 +54,6 @@ def film_worn(e: Evidence) -> Finding | None:
         return None
     races = [name for name, share in zip(("inner", "outer"), shares[-1], strict=True) if share]
     return {"races": " and ".join(races), "share": 100.0 * float(shares[-1].max())}
-
-
-def _plus(coefficient: float) -> str:
-    return f" plus {coefficient:g}" if coefficient else ""
 
 
 def _then(scene: Scene) -> str:

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 from bearingwear.scene.accuracy import CAGE_TOLERANCE
 from bearingwear.scene.scene import Scene
-from bearingwear.solvers.bearing.mounted import MM, RPM
+from bearingwear.solvers.bearing.fitted_hertz import INNER_RACE, OUTER_RACE, curvatures
+from bearingwear.solvers.bearing.mounted import MM, RPM, mounted_geometry
 from bearingwear.solvers.dynamic.stability import is_found_periodic, why_not_periodic
 from bearingwear.solvers.effects.choice import Choice, asymmetries
 
@@ -58,14 +59,9 @@ def spin_across_share(scene: Scene) -> float:
     E(m) - 1 [1] at the free contact angle, for the race with the larger value; by the fit E =
     1.0003 + 0.5968 A/B of Brewe and Hamrock (1977).
     """
-    b = scene.bearing
-    D, cosine = b.ball_diameter_mm, math.cos(math.radians(b.contact_angle_deg))
-    shares = []
-    for f, sigma in ((b.inner_groove_factor, -1.0), (b.outer_groove_factor, 1.0)):
-        A = 2.0 / D - 1.0 / (f * D)
-        B = 2.0 / D - sigma * 2.0 * cosine / (b.pitch_diameter_mm + sigma * D * cosine)
-        shares.append(0.0003 + 0.5968 * A / B)
-    return max(shares)
+    g = mounted_geometry(scene)
+    both = (curvatures(g, race, g.D0, math.cos(g.alpha0)) for race in (INNER_RACE, OUTER_RACE))
+    return max(0.0003 + 0.5968 * A / B for A, B in both)
 
 
 def slip(chosen: Choice) -> Iterator[str]:

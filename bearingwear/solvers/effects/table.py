@@ -88,12 +88,7 @@ def _not_watched(chosen: Choice) -> Iterator[str]:
 
 def _assumed(e: Evidence) -> Finding | None:
     speed = e.scene.operation.shaft_speed_rpm
-    is_assumed = SPEED_ASSUMED.format(speed) in e.scene.description
-    return {"value": speed} if is_assumed else None
-
-
-def _weightless(e: Evidence) -> Finding | None:
-    return None if not e.chosen.cage or any(e.scene.operation.gravity_m_s2) else {}
+    return {"value": speed} if SPEED_ASSUMED.format(speed) in e.scene.description else None
 
 
 def _when_new(e: Evidence) -> Finding | None:
@@ -121,18 +116,8 @@ def _limit_passed(e: Evidence) -> Finding | None:
 
 
 EFFECTS = (
-    Effect(
-        "over_limit_when_new",
-        _when_new,
-        "over the limit {new}: {said}",
-        "{advice}",
-    ),
-    Effect(
-        "limit_passed",
-        _limit_passed,
-        "a life would end at once: {said}",
-        "{advice}",
-    ),
+    Effect("over_limit_when_new", _when_new, "over the limit {new}: {said}", "{advice}"),
+    Effect("limit_passed", _limit_passed, "a life would end at once: {said}", "{advice}"),
     Effect(
         "criterion_not_watched",
         _unwatched,
@@ -264,8 +249,7 @@ EFFECTS = (
         "temperature_left_out",
         growth.temperature_left_out,
         "temperature is neglected: an inner ring {kelvin:g} K warmer than the rest would change "
-        "the "
-        "preload of the fixed position by about {value:+.0f} %",
+        "the preload of the fixed position by about {value:+.0f} %",
         "set temperature or thermal",
         modelled=growth.temperature,
     ),
@@ -279,7 +263,7 @@ EFFECTS = (
     ),
     Effect(
         "cage_weightless",
-        _weightless,
+        lambda e: {} if e.chosen.cage and not any(e.scene.operation.gravity_m_s2) else None,
         "the cage has no weight: gravity may change its motion, and the wear of pockets and land "
         "tenfold or more",
         "set operation.gravity_m_s2, [0, 0, -9.81] for a horizontal shaft",

@@ -65,14 +65,10 @@ class WornFilms:
     ) -> tuple[np.ndarray, np.ndarray]:
         """K_s/H of ball and race at each place of a track [1/Pa], under a mean pressure [Pa].
 
-        As `films.worn_as`, in proportion to what each film still covers.
+        In proportion to what each film still covers.
         """
-        ball, race = self.films.ball, self.films.race
-        on_ball, pressed = cover(ball, ball_depth), self.films.pressed(pressure)
-        return (
-            _factor(ball, race, ball_depth, on_ball, on_race, pressed),
-            _factor(race, ball, race_depth, on_race, on_ball, pressed),
-        )
+        on_ball, pressed = cover(self.films.ball, ball_depth), self.films.pressed(pressure)
+        return self.films.factors(on_ball, on_race, ball_depth, race_depth, pressed)
 
     @property
     def thickness(self) -> np.ndarray:
@@ -93,13 +89,3 @@ class WornFilms:
         rates = np.array([*race_rates, ball_rate])
         covers = (self.left(race_depths, ball_depth) > 0.0) & (rates > 0.0)
         return float(np.min(self.thickness[covers] / rates[covers], initial=np.inf))
-
-
-def _factor(
-    part: Surface, partner: Surface, depth, covered, partner_covered, pressed
-) -> np.ndarray:
-    found = part.below_at(depth).factor
-    for film, share in ((partner.film, partner_covered), (part.film, covered)):
-        if film is not None:
-            found = share * pressed * film.factor + (1.0 - share) * found
-    return np.asarray(found)
