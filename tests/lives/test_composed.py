@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 from lives.test_worn_pair import FIXED, NETWORK, RIGID, life_of, wears_until_gone
-from support import scene_file
 
 from bearingwear.kernels import status as code
-from bearingwear.lives.life import life
-from bearingwear.scene.variant import variant
 
 FILM = "{shear_strength_MPa: 24.8, pressure_coefficient: 0.001, thickness_um: 0.15, "
 FILM += "wear_coefficient: 5.0e-6, bare_ball_race: 0.4}"
@@ -33,29 +30,3 @@ def test_worn_and_filmed_grooves_on_a_warm_pair():
     for name in NAMES:
         assert unlike[name][:, 0] == pytest.approx(hertz[name][:, 0], rel=1e-5)
     assert all(wears_until_gone(film) for film in unlike["history_race_film"])
-
-
-def test_a_warm_and_filmed_pair_by_race_control():
-    """Two alike are the single bearing by that model, too."""
-    end = {"wear.end_of_life": {"ball_diameter_loss_um": 0.3}, "cage": None}
-    film = {"shear_strength_MPa": 24.8, "pressure_coefficient": 0.001, "thickness_um": 0.15}
-    film |= {"wear_coefficient": 5.0e-6, "bare_ball_race": 0.4}
-    ways = {"inner_ring_shaft": 0.1, "outer_ring_housing": 0.1, "ball_race": 0.05}
-    changes = end | {
-        "operation.preload_method": "fixed_position",
-        "friction.film": film,
-        "friction.ball_race": None,
-        "uncertainty": None,
-        "thermal": {"conductance_W_K": ways, "shaft_C": 20.0, "housing_C": 20.0},
-    }
-    rigid = {"arrangement.kind": "rigid_pair", "arrangement.external_axial_N": 1e-6}
-    single, pair = (
-        life(variant(scene_file("gyro_s1"), changes | more), "race_control").values
-        for more in ({}, rigid)
-    )
-    assert pair["status"] == single["status"] == code.OK
-    assert pair["life"] == pytest.approx(single["life"], rel=1e-4)
-    assert np.max(pair["heat_flow_residual"]) < 1e-6
-    for name in NAMES:
-        for side in pair[name]:
-            assert side[-1] == pytest.approx(single[name][-1], rel=1e-3)

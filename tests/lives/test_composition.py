@@ -1,4 +1,4 @@
-"""Effects that no kind of life knows of one by one: each bearing of a pair as if it were alone.
+"""Effects that no kind of life knows of one by one: every combination, and each bearing by itself.
 
 A spring so soft that its force stays the same ties two unlike bearings by nothing but the end of
 their life. Each of them then lives as a single bearing under a constant force does.
@@ -9,8 +9,11 @@ import pytest
 from support import scene_file
 
 from bearingwear.kernels import status as code
+from bearingwear.lives.history import life_values
 from bearingwear.lives.life import life
+from bearingwear.lives.many import worn_life
 from bearingwear.scene.read import load_scene
+from bearingwear.solvers.errors import NotAvailable
 
 END = "wear.end_of_life={ball_diameter_loss_um: 0.2}"
 FILM = (
@@ -85,3 +88,68 @@ def test_a_film_may_end_the_life_of_a_pair_of_which_one_bearing_has_it():
     alone = lived("hertz", "steady", *FILM, end)
     assert pair["life"][1] == pytest.approx(alone["life"][1], rel=1e-5)
     assert np.nanmax(pair["history_film_worn_share"][0][-1]) == 1.0
+
+
+ONE = "operation.preload_method=fixed_position"
+RIGID = (ONE, "arrangement.kind=rigid_pair")
+ARRANGEMENTS = {
+    "single": (ONE,),
+    "alike": RIGID,
+    "alike, by way of the rotor": (*RIGID, "arrangement.external_axial_N=1e-6"),
+    "mixed, rigid": (*RIGID, SECOND),
+    "mixed, spring": (
+        "operation.preload_method=constant_force",
+        "arrangement.kind=spring_pair",
+        "arrangement.spring_stiffness_N_um=0.2",
+        SECOND,
+    ),
+}
+SHORT = ("wear.end_of_life={ball_diameter_loss_um: 0.02}", "model.life_steps=2")
+SHORT += ("model.accuracy=draft", "model.simulated_turns=1", "model.evaluated_turns=1")
+
+
+def short_life(model, *changes):
+    """Values of a short and rough life, without its errors where these take several more."""
+    contact = "worn" if model == "worn" else "hertz"
+    given = [*SHORT, f"model.contact={contact}", "cage=null", "uncertainty=null", *changes]
+    scene = load_scene(scene_file("gyro_s1"), given)
+    if model == "worn":
+        return life_values(scene.one_of_alike, worn_life(scene))
+    return life(scene, model).values
+
+
+def at_end(values, name):
+    """A history of each bearing at its end."""
+    found = np.asarray(values[f"history_{name}"])
+    return found[:, -1] if np.ndim(values["history_total_qv"]) == 2 else found[None, -1]
+
+
+@pytest.mark.parametrize("warm", [(), (NETWORK,)], ids=["cold", "warm"])
+@pytest.mark.parametrize("film", [(), (*FILM, THICK)], ids=["bare", "film"])
+@pytest.mark.parametrize("model", ["steady", "worn", "race_control", "dynamic"])
+def test_every_combination(model, film, warm):
+    """A life has each effect that its scene has; pairs alone have no dynamic one."""
+    lives = {}
+    for name, arrangement in ARRANGEMENTS.items():
+        changes = *film, *arrangement, *warm
+        if model == "dynamic" and name != "single":
+            with pytest.raises(NotAvailable, match=r"^gyro_s1: .*supports one bearing: [^\n]*$"):
+                short_life(model, *changes)
+            continue
+        values = short_life(model, *changes)
+        assert values["status"] == code.OK, name
+        assert ("history_part_temperature" in values) == bool(warm), name
+        assert ("history_race_film" in values) == bool(film), name
+        if warm:
+            assert at_end(values, "part_temperature")[:, :3].min() > 20.0, name
+        if film:
+            left, mixed = at_end(values, "race_film"), name.startswith("mixed")
+            assert (np.isnan(left).any(axis=1) == [False, True][: 1 + mixed]).all(), name
+            assert 0.0 < left[0].min() <= left[0].max() < 0.3e-6, name
+        if name.startswith("mixed"):
+            first, second = at_end(values, "friction_used_by_gyroscopic_moment")
+            assert abs(second / first - 1.0) > 0.1, name
+        lives[name] = values["life"][1]
+    if len(lives) > 1:
+        assert lives["alike"] == lives["single"]
+        assert lives["alike, by way of the rotor"] == pytest.approx(lives["single"], rel=1e-5)

@@ -67,7 +67,7 @@ def wear_factor(part: Surface, partner: Surface, depth, covered, partner_covered
     found = part.below_at(depth)
     for film, share in ((partner.film, partner_covered), (part.film, covered)):
         if film is not None:
-            found = share * pressed * film.factor + (1.0 - share) * found
+            found = share * pressed * film.K_s / film.H + (1.0 - share) * found
     return found
 
 
