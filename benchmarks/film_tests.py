@@ -29,7 +29,7 @@ def revolutions() -> tuple[float, float]:
     hours = bearingwear.life(scene).life.sel(counts="ball_and_races").item()
     film = Films.of(scene).race.film
     assert film is not None
-    return hours * 60.0 * 1750.0, float(film.K_s / film.H)
+    return hours * 60.0 * 1750.0, film.factor
 
 
 def exponent() -> float:

@@ -87,7 +87,7 @@ class Trend:
 def wear_per_joule(scene: Scene, material: str) -> float:
     """K_s/H of a material without its films: worn volume per normal force times slip [m3/J]."""
     m = scene.materials[material]
-    return float(Archard(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA).factor)
+    return Archard(m.wear_coefficient, m.brinell_hardness_GPa * parameters.GPA).factor
 
 
 def wear_weights(scene: Scene, system: DynamicSystem) -> np.ndarray:

@@ -30,7 +30,7 @@ def film_sentences(chosen: Choice) -> Iterator[str]:
     for part, surface in coated.items():
         if surface.film is None:
             continue
-        factor = float(surface.film.factor)
+        factor = surface.film.factor
         thick = "never worn through"
         if math.isfinite(surface.thickness):
             thick = f"{surface.thickness / UM:g} um thick; {_then(scene)}"

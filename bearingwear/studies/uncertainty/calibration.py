@@ -390,4 +390,4 @@ def _wear_of(scene: Scene) -> float:
     """K_s/H of what rubs while the races are new [m2/N]."""
     race = Films.of(scene).race
     part = race.below if race.film is None else race.film
-    return float(part.K_s / part.H)
+    return part.factor
