@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from bearingwear.scene.scene import Arrangement, Scene
-from bearingwear.solvers.bearing.at_rest import AxialRotor, Mechanics, Spring
+from bearingwear.solvers.bearing.at_rest import AxialRotor, Mechanics, PreloadSpring
 from bearingwear.solvers.bearing.mounted import MM, mounted_geometry
 from bearingwear.solvers.bearing.outputs import stiffness_of_loads
 from bearingwear.solvers.state import State
@@ -99,7 +99,7 @@ def lift_off(scene: Scene, resting: Sequence[Mechanics], mounted: Sequence[float
     a, (first, second), (one, two) = scene.pair, resting, mounted
     assert a is not None
     by_spring, k_s = a.kind != "rigid_pair", a.spring_stiffness_N_um * N_UM
-    spring = Spring(float(scene.operation.preload_N), k_s) if by_spring else None
+    spring = PreloadSpring(float(scene.operation.preload_N), k_s) if by_spring else None
     return AxialRotor((first, second), (one, two), spring).opening_force
 
 

@@ -15,7 +15,7 @@ from bearingwear.solvers.bearing.outputs import stiffness_of_loads
 FIRST_REACH = 1e-6  # [m]
 
 
-def displacement(g: Geometry, length: Any) -> Any:
+def race_displacement(g: Geometry, length: Any) -> Any:
     """Axial displacement of the inner race where the groove centres are so far apart [m]."""
     across = g.BD * math.cos(g.alpha0)
     return np.sqrt(np.maximum(length**2 - across**2, 0.0)) - g.BD * math.sin(g.alpha0)
@@ -55,7 +55,7 @@ class Mechanics(NamedTuple):
     @property
     def touch(self) -> float:
         """Axial displacement at which balls at rest lose their load [m]."""
-        return float(displacement(self.g, self.g.r_i + self.g.r_o - self.D))
+        return float(race_displacement(self.g, self.g.r_i + self.g.r_o - self.D))
 
 
 class RestingPair(NamedTuple):
@@ -87,7 +87,7 @@ class RestingPair(NamedTuple):
         return 2.0 * (self.one.place(measuring_load) - self.one.place(self.preload))
 
 
-class Spring(NamedTuple):
+class PreloadSpring(NamedTuple):
     """Of the second outer ring."""
 
     force: float  # as mounted [N]
@@ -103,7 +103,7 @@ class AxialRotor(NamedTuple):
 
     sides: tuple[Any, Any]
     mounted: tuple[float, float]  # axial displacements [m]
-    spring: Spring | None = None
+    spring: PreloadSpring | None = None
 
     def external(self, k: int, delta_a: float) -> float:
         """Axial force on the rotor that displaces one of its sides so [N].

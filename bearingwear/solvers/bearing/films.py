@@ -57,7 +57,7 @@ class Surface:
         return (self.below.K_s + (self.first - self.below.K_s) * np.exp(-deep)) / self.below.H
 
 
-def wear_factor(part: Surface, partner: Surface, depth, covered, partner_covered, pressed):
+def surface_factor(part: Surface, partner: Surface, depth, covered, partner_covered, pressed):
     """K_s/H of a part worn so deep [m] [1/Pa]: a number, or one for each place.
 
     That of its own film, times the factor of its pressure. Without one, or where it is worn
@@ -131,10 +131,10 @@ class Films:
         return not (cover.inner or cover.ball), not (cover.outer or cover.ball)
 
     def factors(self, on_ball, on_race, ball_depth=0.0, race_depths=0.0, pressed=1.0):
-        """K_s/H of a ball and of a race [1/Pa], as `wear_factor`: what covers them, and depths."""
+        """K_s/H of a ball and of a race [1/Pa]: what covers them, depths [m]."""
         return (
-            wear_factor(self.ball, self.race, ball_depth, on_ball, on_race, pressed),
-            wear_factor(self.race, self.ball, race_depths, on_race, on_ball, pressed),
+            surface_factor(self.ball, self.race, ball_depth, on_ball, on_race, pressed),
+            surface_factor(self.race, self.ball, race_depths, on_race, on_ball, pressed),
         )
 
     def wearing(self, cover: Cover, ball_depth=0.0, race_depths=0.0, pressed=1.0) -> Factors:

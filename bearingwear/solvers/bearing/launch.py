@@ -18,7 +18,7 @@ from bearingwear.scene.checking.errors import SceneError
 from bearingwear.scene.requirements import Launch
 from bearingwear.scene.scene import Arrangement, Scene
 from bearingwear.solvers.bearing.arrangement import N_UM, plane_frequencies
-from bearingwear.solvers.bearing.at_rest import AxialRotor, Spring, displacement
+from bearingwear.solvers.bearing.at_rest import AxialRotor, PreloadSpring, race_displacement
 from bearingwear.solvers.bearing.mounted import (
     GPA,
     MM,
@@ -75,7 +75,7 @@ class RestingSide(NamedTuple):
         return self._displaced((pressure / self.peak.max(axis=1)) ** 2 / self.factor ** (2.0 / 3.0))
 
     def _displaced(self, d: float | np.ndarray) -> float:
-        return float(displacement(self.g, self.g.r_i + self.g.r_o - self.D + d).min())
+        return float(race_displacement(self.g, self.g.r_i + self.g.r_o - self.D + d).min())
 
     def force(self, displacement: float) -> float:
         """Axial force of all in tandem at an axial displacement [m] alone [N]."""
@@ -191,7 +191,7 @@ class RotorAtRest:
 
     seats: tuple[RestingSide, RestingSide]
     offset: float  # of the centre of mass from the middle, towards +X [m]
-    spring: Spring | None
+    spring: PreloadSpring | None
 
     @classmethod
     def of(cls, scene: Scene) -> "RotorAtRest":
@@ -215,7 +215,9 @@ class RotorAtRest:
             seats.append(RestingSide(g, D, azimuths(g.n_balls), n, mounted, motion, *contact))
         stop = math.inf if a.stop_um is None else a.stop_um * UM
         by_spring = scene.operation.preload_method == "constant_force"
-        spring = Spring(float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop)
+        spring = PreloadSpring(
+            float(scene.operation.preload_N), a.spring_stiffness_N_um * N_UM, stop
+        )
         return cls((seats[0], seats[1]), a.rotor_offset_mm * MM, spring if by_spring else None)
 
     def under(self, axial: float, radial: float = 0.0) -> RestingRotor | None:
