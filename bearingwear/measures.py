@@ -127,6 +127,8 @@ class Measure:
 
     def extreme(self, values: Any) -> float:
         """The worst of some values."""
+        if isinstance(values, float):
+            return float(values) if self.falls else abs(float(values))
         import numpy as np  # not to name options
 
         return float(np.min(values) if self.falls else np.max(np.abs(values)))

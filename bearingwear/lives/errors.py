@@ -5,11 +5,13 @@ import math
 import numpy as np
 
 from bearingwear.kernels import status as code
+from bearingwear.lives.ends import Criteria
 from bearingwear.lives.follow import Life
 from bearingwear.lives.grooves import FEWER_CELLS, LONGER_STEP, WORN_CELLS, Grooves, follow_grooves
 from bearingwear.lives.surfaces import surface_life
 from bearingwear.scene.scene import COUNTS, Scene
-from bearingwear.solvers.compose import solver_of
+from bearingwear.solvers.bearing.films import follows_depths
+from bearingwear.solvers.compose import Remembered, solver_of
 from bearingwear.solvers.condition import Accuracy
 from bearingwear.solvers.estimates import DOUBLED, HALVED, ROUNDING, changed
 
@@ -29,11 +31,34 @@ def surface_error(scene: Scene, life: Life) -> dict:
     total = ROUNDING + life.error / now
     for accuracy, weight in _WEIGHTS.items():
         states = solver_of(scene, "steady", accuracy)
-        other = surface_life(scene, states, bounded=False, counts=(own,))
-        if not _ends_alike(life, other):
+        if len(scene.sides) == 1 and not follows_depths(scene):
+            change = _changed_along(life, states, Criteria(scene))
+        else:
+            other = surface_life(scene, states, bounded=False, counts=(own,))
+            change = changed(now, other.last.time) if _ends_alike(life, other) else None
+        if change is None:
             return {}
-        total = total + weight * changed(now, other.last.time)
+        total = total + weight * change
     return {"life_error_estimate": total}
+
+
+def _changed_along(life: Life, states: Remembered, ends: Criteria) -> np.ndarray | None:
+    """Relative change of a life by other states at its start, middle and end; None if it would end
+    by another criterion.
+
+    That of the pace is integrated; that of the margin shifts the end, by its last slope.
+    """
+    nodes, before = [life.nodes[k] for k in (0, len(life.nodes) // 2, -1)], life.nodes[-2]
+    others = [states.at(node.x) for node in nodes]
+    if not all(one.is_solved for one in others):
+        return None
+    left, last = ends.margins(others[-1:]), ends.margins(before.states)[life.criterion]
+    if np.delete(left, life.criterion).min() <= 0.0:
+        return None
+    pace = [node.states[0].rate / one.rate - 1.0 for node, one in zip(nodes, others, strict=True)]
+    change = np.trapezoid(pace, [node.time for node in nodes], axis=0)
+    change += left[life.criterion] / last * (life.last.time - before.time)
+    return np.abs(change) / life.last.time
 
 
 def groove_errors(scene: Scene, life: Life) -> dict:

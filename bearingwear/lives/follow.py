@@ -234,12 +234,13 @@ def follow(wearing: Wearing, ends: Criteria, method: Method) -> Life:
 def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None:
     """Take steps until something is met: its index in the margins, None where nothing is."""
     met: int | None = None
+    before = margins(life.last)
     for _ in range(method.most_steps):
         if bound - life.last.x <= method.shortest:
             break
         step = method.step(life, bound)
         if met is None:
-            found = _first_zero([life.last, *step.nodes], method, margins)
+            found, after = _first_zero([life.last, *step.nodes], before, method, margins)
             if found is not None:
                 bound, met = found  # up to there and no further
                 if bound < step.end:
@@ -251,19 +252,22 @@ def _steps(life: Life, method: Method, margins: Any, bound: float) -> int | None
         elif kept:
             life.nodes += kept
             life.error = life.error + step.error
+            before = after
             continue
         if not method.shorten():
             break
     return met
 
 
-def _first_zero(nodes: Iterable[Node], method: Method, margins: Any) -> tuple[float, int] | None:
-    """Where the first margin falls to zero along solved nodes, and which.
+def _first_zero(
+    nodes: Iterable[Node], before: np.ndarray, method: Method, margins: Any
+) -> tuple[tuple[float, int] | None, np.ndarray]:
+    """Where the first margin falls to zero along solved nodes, and which; and the last margins.
 
-    A solve that fails in between counts as met there: the bracket closes on it.
+    Those of the first node are given. A solve that fails in between counts as met there: the
+    bracket closes on it.
     """
     a, *others = nodes
-    before = margins(a)
     for b in others:
         after, zeros = margins(b), []
         for k in np.flatnonzero((after <= 0.0) & (before > 0.0)):
@@ -277,6 +281,6 @@ def _first_zero(nodes: Iterable[Node], method: Method, margins: Any) -> tuple[fl
 
             zeros.append((method.zero(value, a, b), int(k)))
         if zeros:
-            return min(zeros)
+            return min(zeros), after
         a, before = b, after
-    return None
+    return None, before

@@ -9,7 +9,6 @@ import numpy as np
 from bearingwear.kernels import status as code
 from bearingwear.kernels.contact.hertz import INNER, OUTER, elliptic_integrals, race_contact
 from bearingwear.kernels.contact.profile import contact_approach
-from bearingwear.kernels.worn.balance import arc_shift
 from bearingwear.lives.errors import groove_errors
 from bearingwear.lives.grooves import Grooves, follow_grooves, point_of
 from bearingwear.lives.history import joined, life_values
@@ -19,7 +18,7 @@ from bearingwear.solvers.bearing import parameters
 from bearingwear.solvers.compose import solver_of
 from bearingwear.solvers.effects.choice import NotAvailable
 from bearingwear.solvers.state import State
-from bearingwear.solvers.worn.bearing import WornBearing
+from bearingwear.solvers.worn.bearing import WornBearing, loaded_ends
 from bearingwear.solvers.worn.depths import WornPoint
 from bearingwear.solvers.worn.solver import Worn
 
@@ -146,8 +145,8 @@ def half_lengths(point: WornPoint) -> np.ndarray:
     """Half of the length of both contacts (2,) [m]."""
     lengths = []
     for x, pressure in zip(point.x, point.pressure, strict=True):
-        loaded = x[pressure.max(axis=0) > 0.0]
-        lengths.append(0.5 * (loaded[-1] - loaded[0] + x[1] - x[0]))
+        first, last = x[loaded_ends(pressure)]
+        lengths.append(0.5 * (last - first + x[1] - x[0]))
     return np.array(lengths)
 
 
@@ -155,7 +154,7 @@ def pressures(bearing: WornBearing, point: WornPoint) -> np.ndarray:
     """Pressure in the middle of both contacts along the arcs (2, arcs) [Pa]."""
     g, rows = point.problem.g, []
     for k, force in enumerate(bearing.forces(point)):
-        shift = arc_shift(bearing.races[k], (g.r_i, g.r_o)[k], (INNER, OUTER)[k], force.alpha)
+        places = point.x[k] + bearing.shift(k, force.alpha, g)
         middle = point.pressure[k][0] * force.peak / point.pressure[k].max()
-        rows.append(np.interp(bearing.arc[k], point.x[k] + shift, middle, left=0.0, right=0.0))
+        rows.append(np.interp(bearing.arc[k], places, middle, left=0.0, right=0.0))
     return np.array(rows)

@@ -18,7 +18,6 @@ from bearingwear.kernels.worn.balance import (
     Arc,
     WornForce,
     WornRace,
-    arc_shift,
     latitude,
 )
 from bearingwear.kernels.worn.cells import contact_buffers
@@ -246,15 +245,14 @@ class WornBearing:
 
     def _within(self, races: tuple[WornRace, ...], seat: WornSeat, D: float) -> bool:
         """Whether all that wears lies on the grids."""
-        radii = (self.problem.g.r_i, self.problem.g.r_o)
         for k, (race, force) in enumerate(zip(races, (seat.inner, seat.outer), strict=True)):
-            reach = force.a * race.cells.X[race.pressure.max(axis=0) > 0.0]
-            along = reach + arc_shift(race, radii[k], SIDES[k], force.alpha)
-            if np.abs(along).max() > self.arc[k, -1]:
+            reach = force.a * race.cells.X[loaded_ends(race.pressure)]
+            if np.abs(reach + self.shift(k, force.alpha, self.problem.g)).max() > self.arc[k, -1]:
                 return False
-            places = latitude(SIDES[k], force.alpha, seat.beta) - reach / (0.5 * D)
-            if self.bands and np.abs(places).max() > self.latitude[-1]:
-                return False
+            if self.bands:
+                places = latitude(SIDES[k], force.alpha, seat.beta) - reach / (0.5 * D)
+                if np.abs(places).max() > self.latitude[-1]:
+                    return False
         return True
 
     def _arcs(self, wear: WornDepths) -> tuple[Arc, Arc, Arc]:
@@ -286,9 +284,13 @@ class WornBearing:
 
         The geometry is that of the state, which may be warmer than the start.
         """
-        shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], SIDES[k], alpha)
-        there = CubicSpline(self.arc[k], values)(np.clip(x + shift, *self.arc[k][[0, -1]]))
+        places = np.clip(x + self.shift(k, alpha, g), *self.arc[k][[0, -1]])
+        there = CubicSpline(self.arc[k], values)(places)
         return np.clip(there, 0.0, 1.0)
+
+    def shift(self, k: int, alpha: float, g: Geometry) -> float:
+        """S - x of groove k at a contact angle [m], as `arc_shift`: no call of compiled code."""
+        return SIDES[k] * (g.r_i, g.r_o)[k] * (alpha - float(self.angle[k]))
 
     def count_from(self, point: WornPoint) -> None:
         """Count the depths of the next states from what the contacts of this one gave way.
@@ -313,8 +315,8 @@ class WornBearing:
         beta, off_ball = pitch(point.u), point.slip[:, 0].copy()
         for k, (force, sigma) in enumerate(zip(self.forces(point), SIDES, strict=True)):
             x, qv = point.x[k], point.qv_along[k]
-            shift = arc_shift(self.races[k], (g.r_i, g.r_o)[k], sigma, force.alpha)
-            along = wandering(self.arc[k], x + shift, qv, self.wander * self.major[k])
+            places = x + self.shift(k, force.alpha, g)
+            along = wandering(self.arc[k], places, qv, self.wander * self.major[k])
             factor: float | np.ndarray = race
             if self.films is not None:
                 depth, on_ball = point.wear.grooves[k], 0.5 * point.wear.ball
@@ -393,13 +395,18 @@ class WornBearing:
         kept = list(self.races)
         for k, race in enumerate(races):
             X = race.cells.X
-            loaded = np.abs(X[race.pressure.max(axis=0) > 0.0])
+            loaded = np.abs(X[loaded_ends(race.pressure)])
             if loaded.size and loaded.max() > X[-1] - (SPARE - 1.0) * (X[1] - X[0]):
                 self.ends[k] *= WIDER
                 kept[k] = self._race(k)
                 wider = True
         self.races = tuple(kept)
         return wider
+
+
+def loaded_ends(pressure: np.ndarray) -> np.ndarray:
+    """Columns of the first and the last cell with pressure along a contact; none without any."""
+    return np.flatnonzero(pressure.any(axis=0))[[0, -1]] if pressure.any() else np.empty(0, int)
 
 
 def _solutions(A: np.ndarray, b: np.ndarray) -> np.ndarray:
