@@ -78,8 +78,12 @@ def main() -> None:
     parser.add_argument("--longest", type=float, default=20.0, metavar="SECONDS")
     parser.add_argument("--alone", action="store_true")
     asked = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # `&` in a script has it ignored
     moments = random.Random(1)
-    print("| command | runs for, s | status: times | median, s | most, s |\n|---|---|---|---|---|")
+    print(
+        "| command | runs for, s | status: times | median, s | most, s |\n|---|---|---|---|---|",
+        flush=True,
+    )
     for name in asked.commands:
         arguments = COMMANDS[name]
         with tempfile.TemporaryDirectory() as folder:

@@ -539,7 +539,7 @@ def test_recommend(capsys):
     told = capsys.readouterr().out
     assert "  Axial stiffness of one bearing at least 4 N/um; friction power" in told
     assert re.search(
-        r"held by +dynamic axial stiffness of one bearing +no preload satisfies all limits", told
+        r"limited by +dynamic axial stiffness of one bearing +no preload satisfies all limits", told
     )
     assert "No fixed position preload satisfies all limits: each limit can be satisfied" in told
     (new_and_worn,) = re.findall(
@@ -594,7 +594,7 @@ def test_recommend_at_a_cliff(capsys):
     told = capsys.readouterr().out
     (preload,) = re.findall(r"initial preload +N +([\d.]+) ", told)
     (hours,) = re.findall(r"life, ball \+ races +h +([\d.]+) ", told)
-    assert re.search(r"held by +a sudden drop of the life +a change in what ends the life", told)
+    assert re.search(r"limited by +a sudden drop of the life +a change in what ends the life", told)
     assert re.search(r"^ +Constant force: at [\d.]+ N, [\d.]+ % less, the life falls", told, re.M)
     assert "A loss of 0.7 um is" in told
     lived = bearingwear.life(load_scene(SCENE, [*steep[1:], f"operation.preload_N={preload}"]))

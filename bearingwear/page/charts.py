@@ -102,7 +102,7 @@ def chart_html(
 def _legend(chart: Chart) -> str:
     """What stars, bars and dashes are."""
     known = {
-        "star: recommended": any(line.star for line in chart.lines),
+        "star: best of its method": any(line.star for line in chart.lines),
         "upright bar: 90 % of bearings": any(line.band for line in chart.lines),
         "dashed and shaded: a limit is passed": any(line.beyond for line in chart.lines),
         "diamond: from here something else ends the life": any(

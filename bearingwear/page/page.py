@@ -111,7 +111,8 @@ def page(
         Documents to link.
     answers : iterable of path
         What studies answer (`Document.stored`, .json); the one of the least rank leads. Markdown
-        and figures in folders beside one belong to it.
+        and figures in folders beside one belong to it. The scenes of recommendations (.nc) are
+        the inputs where there are no sections.
     data : mapping, optional
         Files behind each figure, by its path.
     descriptions : mapping, optional
@@ -124,12 +125,14 @@ def page(
     """
     results, leading = list(sections), list(answers)
     _check_kinds(results, (".nc", ".md", *SUFFIXES))
-    _check_kinds(leading, (".json", ".md", *SUFFIXES))
+    _check_kinds(leading, (".json", ".nc", ".md", *SUFFIXES))
     datasets = {file: load(file) for file in results if file.suffix == ".nc"}
+    made = [*datasets.values(), *(load(file) for file in leading if file.suffix == ".nc")]
     scenes = _sections(datasets)
-    for section in scenes.values():
-        if text := (descriptions or {}).get(section.scene["name"]):
-            section.scene["description"] = text
+    inputs = [section.scene for section in scenes.values()] or list(map(scene_of, made))
+    for scene in inputs:
+        if text := (descriptions or {}).get(scene["name"]):
+            scene["description"] = text
     figures = list(drawings([*results, *leading], data or {}))
     answered = _answered(leading, figures)
     taken = {figure.path for one in answered for figure in one.drawn} | set(leading)
@@ -141,7 +144,8 @@ def page(
         .render(
             headline=answered[0].title if answered else "A study of friction and wear",
             answers=answered,
-            sketch=_sketch(scenes, answered),
+            inputs=inputs,
+            sketch=_sketch(inputs, answered),
             sections=list(scenes.values()),
             across=across,
             unsolved=[
@@ -150,8 +154,8 @@ def page(
                 for what, solved, of in section.solved
                 if solved < of
             ],
-            keys=list(key_blocks([section.scene for section in scenes.values()])),
-            versions=_versions(datasets.values()),
+            keys=list(key_blocks(inputs)),
+            versions=_versions(made),
             docs=[(file, _title(file)) for file in docs],
             glossary=GLOSSARY,
             style=Markup(style),
@@ -247,11 +251,10 @@ def _answered(files: Sequence[Path], figures: Sequence[Drawing]) -> list[Answere
     return sorted(found, key=lambda one: one.answer.rank)
 
 
-def _sketch(sections: Mapping[Path, Section], answered: Sequence[Answered]) -> Markup:
+def _sketch(scenes: Sequence[Mapping[str, Any]], answered: Sequence[Answered]) -> Markup:
     """The bearing that the first answer is about, loaded as is recommended or as its scene says."""
-    if not sections:
+    if not scenes:
         return Markup()
-    scenes = [section.scene for section in sections.values()]
     if not answered:
         return sketch(scenes[0])
     first = answered[0]

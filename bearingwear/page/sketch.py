@@ -95,7 +95,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
     low = min(one.rims[0] for one in sections)
     high = max(one.rims[1] for one in sections)
     step = (1.0 + _GAP) * width if pair else 0.0
-    size = (2.0 * _MARGIN + width + step, _TOP + (high - low) * scale + 92.0)
+    size = (2.0 * _MARGIN + width + step, _TOP + (high - low) * scale + 96.0)
     spring = (method or scene["operation"].get("preload_method")) == "constant_force"
     load = scene["operation"].get("preload_N") if preload_N is None else preload_N
     outward = arrangement.get("orientation", "back_to_back") == "back_to_back"
@@ -119,7 +119,7 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
         f"Assumed: ring width, shoulders{known}."
     )
     return Markup(
-        f'<figure class="sketch"><svg viewBox="0 0 {size[0]:.0f} {size[1]:.0f}" role="img" '
+        f'<figure class="sketch{" pair" * pair}"><svg viewBox="0 0 {size[0]:.0f} {size[1]:.0f}" role="img" '
         f'aria-label="{escape(text)}">{"".join(parts)}</svg>'
         f"<figcaption>{escape(text)}</figcaption></figure>"
     )
@@ -221,7 +221,7 @@ def _words(
     mid = _TOP + (high - 0.5 * one.pitch) * scale
     rounds = [n * p for p in (0.01, 0.1, 1.0, 10.0, 100.0) for n in (1, 2, 5)]
     length = max(one for one in rounds if one * scale < _MARGIN - 14.0)
-    foot = size[1] - 34.0
+    foot = size[1] - 36.0
     reach = 0.95 * one.ball * scale
     lines = [
         f"ball ø {one.ball:.4g} mm, pitch ø {one.pitch:.4g} mm",
@@ -230,7 +230,7 @@ def _words(
     if one.sized:
         lines[0] += f", {2 * one.rims[0]:.4g} × {2 * one.rims[1]:.4g} mm"
     texts = "".join(
-        f'<text x="{0.5 * size[0]:.1f}" y="{foot + 16 * k:.1f}" text-anchor="middle">{text}</text>'
+        f'<text x="{0.5 * size[0]:.1f}" y="{foot + 20 * k:.1f}" text-anchor="middle">{text}</text>'
         for k, text in enumerate(lines)
     )
     return (

@@ -162,6 +162,8 @@ KEY_UNITS = {
     "_MPa": "MPa",
     "_N_um": "N/um",
     "_kg_m3": "kg/m3",
+    "_kg_mm2": "kg mm²",
+    "_g2_Hz": "g²/Hz",
     "_m_s2": "m/s2",
     "_1_K": "1/K",
     "_m_s": "m/s",
@@ -171,8 +173,12 @@ KEY_UNITS = {
     "_deg": "degree",
     "_mm": "mm",
     "_um": "um",
+    "_Nm": "N m",
+    "_kg": "kg",
     "_N": "N",
     "_W": "W",
+    "_C": "°C",
+    "_g": "g",
 }
 """Units at the ends of the keys of scenes and limits."""
 

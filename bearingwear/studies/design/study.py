@@ -84,9 +84,11 @@ class DesignStudy(Study):
         )
 
     def page_answers(self) -> list[str]:
-        kinds = ("answer.json", "charts.json", "tables/*.md", "figures/*.svg", "figures/*.png")
+        kinds = ("answer.json", "charts.json", "recommendation.nc", "tables/*.md", "figures/*.svg")
+        kinds += ("figures/*.png",)
         there = [path for kind in kinds for path in sorted(glob(f"results/*/design/{kind}"))]
-        left_out = (".csv", ".nc", "design.md")  # what the last one says is in the answer
+        # what design.md says is in the answer; of data only the recommendation has the scene
+        left_out = (".csv", "design.nc", "spread.nc", "beside.nc", "tables/design.md")
         return [path for path in there or self.default_targets() if not path.endswith(left_out)]
 
 

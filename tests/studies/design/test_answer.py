@@ -67,7 +67,7 @@ def test_the_answer_is_that_of_the_files(files, tmp_path):
     assert f"the {Rough(fixed).text} h of fixed position" in said["What it gives"]
     assert "axial stiffness of the arrangement at least 3 N/µm" in said["What limits it"]
     assert (
-        "Fixed position becomes the better method for axial stiffness"
+        "Fixed position becomes the better method with a limit on axial stiffness"
         in said["What would change it"]
     )
     assert "order of magnitude" in said["How sure"]

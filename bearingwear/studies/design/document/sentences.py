@@ -41,7 +41,7 @@ TAKE = {
 
 _HELD = {
     "none": "No limit is active: the life has its maximum there.",
-    "end_of_range": "The map ends there; a longer life may lie beyond it.",
+    "end_of_range": "No limit is active: the map of preloads ends there, and a longer life may lie beyond.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
     "end_of_life": "No limit is active: at other preloads another criterion ends the life sooner.",
     "impractical": "Preloads with a longer life give an impractical design.",
@@ -184,17 +184,24 @@ def what_would_change_it(found: xr.Dataset) -> str:
         known = [(way, end) for way, end in (("below", low), ("above", high)) if end == end]
         if known:
             unit = f"\N{NO-BREAK SPACE}{in_print(row.unit)}" if row.unit else ""
-            label = row.label.replace("end: ", "an end of life by ")
+            limit = "a limit on " * row.name.startswith(LIMIT_KEY)
+            label = limit + row.label.replace("end: ", "an end of life by ")
             ends = " or ".join(f"{way} {digits(end)}" for way, end in known)
             away = min(abs(math.log(end / now)) if end > 0.0 else math.inf for _, end in known)
             near.append((away, f"{label} {ends}{unit} (now {digits(now)})"))
     if not near:
         return "No limit, end of life or friction tried makes the other method better."
-    other = method_words(scene_of(found), lives[1][0]).capitalize()
+    other = _as_subject(found, lives[1][0])
     near.sort(key=lambda one: one[0])
     more = f"; {len(near) - NEAREST} more, farther off" if len(near) > NEAREST else ""
     said = "; ".join(text for _, text in near[:NEAREST])
-    return f"{other} becomes the better method for {said}{more}."
+    return f"{other} becomes the better method with {said}{more}."
+
+
+def _as_subject(found: xr.Dataset, method: str) -> str:
+    """A method or a pair at the begin of a sentence."""
+    scene = scene_of(found)
+    return f"{'a ' * is_pair(scene)}{method_words(scene, method)}".capitalize()
 
 
 def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> list[str]:
@@ -213,7 +220,7 @@ def what_others_change(beside: xr.Dataset, found: xr.Dataset, method: int) -> li
         else:
             same.append(words)
     flag = int(found["preload_method"][method])
-    name = method_words(scene_of(found), PRELOAD_METHODS[flag]).capitalize()
+    name = _as_subject(found, PRELOAD_METHODS[flag])
     said = (
         ("The other method lasts longer with {}.", turned),
         (f"{name} violates a limit with {{}}.", beyond),

@@ -248,7 +248,7 @@ def _recommended(found: xr.Dataset, spread: Mapping[str, Spread | None]) -> Bloc
     grooves = flag_names(found["groove"])
     rows = [
         Row("initial preload", "N", _floats(found["preload"]), "preload", given=True),
-        Row("held by", "", _in_cases(found, held), "active_limit"),
+        Row("limited by", "", _in_cases(found, held), "active_limit"),
         Row(f"life, {COUNTED[basis]}", "h", _floats(lives[:, basis]), "life"),
         *(spread_rows([one.rows if one else {} for one in spread.values()])),
         *(() if any(spread.values()) else by_wear_row(scene_of(found), _floats(lives[:, basis]))),

@@ -288,7 +288,7 @@ def _end_keys(line: xr.Dataset) -> list[Any]:
 def _letter_keys(design: xr.Dataset) -> list[Any]:
     """Legend of the letters on the map."""
     shown = [ACTIVE[k] for k in np.unique(design["active_limit"].values)]
-    held = {name: "held by " for name in shown if name != ACTIVE[NO_PRELOAD]}
+    held = {name: "limited by " for name in shown if name != ACTIVE[NO_PRELOAD]}
     return [
         *(
             key(

@@ -102,7 +102,7 @@ def recommendation_plot(recommendation: xr.Dataset) -> Figure:
         for at, (name, one) in enumerate(rows):
             life = float(one["life"].isel(loss_basis=k))
             held = LIMIT_WORDS[ACTIVE[int(one["active_limit"])]]
-            text = f"{preload_text(one)} N, held by {held}"
+            text = f"{preload_text(one)} N, limited by {held}"
             panel.barh(at, np.nan_to_num(life), color=COLOURS[name], height=0.5)
             said = f"{digits(life)} h at {text}" if np.isfinite(life) else held
             panel.text(0.0, at + 0.32, said, va="bottom", fontsize=7)
