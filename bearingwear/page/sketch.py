@@ -119,7 +119,8 @@ def sketch(scene: Mapping[str, Any], method: str = "", preload_N: float | None =
         f"Assumed: ring width, shoulders{known}."
     )
     return Markup(
-        f'<figure class="sketch{" pair" * pair}"><svg viewBox="0 0 {size[0]:.0f} {size[1]:.0f}" role="img" '
+        f'<figure class="sketch{" pair" * pair}">'
+        f'<svg viewBox="0 0 {size[0]:.0f} {size[1]:.0f}" role="img" '
         f'aria-label="{escape(text)}">{"".join(parts)}</svg>'
         f"<figcaption>{escape(text)}</figcaption></figure>"
     )

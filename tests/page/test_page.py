@@ -198,7 +198,12 @@ def test_a_figure_says_what_it_shows(small_project, whole):
     message = svg.findtext(figures.TITLE)
     message = " ".join(message.split())
     assert texts[0].startswith(f"{message}. ") and message in captions
-    for what in ("interference loss (µm)", "running time (h)", "fixed position", "end: residual preload"):
+    for what in (
+        "interference loss (µm)",
+        "running time (h)",
+        "fixed position",
+        "end: residual preload",
+    ):
         assert what in texts[0]
 
 

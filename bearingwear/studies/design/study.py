@@ -84,8 +84,8 @@ class DesignStudy(Study):
         )
 
     def page_answers(self) -> list[str]:
-        kinds = ("answer.json", "charts.json", "recommendation.nc", "tables/*.md", "figures/*.svg")
-        kinds += ("figures/*.png",)
+        data = ("answer.json", "charts.json", "recommendation.nc")
+        kinds = (*data, "tables/*.md", "figures/*.svg", "figures/*.png")
         there = [path for kind in kinds for path in sorted(glob(f"results/*/design/{kind}"))]
         # what design.md says is in the answer; of data only the recommendation has the scene
         left_out = (".csv", "design.nc", "spread.nc", "beside.nc", "tables/design.md")

@@ -41,7 +41,7 @@ TAKE = {
 
 _HELD = {
     "none": "No limit is active: the life has its maximum there.",
-    "end_of_range": "No limit is active: the map of preloads ends there, and a longer life may lie beyond.",
+    "end_of_range": "No limit is active: the map ends there, and a longer life may lie beyond it.",
     "not_solved": "The next preload of the map could not be solved; a longer life may lie there.",
     "end_of_life": "No limit is active: at other preloads another criterion ends the life sooner.",
     "impractical": "Preloads with a longer life give an impractical design.",
